@@ -1,0 +1,2 @@
+//! The command `pcmvs`.
+fn main() {}

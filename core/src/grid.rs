@@ -1,0 +1,107 @@
+//! A uniform grid of which only some blocks are stored: what hull, Poisson solver and marching cubes share.
+
+use alloc::{vec, vec::Vec};
+use glam::Vec3;
+
+/// Nodes along a block's edge.
+pub const BLOCK: usize = 8;
+/// Nodes in a block.
+pub const BLOCK_NODES: usize = BLOCK * BLOCK * BLOCK;
+
+/// Blocks of 8³ nodes on a uniform grid. Node (x, y, z) lies at `origin + voxel * (x, y, z)`; values are kept outside,
+/// block after block in the order of `blocks`, x fastest within a block.
+#[derive(Debug, Clone, Default)]
+pub struct SparseGrid {
+    /// Position of node (0, 0, 0).
+    pub origin: Vec3,
+    /// Distance between neighbouring nodes.
+    pub voxel: f32,
+    /// Size in blocks.
+    pub dims: [u32; 3],
+    /// Coordinates of the stored blocks, in order of z, y, x.
+    pub blocks: Vec<[u16; 3]>,
+    table: Vec<u32>,
+}
+
+impl SparseGrid {
+    /// Slot of a block that is not stored and lies outside the object.
+    pub const OUTSIDE: u32 = u32::MAX;
+    /// Slot of a block that is not stored and lies inside the object.
+    pub const INSIDE: u32 = u32::MAX - 1;
+
+    /// A grid of `dims` blocks; `keep` decides in order of z, y, x which are stored ([`Self::OUTSIDE`] and
+    /// [`Self::INSIDE`] for those that are not, anything else for those that are).
+    pub fn new(origin: Vec3, voxel: f32, dims: [u32; 3], mut keep: impl FnMut([u32; 3]) -> u32) -> Self {
+        let mut grid = Self {
+            origin,
+            voxel,
+            dims,
+            blocks: Vec::new(),
+            table: vec![Self::OUTSIDE; (dims[0] * dims[1] * dims[2]) as usize],
+        };
+        let mut slot = 0;
+        for z in 0..dims[2] {
+            for y in 0..dims[1] {
+                for x in 0..dims[0] {
+                    let state = keep([x, y, z]);
+                    grid.table[slot] = if state >= Self::INSIDE {
+                        state
+                    } else {
+                        grid.blocks.push([x as u16, y as u16, z as u16]);
+                        grid.blocks.len() as u32 - 1
+                    };
+                    slot += 1;
+                }
+            }
+        }
+        grid
+    }
+
+    /// Slot of a block, [`Self::INSIDE`] or [`Self::OUTSIDE`]; beyond the grid all is outside.
+    #[inline]
+    pub fn slot(&self, x: i32, y: i32, z: i32) -> u32 {
+        let [w, h, d] = self.dims;
+        if (x as u32) < w && (y as u32) < h && (z as u32) < d {
+            self.table[((z as u32 * h + y as u32) * w + x as u32) as usize]
+        } else {
+            Self::OUTSIDE
+        }
+    }
+
+    /// Slot of the block that holds a node, and the node's place in it.
+    #[inline]
+    pub fn locate(&self, x: i32, y: i32, z: i32) -> (u32, usize) {
+        let (m, s) = (BLOCK as i32 - 1, BLOCK.trailing_zeros());
+        let local = ((z & m) << (2 * s)) | ((y & m) << s) | (x & m);
+        (self.slot(x >> s, y >> s, z >> s), local as usize)
+    }
+
+    /// Value at a node: the stored one, `outside` or `inside`.
+    #[inline]
+    pub fn value(&self, values: &[f32], x: i32, y: i32, z: i32, outside: f32, inside: f32) -> f32 {
+        match self.locate(x, y, z) {
+            (Self::OUTSIDE, _) => outside,
+            (Self::INSIDE, _) => inside,
+            (slot, local) => values[slot as usize * BLOCK_NODES + local],
+        }
+    }
+
+    /// Position of a node.
+    #[inline]
+    pub fn node(&self, x: i32, y: i32, z: i32) -> Vec3 {
+        self.origin + Vec3::new(x as f32, y as f32, z as f32) * self.voxel
+    }
+
+    /// Trilinear interpolation of the values at a point.
+    #[inline]
+    pub fn interpolate(&self, values: &[f32], p: Vec3, outside: f32, inside: f32) -> f32 {
+        let q = (p - self.origin) / self.voxel;
+        let floor = |v: f32| libm::floorf(v) as i32;
+        let (x, y, z) = (floor(q.x), floor(q.y), floor(q.z));
+        let (fx, fy, fz) = (q.x - x as f32, q.y - y as f32, q.z - z as f32);
+        let at = |dx, dy, dz| self.value(values, x + dx, y + dy, z + dz, outside, inside);
+        let lerp = |a: f32, b: f32, t: f32| a + (b - a) * t;
+        let row = |dy, dz| lerp(at(0, dy, dz), at(1, dy, dz), fx);
+        lerp(lerp(row(0, 0), row(1, 0), fy), lerp(row(0, 1), row(1, 1), fy), fz)
+    }
+}

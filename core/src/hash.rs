@@ -1,0 +1,29 @@
+//! A 64-bit hash of a stage's output, the same on every platform.
+
+/// FNV-1a over little-endian bytes, 8 at a time through a 64-bit multiply.
+#[derive(Debug, Clone, Copy)]
+pub struct Hash64(u64);
+
+impl Default for Hash64 {
+    fn default() -> Self {
+        Self(0xcbf2_9ce4_8422_2325)
+    }
+}
+
+impl Hash64 {
+    /// Mixes in a word.
+    pub fn word(&mut self, v: u64) {
+        self.0 = (self.0 ^ v).wrapping_mul(0x0000_0100_0000_01b3);
+        self.0 ^= self.0 >> 29;
+    }
+
+    /// Mixes in the bits of a number (+0 and -0 are the same).
+    pub fn number(&mut self, v: f32) {
+        self.word(u64::from((v + 0.0).to_bits()));
+    }
+
+    /// The hash so far.
+    pub fn finish(self) -> u64 {
+        self.0
+    }
+}

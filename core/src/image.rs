@@ -1,0 +1,129 @@
+//! Pictures as a host hands them over: borrowed 8-bit pixels with a stride.
+
+use alloc::{format, string::String, vec::Vec};
+
+/// Layout of a picture's bytes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[repr(u32)]
+pub enum PixelFormat {
+    /// One byte a pixel.
+    Gray8 = 0,
+    /// Red, green, blue.
+    Rgb8 = 1,
+    /// Blue, green, red.
+    Bgr8 = 2,
+    /// Red, green, blue, ignored.
+    Rgba8 = 3,
+    /// Blue, green, red, ignored.
+    Bgra8 = 4,
+    /// A plane of luma, then a half-size plane of interleaved Cb, Cr (BT.601, video range).
+    Nv12 = 5,
+}
+
+impl PixelFormat {
+    /// Bytes between neighbouring pixels of the first plane.
+    pub const fn bytes_per_pixel(self) -> usize {
+        match self {
+            Self::Gray8 | Self::Nv12 => 1,
+            Self::Rgb8 | Self::Bgr8 => 3,
+            Self::Rgba8 | Self::Bgra8 => 4,
+        }
+    }
+}
+
+/// A borrowed picture. The first pixel's centre is at (0, 0), rows run downward.
+#[derive(Debug, Clone, Copy)]
+pub struct ImageRef<'a> {
+    /// Bytes of the first plane.
+    pub data: &'a [u8],
+    /// Pixels in a row.
+    pub width: u32,
+    /// Rows.
+    pub height: u32,
+    /// Bytes from a row to the next.
+    pub stride: usize,
+    /// Layout.
+    pub format: PixelFormat,
+    /// NV12 only: the plane of interleaved Cb, Cr and its stride in bytes.
+    pub chroma: Option<(&'a [u8], usize)>,
+}
+
+impl<'a> ImageRef<'a> {
+    /// A picture without padding between its rows (every format but NV12).
+    pub fn packed(data: &'a [u8], width: u32, height: u32, format: PixelFormat) -> Self {
+        Self { data, width, height, stride: width as usize * format.bytes_per_pixel(), format, chroma: None }
+    }
+
+    /// Checks that the buffers hold what size, stride and format claim; the error says what does not fit.
+    pub fn check(&self) -> Result<(), String> {
+        let (w, h) = (self.width as usize, self.height as usize);
+        if w == 0 || h == 0 {
+            return Err(format!("the picture is {w} x {h} pixels: it is empty"));
+        }
+        let row = w * self.format.bytes_per_pixel();
+        if self.stride < row {
+            return Err(format!("a stride of {} bytes is less than a row of {row}", self.stride));
+        }
+        if (h - 1) * self.stride + row > self.data.len() {
+            return Err(format!(
+                "{} bytes are too few for {w} x {h} pixels: the picture is truncated",
+                self.data.len()
+            ));
+        }
+        if self.format == PixelFormat::Nv12 {
+            let (plane, stride) = self.chroma.ok_or_else(|| String::from("NV12 needs its chroma plane"))?;
+            let (rows, row) = (h.div_ceil(2), w.div_ceil(2) * 2);
+            if stride < row || (rows - 1) * stride + row > plane.len() {
+                return Err(format!("{} bytes are too few for the chroma of {w} x {h} pixels", plane.len()));
+            }
+        }
+        Ok(())
+    }
+
+    /// Red, green and blue of a pixel. The buffers must have passed [`Self::check`].
+    #[inline]
+    pub fn rgb(&self, x: u32, y: u32) -> [u8; 3] {
+        let i = y as usize * self.stride + x as usize * self.format.bytes_per_pixel();
+        let d = self.data;
+        match self.format {
+            PixelFormat::Gray8 => [d[i]; 3],
+            PixelFormat::Rgb8 | PixelFormat::Rgba8 => [d[i], d[i + 1], d[i + 2]],
+            PixelFormat::Bgr8 | PixelFormat::Bgra8 => [d[i + 2], d[i + 1], d[i]],
+            PixelFormat::Nv12 => {
+                let (plane, stride) = self.chroma.unwrap_or((&[128, 128], 0));
+                let j = (y as usize / 2) * stride + (x as usize / 2) * 2;
+                rgb_from_ycbcr(d[i], plane[j], plane[j + 1])
+            }
+        }
+    }
+
+    /// Brightness of a pixel (BT.601 luma of its colours), for masks.
+    #[inline]
+    pub fn gray(&self, x: u32, y: u32) -> u8 {
+        luma(self.rgb(x, y))
+    }
+
+    /// All pixels as packed RGB.
+    pub fn to_rgb(&self) -> Vec<u8> {
+        let mut out = Vec::with_capacity(self.width as usize * self.height as usize * 3);
+        for y in 0..self.height {
+            for x in 0..self.width {
+                out.extend_from_slice(&self.rgb(x, y));
+            }
+        }
+        out
+    }
+}
+
+/// BT.601 luma in 0..=255.
+#[inline]
+pub fn luma([r, g, b]: [u8; 3]) -> u8 {
+    ((u32::from(r) * 77 + u32::from(g) * 150 + u32::from(b) * 29 + 128) >> 8) as u8
+}
+
+/// BT.601, video range (16..235), in integers so that every machine agrees.
+fn rgb_from_ycbcr(y: u8, cb: u8, cr: u8) -> [u8; 3] {
+    let (y, cb, cr) = ((i32::from(y) - 16) * 298, i32::from(cb) - 128, i32::from(cr) - 128);
+    let channel = |v: i32| ((v + 128) >> 8).clamp(0, 255) as u8;
+    [channel(y + 409 * cr), channel(y - 100 * cb - 208 * cr), channel(y + 516 * cb)]
+}

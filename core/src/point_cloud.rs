@@ -1,0 +1,56 @@
+//! Oriented points and meshes that pass between the stages.
+
+use alloc::vec::Vec;
+use glam::Vec3;
+
+/// How far a point can be trusted against points of other kinds (§5: frontier above all detected, implicit below all).
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+#[repr(u8)]
+pub enum Rank {
+    /// On the hull where no camera looks (§4.4): only keeps the model complete.
+    Implicit = 0,
+    /// Put on the hull because stereo failed (§4.2).
+    Substituted = 1,
+    /// Found by stereo (§4.1).
+    Detected = 2,
+    /// On a contour generator, certainly on the surface (§4.4).
+    Frontier = 3,
+}
+
+/// An oriented point s = (x, n, v, f) of §5.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Point {
+    /// Position relative to the rig's origin.
+    pub position: Vec3,
+    /// Unit normal, outward.
+    pub normal: Vec3,
+    /// Fidelity f of eq. 1, at most the number of neighbouring views.
+    pub fidelity: f32,
+    /// Non-negative weight in meshing (eq. 3).
+    pub weight: f32,
+    /// Index of the detecting view; [`Point::NO_VIEW`] for implicit points.
+    pub view: u16,
+    /// Kind of the point.
+    pub rank: Rank,
+}
+
+impl Point {
+    /// View of a point that no view detected.
+    pub const NO_VIEW: u16 = u16::MAX;
+}
+
+/// Oriented points in a deterministic order.
+pub type PointCloud = Vec<Point>;
+
+/// A closed triangle mesh, counter-clockwise seen from outside.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Mesh {
+    /// Positions relative to the rig's origin; [`crate::Rig::origin`] is added on export.
+    pub positions: Vec<Vec3>,
+    /// Unit normals, outward, one a position.
+    pub normals: Vec<Vec3>,
+    /// sRGB colours, one a position, or empty before colouring.
+    pub colours: Vec<[u8; 3]>,
+    /// Indices of the triangles' corners.
+    pub triangles: Vec<[u32; 3]>,
+}

@@ -1,0 +1,80 @@
+//! What does not change between frames: the cameras and all that follows from them.
+
+use crate::{
+    camera::{Camera, Pinhole},
+    error::{Error, Result},
+};
+use alloc::vec::Vec;
+use glam::{DMat3, DVec3};
+
+/// Fewest views from which anything can be made.
+pub const LEAST_VIEWS: u32 = 3;
+
+/// A calibrated set of cameras. Stages work in single precision relative to [`Rig::origin`].
+#[derive(Debug, Clone)]
+pub struct Rig {
+    cameras: Vec<Camera>,
+    pinholes: Vec<Pinhole>,
+    origin: DVec3,
+    radius: f32,
+}
+
+impl Rig {
+    /// Checks the cameras and prepares what frames share.
+    ///
+    /// # Errors
+    /// [`Error::TooFewViews`], [`Error::Camera`] and [`Error::DuplicateCamera`].
+    pub fn new(cameras: &[Camera]) -> Result<Self> {
+        if (cameras.len() as u32) < LEAST_VIEWS {
+            return Err(Error::TooFewViews { given: cameras.len() as u32, needed: LEAST_VIEWS });
+        }
+        for (i, camera) in cameras.iter().enumerate() {
+            camera.check().map_err(|problem| Error::Camera { camera: i as u32, problem })?;
+        }
+        let origin = meeting_point(cameras);
+        let radius = cameras.iter().map(|c| (c.centre() - origin).length()).fold(0.0, f64::max);
+        for (j, b) in cameras.iter().enumerate() {
+            for (i, a) in cameras[..j].iter().enumerate() {
+                let near = (a.centre() - b.centre()).length() < 1e-6 * radius;
+                if near && a.direction().dot(b.direction()) > 1.0 - 1e-9 {
+                    return Err(Error::DuplicateCamera { first: i as u32, second: j as u32 });
+                }
+            }
+        }
+        let pinholes = cameras.iter().map(|c| Pinhole::new(c, origin)).collect();
+        Ok(Self { cameras: cameras.to_vec(), pinholes, origin, radius: radius as f32 })
+    }
+
+    /// The cameras as given.
+    pub fn cameras(&self) -> &[Camera] {
+        &self.cameras
+    }
+
+    /// The cameras without distortion, relative to the origin.
+    pub fn pinholes(&self) -> &[Pinhole] {
+        &self.pinholes
+    }
+
+    /// World position of the internal frame's origin: the point nearest to all optical axes.
+    pub fn origin(&self) -> DVec3 {
+        self.origin
+    }
+
+    /// Largest distance of a camera from the origin.
+    pub fn radius(&self) -> f32 {
+        self.radius
+    }
+}
+
+/// The point nearest to all optical axes; slightly drawn to the cameras' mean so that parallel axes have one too.
+fn meeting_point(cameras: &[Camera]) -> DVec3 {
+    let mean = cameras.iter().map(Camera::centre).sum::<DVec3>() / cameras.len() as f64;
+    let (mut a, mut b) = (DMat3::IDENTITY * 1e-9, mean * 1e-9);
+    for camera in cameras {
+        let d = camera.direction();
+        let across = DMat3::IDENTITY - DMat3::from_cols(d * d.x, d * d.y, d * d.z);
+        a += across;
+        b += across * camera.centre();
+    }
+    a.inverse() * b
+}

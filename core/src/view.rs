@@ -1,0 +1,84 @@
+//! One camera's picture and silhouette of one frame, undistorted.
+
+use crate::{
+    camera::Pinhole,
+    error::{Error, Result},
+    image::{ImageRef, luma},
+    rig::Rig,
+    silhouette::Silhouette,
+};
+use alloc::{format, vec::Vec};
+
+/// Where a view's silhouette comes from.
+#[derive(Debug, Clone, Copy)]
+#[non_exhaustive]
+pub enum Mask<'a> {
+    /// Nothing is known: the view carves nothing.
+    Unknown,
+    /// A picture that is white on the object; its bilinear half-level is the contour.
+    Given(ImageRef<'a>),
+}
+
+/// A camera's picture of one frame as the host gives it.
+#[derive(Debug, Clone, Copy)]
+pub struct ViewInput<'a> {
+    /// The photograph, of the camera's calibrated size.
+    pub image: ImageRef<'a>,
+    /// The silhouette.
+    pub mask: Mask<'a>,
+}
+
+/// A camera's picture and silhouette, resampled to the camera without distortion.
+#[derive(Debug, Clone)]
+pub struct View {
+    /// Index of the camera in the rig.
+    pub index: u16,
+    /// The camera.
+    pub camera: Pinhole,
+    /// Packed sRGB, row after row.
+    pub rgb: Vec<u8>,
+    /// Luma, row after row.
+    pub luma: Vec<u8>,
+    /// The silhouette, if one is known.
+    pub silhouette: Option<Silhouette>,
+}
+
+impl View {
+    /// Reads a camera's picture and silhouette.
+    ///
+    /// # Errors
+    /// [`Error::Image`] and [`Error::Silhouette`] name the camera and what does not fit.
+    pub fn new(rig: &Rig, index: usize, input: &ViewInput) -> Result<Self> {
+        let camera = &rig.cameras()[index];
+        let fail = |problem| Error::Image { camera: index as u32, problem };
+        input.image.check().map_err(fail)?;
+        if (input.image.width, input.image.height) != (camera.width, camera.height) {
+            return Err(fail(format!(
+                "the picture is {} x {} pixels but the camera was calibrated at {} x {}: \
+                 give pictures of the calibrated size or scale K",
+                input.image.width, input.image.height, camera.width, camera.height
+            )));
+        }
+        let rgb = input.image.to_rgb();
+        let luma = rgb.chunks_exact(3).map(|p| luma([p[0], p[1], p[2]])).collect();
+        let silhouette = match &input.mask {
+            Mask::Unknown => None,
+            Mask::Given(mask) => {
+                let fail = |problem| Error::Silhouette { camera: index as u32, problem };
+                mask.check().map_err(fail)?;
+                if (mask.width, mask.height) != (camera.width, camera.height) {
+                    return Err(fail(format!(
+                        "the mask is {} x {} pixels but the camera was calibrated at {} x {}",
+                        mask.width, mask.height, camera.width, camera.height
+                    )));
+                }
+                let mut coverage = Vec::with_capacity(camera.width as usize * camera.height as usize);
+                for y in 0..mask.height {
+                    coverage.extend((0..mask.width).map(|x| mask.gray(x, y)));
+                }
+                Some(Silhouette::from_coverage(camera.width, camera.height, &coverage, |_| true).map_err(fail)?)
+            }
+        };
+        Ok(Self { index: index as u16, camera: rig.pinholes()[index], rgb, luma, silhouette })
+    }
+}

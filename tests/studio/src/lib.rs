@@ -1,0 +1,1 @@
+//! A synthetic capture dome with exact ground truth.
