@@ -1,0 +1,39 @@
+//! What a reconstruction counted on its way.
+
+/// Counts over one frame, in the order of the method's steps.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+#[non_exhaustive]
+pub struct Counts {
+    /// Points found by stereo (§4.1).
+    pub detected: u32,
+    /// Points put on the hull because stereo failed (§4.2).
+    pub substituted: u32,
+    /// Points removed by the density constraint (§4.3).
+    pub cleaned_density: u32,
+    /// Points removed by the PCA constraint (§4.3).
+    pub cleaned_pca: u32,
+    /// Points removed by the normal constraint (§4.3).
+    pub cleaned_normal: u32,
+    /// Frontier points (§4.4).
+    pub frontier: u32,
+    /// Implicit points (§4.4).
+    pub implicit: u32,
+    /// Points dropped by eq. 2 (§5.1).
+    pub dropped_normal: u32,
+    /// Points dropped for a neighbour of higher fidelity (§5.1).
+    pub dropped_fidelity: u32,
+    /// Conflicts removed in the cameras' views (§5.2).
+    pub conflicts_cameras: u32,
+    /// Conflicts removed in virtual views (§5.2).
+    pub conflicts_virtual: u32,
+    /// Implicit points removed because they hide a valid point (§5.2).
+    pub implicit_removed: u32,
+    /// Points that reach meshing.
+    pub merged: u32,
+    /// Stray components dropped from the mesh.
+    pub components_dropped: u32,
+    /// Vertices of the mesh.
+    pub vertices: u32,
+    /// Triangles of the mesh.
+    pub faces: u32,
+}
