@@ -174,6 +174,26 @@ impl Pinhole {
         depth / self.focal
     }
 
+    /// The camera of a picture at half the resolution, whose pixels are means of 2 x 2.
+    pub fn halved(&self) -> Self {
+        // u' = (u - 1/2) / 2, so that centres of 2 x 2 squares become integers.
+        let scale = |row: Vec3, z: Vec3| (row - z * 0.5) * 0.5;
+        let offset = |v: f32| (v - self.offset.z * 0.5) * 0.5;
+        Self {
+            width: self.width / 2,
+            height: self.height / 2,
+            focal: self.focal * 0.5,
+            rows: [scale(self.rows[0], self.rows[2]), scale(self.rows[1], self.rows[2]), self.rows[2]],
+            offset: Vec3::new(offset(self.offset.x), offset(self.offset.y), self.offset.z),
+            columns: [
+                self.columns[0] * 2.0,
+                self.columns[1] * 2.0,
+                self.columns[2] + (self.columns[0] + self.columns[1]) * 0.5,
+            ],
+            ..*self
+        }
+    }
+
     /// Rows of K·R and K·(R·origin + t), from which plane-induced homographies are made.
     pub fn projection(&self) -> ([Vec3; 3], Vec3) {
         (self.rows, self.offset)

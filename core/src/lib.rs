@@ -4,9 +4,11 @@
 extern crate alloc;
 
 pub mod camera;
+pub mod detect;
 pub mod error;
 pub mod grid;
 pub mod hash;
+pub mod hull;
 pub mod image;
 pub mod params;
 pub mod point_cloud;
