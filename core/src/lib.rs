@@ -8,6 +8,7 @@ pub mod error;
 pub mod grid;
 pub mod hash;
 pub mod image;
+pub mod mesh;
 pub mod params;
 pub mod point_cloud;
 pub mod progress;
