@@ -76,7 +76,13 @@ fn a_sphere_is_met_in_position_normal_and_volume() {
     let (radius, centre) = (20.3, Vec3::splat(32.2));
     let mut grid = SparseGrid::new(Vec3::ZERO, 1.0, [8, 8, 8], |[x, y, z]| {
         let d = radius - (Vec3::new(x as f32, y as f32, z as f32) * 8.0 + 3.5 - centre).length();
-        if d > 9.0 { SparseGrid::INSIDE } else if d < -9.0 { SparseGrid::OUTSIDE } else { 0 }
+        if d > 9.0 {
+            SparseGrid::INSIDE
+        } else if d < -9.0 {
+            SparseGrid::OUTSIDE
+        } else {
+            0
+        }
     });
     let mut values = Vec::new();
     for block in &grid.blocks {

@@ -5,20 +5,8 @@
 use alloc::vec::Vec;
 
 /// Edges of a cube: axis and lower corner.
-pub(super) const EDGES: [(usize, usize); 12] = [
-    (0, 0),
-    (0, 2),
-    (0, 4),
-    (0, 6),
-    (1, 0),
-    (1, 1),
-    (1, 4),
-    (1, 5),
-    (2, 0),
-    (2, 1),
-    (2, 2),
-    (2, 3),
-];
+pub(super) const EDGES: [(usize, usize); 12] =
+    [(0, 0), (0, 2), (0, 4), (0, 6), (1, 0), (1, 1), (1, 4), (1, 5), (2, 0), (2, 1), (2, 2), (2, 3)];
 
 /// Triangles of all cases, as indices into [`EDGES`], counter-clockwise seen from outside the object.
 pub(super) struct Cases {
