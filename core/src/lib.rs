@@ -10,6 +10,7 @@ pub mod grid;
 pub mod hash;
 pub mod hull;
 pub mod image;
+pub mod mesh;
 pub mod params;
 pub mod point_cloud;
 pub mod progress;
