@@ -14,6 +14,7 @@ pub mod progress;
 pub mod report;
 pub mod rig;
 pub mod silhouette;
+mod undistort;
 pub mod view;
 
 pub use camera::{Camera, Pinhole};
