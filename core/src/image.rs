@@ -118,7 +118,15 @@ impl<'a> ImageRef<'a> {
 
     /// Brightness of all pixels, packed.
     pub fn to_gray(&self) -> Vec<u8> {
-        (0..self.height).flat_map(|y| (0..self.width).map(move |x| self.gray(x, y))).collect()
+        let mut out = Vec::with_capacity(self.width as usize * self.height as usize);
+        for y in 0..self.height {
+            if self.format == PixelFormat::Gray8 {
+                out.extend_from_slice(&self.data[y as usize * self.stride..][..self.width as usize]);
+            } else {
+                out.extend((0..self.width).map(|x| self.gray(x, y)));
+            }
+        }
+        out
     }
 }
 
