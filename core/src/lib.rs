@@ -4,6 +4,7 @@
 extern crate alloc;
 
 pub mod camera;
+pub mod colour;
 pub mod error;
 pub mod grid;
 pub mod hash;
