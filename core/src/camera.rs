@@ -92,12 +92,16 @@ impl Camera {
         self.distortion != [0.0; 5]
     }
 
-    /// Where the ideal (undistorted) pixel lies in the real picture.
-    pub fn distort_pixel(&self, pixel: DVec2) -> DVec2 {
+    /// Normalised coordinates K⁻¹ (x, y, 1) of an ideal pixel.
+    pub fn normalise(&self, pixel: DVec2) -> DVec2 {
         let k = &self.k;
         let y = (pixel.y - k[1][2]) / k[1][1];
-        let x = (pixel.x - k[0][2] - k[0][1] * y) / k[0][0];
-        (matrix(&self.k) * self.distort(DVec2::new(x, y)).extend(1.0)).truncate()
+        DVec2::new((pixel.x - k[0][2] - k[0][1] * y) / k[0][0], y)
+    }
+
+    /// Where the ideal (undistorted) pixel lies in the real picture.
+    pub fn distort_pixel(&self, pixel: DVec2) -> DVec2 {
+        (matrix(&self.k) * self.distort(self.normalise(pixel)).extend(1.0)).truncate()
     }
 }
 

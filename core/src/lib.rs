@@ -4,7 +4,9 @@
 extern crate alloc;
 
 pub mod camera;
+pub mod colour;
 pub mod detect;
+mod eigen;
 pub mod error;
 pub mod grid;
 pub mod hash;
@@ -14,9 +16,11 @@ pub mod mesh;
 pub mod params;
 pub mod point_cloud;
 pub mod progress;
+pub mod raster;
 pub mod report;
 pub mod rig;
 pub mod silhouette;
+mod undistort;
 pub mod view;
 
 pub use camera::{Camera, Pinhole};

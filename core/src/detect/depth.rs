@@ -147,9 +147,11 @@ fn sheets(
     let middle = middle / count;
     let ray = middle - target.camera.centre;
     let nudged = target.camera.centre + ray * (1.0 + 1e-3);
-    let speed = neighbours.iter().fold(0.0, |s: f32, n| {
-        s + (n.camera.project(middle) - n.camera.project(nudged)).truncate().length()
-    }) * target.camera.depth(middle) / (1e-3 * neighbours.len() as f32);
+    let speed = neighbours
+        .iter()
+        .fold(0.0, |s: f32, n| s + (n.camera.project(middle) - n.camera.project(nudged)).truncate().length())
+        * target.camera.depth(middle)
+        / (1e-3 * neighbours.len() as f32);
     if !(speed > 0.0) {
         return None;
     }

@@ -1,6 +1,8 @@
 //! Point cloud detection (§4), one view at a time.
 
+pub mod clean;
 pub mod depth;
+pub mod frontier;
 pub mod level;
 pub mod neighbours;
 pub mod range;

@@ -130,10 +130,7 @@ impl Tile {
         for y in 0..size {
             for x in 0..size {
                 let k = y * PADDED + x;
-                let ray = target.camera.ray(
-                    (x0 + x) as f32 - self.radius as f32,
-                    (y0 + y) as f32 - self.radius as f32,
-                );
+                let ray = target.camera.ray((x0 + x) as f32 - self.radius as f32, (y0 + y) as f32 - self.radius as f32);
                 for axis in 0..3 {
                     self.seen[axis][k] = rows[axis].dot(ray) + self.epipole[axis] * self.guide[k];
                 }

@@ -26,7 +26,13 @@ pub(super) enum Verdict {
 
 /// Judges a ball against all views; indices of those that may carve a part of it go to `crossing`. The second value
 /// is how many silhouettes see the whole ball as theirs, the third how many may see some of it so.
-pub(super) fn judge(carvers: &[Carver], centre: Vec3, radius: f32, needed: u32, crossing: &mut Vec<u16>) -> (Verdict, u32, u32) {
+pub(super) fn judge(
+    carvers: &[Carver],
+    centre: Vec3,
+    radius: f32,
+    needed: u32,
+    crossing: &mut Vec<u16>,
+) -> (Verdict, u32, u32) {
     crossing.clear();
     let (mut containing, mut supporting) = (0, 0);
     for (i, carver) in carvers.iter().enumerate() {
@@ -118,7 +124,18 @@ pub(super) fn carve<'a>(views: &'a [View], params: &HullParams, progress: &dyn P
     });
     cancelled?;
 
-    let mut hull = VisualHull { carvers, grid, values: Vec::new(), list_starts, carver_lists, needed, least_silhouettes: search.needed, lower, upper, footprint };
+    let mut hull = VisualHull {
+        carvers,
+        grid,
+        values: Vec::new(),
+        list_starts,
+        carver_lists,
+        needed,
+        least_silhouettes: search.needed,
+        lower,
+        upper,
+        footprint,
+    };
     let blocks = hull.grid.blocks.len();
     hull.values.reserve_exact(blocks * BLOCK_NODES);
     let (mut lower, mut upper) = (Vec3::INFINITY, Vec3::NEG_INFINITY);

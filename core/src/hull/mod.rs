@@ -14,7 +14,9 @@ use crate::{
     camera::Pinhole,
     error::Result,
     grid::{BLOCK, BLOCK_NODES, SparseGrid},
+    mesh::{Envelope, marching_cubes},
     params::HullParams,
+    point_cloud::Mesh,
     progress::Progress,
     silhouette::Silhouette,
     view::View,
@@ -124,14 +126,29 @@ impl<'a> VisualHull<'a> {
         (&self.grid, &self.values)
     }
 
+    /// The hull's surface as a closed mesh.
+    pub fn mesh(&self) -> Mesh {
+        marching_cubes(&self.grid, &self.values, 0.0, self.grid.voxel, -self.grid.voxel)
+    }
+
     fn block_carvers(&self, slot: usize) -> &[u16] {
         &self.carver_lists[self.list_starts[slot] as usize..self.list_starts[slot + 1] as usize]
     }
 
     /// Signed distance from the grid, trilinear: fast, for searching.
     #[inline]
-    fn coarse(&self, p: Vec3) -> f32 {
+    pub(crate) fn coarse(&self, p: Vec3) -> f32 {
         self.grid.interpolate(&self.values, p, -self.grid.voxel, self.grid.voxel)
+    }
+}
+
+impl Envelope for VisualHull<'_> {
+    fn bounds(&self) -> (Vec3, Vec3) {
+        self.bounds()
+    }
+
+    fn signed_distance(&self, p: Vec3) -> f32 {
+        self.signed_distance(p)
     }
 }
 

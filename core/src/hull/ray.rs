@@ -58,6 +58,11 @@ impl VisualHull<'_> {
         }
     }
 
+    /// Where a ray runs through the hull's bounding box.
+    pub(crate) fn span(&self, start: Vec3, direction: Vec3) -> Option<(f32, f32)> {
+        clip(start, direction, self.lower, self.upper)
+    }
+
     /// Root of the exact signed distance between two parameters, by bisection safeguarded false position.
     fn root(&self, start: Vec3, direction: Vec3, mut a: f32, mut b: f32, a_inside: bool) -> f32 {
         let value = |t: f32| self.signed_distance(start + direction * t);

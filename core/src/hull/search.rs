@@ -76,7 +76,8 @@ fn support(carvers: &[Carver], half: f32, progress: &dyn Progress) -> Result<Vec
         }
         let edge = 2.0 * half * cells as f32 / CELLS as f32;
         let [x, y, z] = corner.map(|v| v as f32 * 2.0 * half / CELLS as f32 - half + 0.5 * edge);
-        let (verdict, _, supporting) = judge(carvers, Vec3::new(x, y, z), 0.5 * edge * DIAGONAL, LEAST_SILHOUETTES, &mut crossing);
+        let (verdict, _, supporting) =
+            judge(carvers, Vec3::new(x, y, z), 0.5 * edge * DIAGONAL, LEAST_SILHOUETTES, &mut crossing);
         if verdict == Verdict::Outside {
             continue;
         }
