@@ -17,7 +17,7 @@ pub fn colour(origin: DVec3, direction: DVec3) -> [f64; 3] {
     let room = WALL * WALL - origin.x * origin.x - origin.y * origin.y;
     let wall = (libm::sqrt((across * across + flat * room).max(0.0)) - across) / flat;
     let p = origin + direction * floor.min(wall);
-    let cloudy = 1.0 + 0.12 * noise::value(p / 1.1, 901) + 0.06 * noise::value(p / 0.37, 902);
+    let cloudy = 1.0 + 0.07 * noise::value(p / 1.7, 901) + 0.025 * noise::value(p / 0.6, 902);
     let from_middle = libm::sqrt(p.x * p.x + p.y * p.y);
     let light = if floor < wall {
         // The subject takes light from the floor about its feet.

@@ -124,7 +124,7 @@ fn trunk(parts: &mut Vec<Part>, pelvis: &Frame, chest: &Frame) {
     parts.push(cone(up(pelvis, -0.01, 0.05), 0.09, 0.150, 0.152, Black).scaled(0.74, 1.0, 1.0));
     // The shirt hangs over the belt in folds.
     parts.push(
-        cone(up(chest, 0.0, 0.02), 0.13, 0.140, 0.158, Print)
+        cone(up(chest, 0.0, 0.02), 0.14, 0.142, 0.166, Print)
             .scaled(0.78, 1.0, 1.0)
             .blended(0.008)
             .folded(0.007, folds)
@@ -151,7 +151,7 @@ fn leg(parts: &mut Vec<Part>, pelvis: &Frame, side: f64, limb: &Limb) {
     parts.push(cone(hip, THIGH, 0.096, 0.068, Black).blended(0.035).folded(0.004, folds).seeded(pattern(side)));
     let knee = knee(&hip, limb);
     let cuff = knee.then(DVec3::new(0.0, 0.0, 0.02), DMat3::IDENTITY);
-    parts.push(cone(cuff, SHIN - 0.03, 0.068, 0.060, Denim).blended(0.025).folded(0.006, folds).seeded(pattern(side)));
+    parts.push(cone(cuff, SHIN - 0.03, 0.064, 0.060, Denim).blended(0.025).folded(0.006, folds).seeded(pattern(side)));
     let foot = foot(pelvis, side, limb);
     let lower = |x: f64, z: f64| foot.then(DVec3::new(x, 0.0, z), DMat3::IDENTITY);
     let toes = aimed(&foot, DVec3::new(-0.035, 0.0, -0.042), DVec3::new(1.0, 0.0, -0.04));
@@ -165,9 +165,9 @@ fn arm(parts: &mut Vec<Part>, chest: &Frame, side: f64, limb: &Limb) {
     let folds = DVec3::new(0.04, 0.04, 0.05);
     let shoulder = joint(chest, DVec3::new(-0.01, 0.185 * side, 0.275), side, limb);
     parts.push(cone(shoulder, 0.19, 0.068, 0.058, Print).blended(0.04).folded(0.006, folds).seeded(pattern(side)));
-    parts.push(cone(shoulder, UPPER_ARM, 0.048, 0.038, Skin).blended(0.004));
+    parts.push(cone(shoulder, UPPER_ARM, 0.046, 0.034, Skin).blended(0.004));
     let elbow = shoulder.then(DVec3::new(0.0, 0.0, -UPPER_ARM), turn(0.0, -limb.bend, 0.0));
-    parts.push(cone(elbow, FOREARM, 0.040, 0.026, Skin).blended(0.02));
+    parts.push(cone(elbow, FOREARM, 0.036, 0.025, Skin).blended(0.02));
     // The hand's frame: fingers along -z, the palm faces the body, the thumb is in front.
     let wrist = elbow.then(DVec3::new(0.0, 0.0, -FOREARM), turn(0.0, 0.0, 0.0));
     let along = |x: f64, z: f64| wrist.then(DVec3::new(x, 0.0, z), DMat3::IDENTITY);

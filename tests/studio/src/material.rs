@@ -5,6 +5,8 @@ use glam::DVec3;
 
 type Rgb = [f64; 3];
 
+const BLACK: Rgb = [0.075, 0.075, 0.085];
+
 /// A procedural texture. Positions are metres in the part's frame (x forward, y left, z up for the figure).
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Material {
@@ -12,7 +14,7 @@ pub enum Material {
     Print,
     /// Coarsely printed grey stone, for the simple bodies.
     Stone,
-    /// Denim: a little texture, worn pale in patches.
+    /// Denim, worn pale in patches, dyed black above 13 cm below the origin.
     Denim,
     /// Black cloth without any texture.
     Black,
@@ -61,23 +63,23 @@ impl Material {
         let seed = seed * 31;
         match self {
             Self::Print => {
-                let fine = octaves(p, 0.03, seed + 11);
-                let motif = noise::value(p / 0.045, seed + 20) + 0.5 * noise::value(p / 0.017, seed + 21);
-                let ground =
-                    blend([0.78, 0.70, 0.55], [0.62, 0.20, 0.17], step(noise::value(p / 0.11, seed + 22), 0.25));
-                let c = blend(ground, [0.14, 0.22, 0.42], step(motif - 0.32, 0.12));
-                shade(c, 1.0 + 0.45 * fine)
+                let fine = octaves(p, 0.028, seed + 11);
+                let motif = noise::value(p / 0.036, seed + 20) + 0.6 * noise::value(p / 0.015, seed + 21);
+                let patch = noise::value(p / 0.075, seed + 22) + 0.5 * noise::value(p / 0.03, seed + 23);
+                let ground = blend([0.80, 0.72, 0.56], [0.66, 0.22, 0.18], step(patch, 0.25));
+                shade(blend(ground, [0.13, 0.21, 0.42], step(motif - 0.30, 0.15)), 1.0 + 0.6 * fine)
             }
             Self::Stone => {
                 let n = octaves(p, 0.09, seed + 31) + 0.7 * octaves(p, 0.035, seed + 41);
                 blend([0.30, 0.25, 0.24], [0.80, 0.74, 0.66], 0.5 + 0.8 * n)
             }
             Self::Denim => {
-                let worn = 0.5 + 0.9 * octaves(p, 0.09, seed + 51);
-                let weave = octaves(p * DVec3::new(1.0, 1.0, 0.6), 0.024, seed + 61);
-                shade(blend([0.10, 0.14, 0.25], [0.42, 0.50, 0.64], worn), 1.0 + 0.5 * weave)
+                let worn = 0.5 + 0.9 * octaves(p, 0.08, seed + 51);
+                let weave = octaves(p * DVec3::new(1.0, 1.0, 0.7), 0.022, seed + 61);
+                let denim = shade(blend([0.10, 0.14, 0.25], [0.42, 0.50, 0.64], worn), 1.0 + 0.6 * weave);
+                blend(BLACK, denim, step(-p.z - 0.13, 0.14))
             }
-            Self::Black => [0.075, 0.075, 0.085],
+            Self::Black => BLACK,
             Self::Skin => shade([0.80, 0.60, 0.50], 1.0 + 0.05 * noise::value(p / 0.03, seed + 71)),
             Self::Face => face(p, seed),
             Self::Hair => {

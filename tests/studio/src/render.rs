@@ -91,6 +91,8 @@ struct Renderer<'a> {
 struct Tile {
     /// The parts that its rays can meet.
     parts: Parts,
+    /// The parts that can darken what its rays meet.
+    around: Parts,
     /// No surface is nearer than this.
     from: f64,
     /// Largest distance, at unit length, of a pixel's rays from its middle one.
@@ -154,9 +156,10 @@ impl Renderer<'_> {
         if off > radius + OCCLUSION + (to.length() + radius) * spread {
             return None;
         }
-        let parts = self.scene.near(self.lens.centre, direction, spread);
+        let parts = self.scene.near(self.lens.centre, direction, spread, 0.0);
+        let around = self.scene.near(self.lens.centre, direction, spread, 2.0 * OCCLUSION);
         let from = self.clear(direction, spread, (to.length() - radius).max(0.0), parts);
-        (parts != 0 && from < self.far).then_some(Tile { parts, from, pixel: 1.05 * spread / size })
+        (parts != 0 && from < self.far).then_some(Tile { parts, around, from, pixel: 1.05 * spread / size })
     }
 
     fn tile_of(&self, x: u32, y: u32) -> Option<Tile> {
@@ -164,7 +167,7 @@ impl Renderer<'_> {
     }
 
     fn centre(&self, x: u32, y: u32) -> Centre {
-        let Some(Tile { parts, from, pixel }) = self.tile_of(x, y) else {
+        let Some(Tile { parts, from, pixel, .. }) = self.tile_of(x, y) else {
             return Centre { from: self.far, hit: None, near: false };
         };
         let direction = self.lens.ray(f64::from(x), f64::from(y));
@@ -191,53 +194,78 @@ impl Renderer<'_> {
     fn pixel(&self, x: u32, y: u32, centres: &[Centre]) -> ([f64; 3], f64) {
         let centre = centres[(y * self.width + x) as usize];
         let behind = || backdrop::colour(self.lens.centre, self.lens.ray(f64::from(x), f64::from(y)));
-        let (true, Some(Tile { parts, .. })) = (centre.near, self.tile_of(x, y)) else {
+        let (true, Some(tile)) = (centre.near, self.tile_of(x, y)) else {
             return (behind(), 0.0);
         };
-        let edge = self.is_edge(x, y, centres);
-        let samples = if edge { EDGE } else { INNER };
-        let middle = centre.hit.filter(|_| !edge).map(|t| {
-            let p = self.lens.centre + self.lens.ray(f64::from(x), f64::from(y)) * t;
-            self.light(p, parts)
-        });
+        if let Some(depth) = centre.hit
+            && !self.is_edge(x, y, centres)
+            && let Some(rgb) = self.inner(x, y, depth, tile)
+        {
+            return (rgb, 1.0);
+        }
         let (mut sum, mut shaded, mut hits) = ([0.0; 3], 0_u32, 0_u32);
-        for i in 0..samples {
-            // Odd multiples modulo a power of two visit every column once.
-            let j = (i * (samples / 2 - 1) + samples / 4) % samples;
-            let offset = |n: u32| (f64::from(n) + 0.5) / f64::from(samples) - 0.5;
-            let direction = self.lens.ray(f64::from(x) + offset(i), f64::from(y) + offset(j));
-            let Some(t) = self.scene.trace(self.lens.centre, direction, centre.from, self.far, parts) else {
+        for i in 0..EDGE {
+            let direction = self.sample(x, y, i, EDGE);
+            let Some(t) = self.scene.trace(self.lens.centre, direction, centre.from, self.far, tile.parts) else {
                 continue;
             };
             hits += 1;
-            if shaded > 0 && i % (samples / INNER) != 0 {
-                continue;
+            if shaded == 0 || i % (EDGE / INNER) == 0 {
+                let p = self.lens.centre + direction * t;
+                let (light, _) = self.light(p, tile.around);
+                shaded += 1;
+                add(&mut sum, self.scene.colour_of(p, tile.parts), light);
             }
-            let p = self.lens.centre + direction * t;
-            let light = middle.unwrap_or_else(|| self.light(p, parts));
-            let c = self.scene.colour_of(p, parts);
-            shaded += 1;
-            (0..3).for_each(|channel| sum[channel] += (c[channel] * light).clamp(0.0, 1.0));
         }
         if hits == 0 {
             return (behind(), 0.0);
         }
-        let coverage = f64::from(hits) / f64::from(samples);
+        let coverage = f64::from(hits) / f64::from(EDGE);
         let mut rgb = sum.map(|v| v / f64::from(shaded));
-        if hits < samples {
+        if hits < EDGE {
             let b = behind();
             (0..3).for_each(|channel| rgb[channel] = rgb[channel] * coverage + b[channel] * (1.0 - coverage));
         }
         (rgb, coverage)
     }
 
+    /// Direction of the `i`th of `count` samples of a pixel.
+    fn sample(&self, x: u32, y: u32, i: u32, count: u32) -> DVec3 {
+        // Odd multiples modulo a power of two visit every column once.
+        let j = (i * (count / 2 - 1) + count / 4) % count;
+        let offset = |n: u32| (f64::from(n) + 0.5) / f64::from(count) - 0.5;
+        self.lens.ray(f64::from(x) + offset(i), f64::from(y) + offset(j))
+    }
+
+    /// Colour of a pixel that the surface covers in one piece: within it the surface is taken for its tangent plane.
+    /// `None` where it is seen too much from the side for that.
+    fn inner(&self, x: u32, y: u32, depth: f64, tile: Tile) -> Option<[f64; 3]> {
+        let middle = self.lens.ray(f64::from(x), f64::from(y)) * depth;
+        let (light, normal) = self.light(self.lens.centre + middle, tile.around);
+        let off = middle.dot(normal);
+        if off > -0.3 * depth {
+            return None;
+        }
+        let mut sum = [0.0; 3];
+        for i in 0..INNER {
+            let direction = self.sample(x, y, i, INNER);
+            let p = self.lens.centre + direction * (off / direction.dot(normal));
+            add(&mut sum, self.scene.colour_of(p, tile.parts), light);
+        }
+        Some(sum.map(|v| v / f64::from(INNER)))
+    }
+
     /// Lambert light from a wide source above and to the front, ambient light from above, creases darkened. It does not
-    /// depend on where the camera stands.
-    fn light(&self, p: DVec3, parts: Parts) -> f64 {
+    /// depend on where the camera stands. Returns the normal as well.
+    fn light(&self, p: DVec3, parts: Parts) -> (f64, DVec3) {
         let normal = self.scene.gradient(p, parts).normalize_or_zero();
         let source = DVec3::new(0.48, 0.36, 0.80);
         let direct = (0.5 + 0.5 * normal.dot(source)).max(0.0);
         let sky = 0.5 + 0.5 * normal.z;
-        (0.30 + 0.22 * sky + 0.62 * direct) * self.scene.openness(p, normal, parts)
+        ((0.30 + 0.22 * sky + 0.62 * direct) * self.scene.openness(p, normal, parts), normal)
     }
+}
+
+fn add(sum: &mut [f64; 3], colour: [f64; 3], light: f64) {
+    (0..3).for_each(|channel| sum[channel] += (colour[channel] * light).clamp(0.0, 1.0));
 }

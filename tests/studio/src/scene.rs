@@ -19,7 +19,7 @@ pub struct Scene {
 /// A set of a scene's parts, one bit each.
 pub type Parts = u64;
 
-/// Reach of ambient occlusion in metres; parts within it of a ray count as near.
+/// Reach of ambient occlusion in metres.
 pub(crate) const OCCLUSION: f64 = 0.03;
 
 /// What stands in the dome.
@@ -105,14 +105,15 @@ impl Scene {
         (self.centre, self.radius)
     }
 
-    /// The parts that can matter on rays from `origin` that lie within `spread` (at unit distance) of a unit direction.
-    pub fn near(&self, origin: DVec3, direction: DVec3, spread: f64) -> Parts {
+    /// The parts that can matter within `reach` of rays from `origin` that lie within `spread` (at unit distance) of a
+    /// unit direction: the others do not change where such a ray meets the surface.
+    pub fn near(&self, origin: DVec3, direction: DVec3, spread: f64, reach: f64) -> Parts {
         let mut parts = 0;
         for (i, part) in self.parts.iter().enumerate() {
             let to = part.centre - origin;
             let along = to.dot(direction).max(0.0);
             let off = (to - direction * along).length();
-            if off <= part.radius + 2.0 * part.blend + (along + part.radius) * spread + 2.0 * OCCLUSION + 0.02 {
+            if off <= part.radius + 2.0 * part.blend + (along + part.radius) * spread + reach + 0.01 {
                 parts |= 1 << i;
             }
         }
@@ -240,7 +241,7 @@ impl Scene {
     /// All points where a line through the scene's ball crosses the surface.
     fn crossings(&self, start: DVec3, direction: DVec3, points: &mut Vec<(DVec3, DVec3)>) {
         const STEP: f64 = 2e-4;
-        let parts = self.near(start, direction, 0.0);
+        let parts = self.near(start, direction, 0.0, 0.0);
         let at = |t: f64| self.bound(start + direction * t, parts);
         let (mut t, mut d) = (0.0, at(0.0));
         while t < 2.0 * self.radius {
