@@ -1,17 +1,8 @@
 //! Ground truth as a triangle mesh, by marching tetrahedra: slow and plain, independent of the core's mesher.
 
-use crate::scene::Scene;
+use crate::{mesh::TriangleMesh, scene::Scene};
 use glam::DVec3;
 use std::collections::BTreeMap;
-
-/// A triangle mesh; faces are counter-clockwise seen from outside.
-#[derive(Debug, Clone, PartialEq, Default)]
-pub struct TriangleMesh {
-    /// Positions in the scene's unit.
-    pub vertices: Vec<DVec3>,
-    /// Indices of three vertices each.
-    pub faces: Vec<[u32; 3]>,
-}
 
 /// Cells of a block's side: whole blocks that are far from the surface are skipped.
 const BLOCK: i32 = 8;
@@ -116,26 +107,5 @@ impl Mesher<'_> {
         self.mesh.vertices.push(0.5 * (a + b));
         self.made.insert((inside, outside), vertex);
         vertex
-    }
-}
-
-impl TriangleMesh {
-    /// Binary PLY.
-    pub fn to_ply(&self) -> Vec<u8> {
-        let mut out = format!(
-            "ply\nformat binary_little_endian 1.0\nelement vertex {}\nproperty float x\nproperty float y\nproperty float z\n\
-             element face {}\nproperty list uchar int vertex_indices\nend_header\n",
-            self.vertices.len(),
-            self.faces.len()
-        )
-        .into_bytes();
-        for v in &self.vertices {
-            out.extend(v.as_vec3().to_array().into_iter().flat_map(f32::to_le_bytes));
-        }
-        for f in &self.faces {
-            out.push(3);
-            out.extend(f.iter().flat_map(|i| i.to_le_bytes()));
-        }
-        out
     }
 }
