@@ -9,9 +9,9 @@ use pcmvs_core::Camera;
 
 /// Side of the square tiles that share the start of their rays and the choice of parts.
 const TILE: u32 = 8;
-/// Samples of a pixel's coverage on an edge, and of its colour anywhere. Each row and column of the square lattice of so
-/// many steps holds one sample.
+/// Samples of a pixel on an edge. Each row and column of the lattice of so many steps holds one.
 const EDGE: u32 = 16;
+/// Samples of a pixel's colour.
 const INNER: u32 = 4;
 
 /// A picture in linear steps before a sensor reads it.
@@ -231,8 +231,9 @@ impl Renderer<'_> {
 
     /// Direction of the `i`th of `count` samples of a pixel.
     fn sample(&self, x: u32, y: u32, i: u32, count: u32) -> DVec3 {
-        // Odd multiples modulo a power of two visit every column once.
-        let j = (i * (count / 2 - 1) + count / 4) % count;
+        // A square grid, sheared both ways.
+        let side = if count == EDGE { 4 } else { 2 };
+        let j = side * (i % side) + i / side;
         let offset = |n: u32| (f64::from(n) + 0.5) / f64::from(count) - 0.5;
         self.lens.ray(f64::from(x) + offset(i), f64::from(y) + offset(j))
     }

@@ -12,6 +12,8 @@ use glam::{DMat3, DVec3};
 #[derive(Debug, Clone, PartialEq)]
 pub struct Scene {
     parts: Vec<Part>,
+    /// How near the surface each part must be to bend it: it melts into those before, later ones melt into it.
+    influence: Vec<f64>,
     centre: DVec3,
     radius: f64,
 }
@@ -92,7 +94,18 @@ impl Scene {
         assert!(!parts.is_empty() && parts.len() <= 64, "a scene has 1 to 64 parts, not {}", parts.len());
         let centre = parts.iter().map(|p| p.centre).sum::<DVec3>() / parts.len() as f64;
         let radius = parts.iter().map(|p| (p.centre - centre).length() + p.radius + p.blend).fold(0.0, f64::max);
-        Self { parts, centre, radius }
+        let mut widest = 0.0_f64;
+        let mut influence: Vec<f64> = parts
+            .iter()
+            .rev()
+            .map(|p| {
+                widest = widest.max(p.blend);
+                // A blend reaches as far as its width and, together with the next, bulges by a quarter of it or two.
+                1.5 * widest + 0.002
+            })
+            .collect();
+        influence.reverse();
+        Self { parts, influence, centre, radius }
     }
 
     /// All parts.
@@ -113,7 +126,7 @@ impl Scene {
             let to = part.centre - origin;
             let along = to.dot(direction).max(0.0);
             let off = (to - direction * along).length();
-            if off <= part.radius + 2.0 * part.blend + (along + part.radius) * spread + reach + 0.01 {
+            if off <= part.radius + self.influence[i] + (along + part.radius) * spread + reach {
                 parts |= 1 << i;
             }
         }

@@ -1,13 +1,10 @@
 //! Pictures agree with the cameras and the scene.
 
-use glam::DVec3;
+use glam::{DVec2, DVec3};
 use pcmvs_core::{Camera, hash::Hash64};
-use studio::{
-    Capture, Faults, Ring, Subject,
-    render::{Render, render},
-};
+use studio::{Capture, Faults, Ring, Subject, render::render};
 
-const LENS: [f64; 5] = [-0.12, 0.05, 0.002, -0.001, 0.01];
+const LENS: [f64; 5] = [-0.3, 0.1, 0.004, -0.003, 0.02];
 
 fn camera(distortion: [f64; 5]) -> Camera {
     Ring { distortion, ..Ring::default() }.sized(320, 240).cameras()[3]
@@ -22,57 +19,81 @@ fn bilinear<const N: usize>(at: impl Fn(usize) -> [f64; N], width: u32, x: f64, 
     core::array::from_fn(|c| corners.iter().zip(weights).map(|(p, w)| p[c] * w).sum())
 }
 
-fn coverage(picture: &Render, x: f64, y: f64) -> f64 {
-    bilinear(|i| [picture.coverage[i]], 320, x, y)[0]
+/// Where the sphere's outline lies in the picture, projected by the core's camera: a convex polygon.
+fn outline(camera: &Camera) -> Vec<DVec2> {
+    let (centre, radius) = (DVec3::new(0.0, 0.0, 0.9), 0.45);
+    let to = centre - camera.centre();
+    // Tangent rays touch the sphere on a circle nearer than its middle.
+    let nearer = radius * radius / to.length_squared();
+    let (middle, across) = (centre - to * nearer, radius * libm::sqrt(1.0 - nearer));
+    let u = to.any_orthogonal_vector().normalize();
+    let v = to.cross(u).normalize();
+    let point = |i: i32| {
+        let (s, c) = libm::sincos(core::f64::consts::TAU * f64::from(i) / 1024.0);
+        camera.project(middle + (u * c + v * s) * across).unwrap().0
+    };
+    (0..1024).map(point).collect()
 }
 
-/// The sphere's outline, projected by the core's camera, lies on the mask's half level to a tenth of a pixel.
+/// Coverage is the area of each pixel inside the outline: to a tenth of a pixel everywhere, on average far better.
 #[test]
 fn outlines_lie_where_points_project() {
+    const LINES: u32 = 32;
     for lens in [[0.0; 5], LENS] {
         let camera = camera(lens);
         let picture = render(&Subject::Sphere.at(0.0), &camera);
-        let (centre, radius) = (DVec3::new(0.0, 0.0, 0.9), 0.45);
-        let to = centre - camera.centre();
-        let distance = to.length();
-        // Tangent rays touch the sphere on a circle nearer than its middle.
-        let middle = centre - to * (radius * radius / (distance * distance));
-        let across = radius * libm::sqrt(1.0 - radius * radius / (distance * distance));
-        let u = to.any_orthogonal_vector().normalize();
-        let v = to.cross(u).normalize();
-        let mut total = 0.0;
-        for i in 0..360 {
-            let (s, c) = libm::sincos(f64::from(i).to_radians());
-            let (pixel, _) = camera.project(middle + (u * c + v * s) * across).unwrap();
-            let at = |dx: f64, dy: f64| coverage(&picture, pixel.x + dx, pixel.y + dy);
-            let (gx, gy) = (at(0.5, 0.0) - at(-0.5, 0.0), at(0.0, 0.5) - at(0.0, -0.5));
-            let off = (at(0.0, 0.0) - 0.5) / libm::sqrt(gx * gx + gy * gy);
-            assert!(off.abs() < 0.1, "{off} pixels at {pixel}");
-            total += off;
+        let outline = outline(&camera);
+        let mut area = vec![0.0; picture.coverage.len()];
+        for line in 0..240 * LINES {
+            let y = (f64::from(line) + 0.5) / f64::from(LINES) - 0.5;
+            let (mut left, mut right) = (f64::MAX, f64::MIN);
+            for (i, a) in outline.iter().enumerate() {
+                let b = outline[(i + 1) % outline.len()];
+                if (a.y < y) != (b.y < y) {
+                    let x = a.x + (b.x - a.x) * (y - a.y) / (b.y - a.y);
+                    (left, right) = (left.min(x), right.max(x));
+                }
+            }
+            for x in 0..320 {
+                let (from, to) = (left.max(f64::from(x) - 0.5), right.min(f64::from(x) + 0.5));
+                area[(line / LINES * 320 + x) as usize] += (to - from).max(0.0) / f64::from(LINES);
+            }
         }
-        assert!((total / 360.0).abs() < 0.01, "{}", total / 360.0);
+        let edge: Vec<f64> = picture
+            .coverage
+            .iter()
+            .zip(&area)
+            .filter(|(c, a)| (**c > 0.0 && **c < 1.0) || (**a > 0.0 && **a < 1.0))
+            .map(|(c, a)| c - a)
+            .collect();
+        let mean = |values: &dyn Fn(&f64) -> f64| edge.iter().map(values).sum::<f64>() / edge.len() as f64;
+        let (bias, miss) = (mean(&|v| *v), mean(&|v| v.abs()));
+        let worst = edge.iter().fold(0.0, |a: f64, v| a.max(v.abs()));
+        assert!(edge.len() > 250 && worst < 0.1, "{worst} of {}", edge.len());
+        assert!(bias.abs() < 0.01 && miss < 0.03, "{bias}, {miss}");
     }
 }
 
-/// Every surface point that a camera sees is covered where it projects, and what projects well outside is backdrop.
+/// Every surface point is drawn where it projects (a sliver that covers less than a sample may round to the next pixel),
+/// and what is drawn is where seen surface points project.
 #[test]
 fn seen_points_are_drawn() {
     let scene = Subject::Figure.at(0.0);
     let camera = camera(LENS);
     let picture = render(&scene, &camera);
-    let mut inside = vec![false; picture.coverage.len()];
+    let mut seen = vec![false; picture.coverage.len()];
     for (p, n) in scene.surface_points(20_000, 1) {
         let (pixel, _) = camera.project(p).unwrap();
         let index = (pixel.y + 0.5) as usize * 320 + (pixel.x + 0.5) as usize;
-        inside[index] = true;
+        let mut near = [index - 320, index, index + 320].into_iter().flat_map(|i| i - 1..=i + 1);
+        assert!(near.any(|i| picture.coverage[i] > 0.0), "{pixel}");
         if studio::score::sees(&scene, &camera, p, n) {
-            assert!(picture.coverage[index] > 0.0, "{pixel}");
+            seen[index] = true;
         }
     }
     let full = picture.coverage.iter().filter(|c| **c == 1.0).count();
-    let hit = picture.coverage.iter().zip(&inside).filter(|(c, hit)| **c == 1.0 && **hit).count();
-    assert!(full > 3000 && hit as f64 > 0.9 * full as f64, "{hit} of {full}");
-    assert!(picture.coverage.iter().zip(&inside).all(|(c, hit)| *c > 0.0 || !hit));
+    let hit = picture.coverage.iter().zip(&seen).filter(|(c, hit)| **c == 1.0 && **hit).count();
+    assert!(full > 2000 && hit as f64 > 0.7 * full as f64, "{hit} of {full}");
 }
 
 /// A picture through a lens is the picture without it, resampled.
@@ -84,7 +105,7 @@ fn distortion_moves_pixels_and_nothing_else() {
     let (mut off, mut moved, mut count) = (0.0, 0.0, 0);
     for y in 20..220 {
         for x in 40..280 {
-            let p = bent.distort_pixel(glam::DVec2::new(f64::from(x), f64::from(y)));
+            let p = bent.distort_pixel(DVec2::new(f64::from(x), f64::from(y)));
             let index = (y * 320 + x) as usize;
             let resampled = bilinear(|i| b.rgb[i], 320, p.x, p.y);
             (0..3).for_each(|c| off += (resampled[c] - a.rgb[index][c]).abs());
