@@ -31,8 +31,8 @@ struct Limb {
 pub fn parts(time: f64) -> Vec<Part> {
     let beat = |turns: f64, phase: f64| libm::sin(TAU * (turns * time + phase));
     let legs = [
-        Limb { swing: 0.10 + 0.16 * beat(0.7, 0.0), spread: 0.13, twist: -0.25, bend: 0.22 + 0.14 * beat(0.7, 0.05) },
-        Limb { swing: 0.10 - 0.16 * beat(0.7, 0.0), spread: 0.13, twist: -0.25, bend: 0.22 - 0.14 * beat(0.7, 0.05) },
+        Limb { swing: 0.10 + 0.26 * beat(0.7, 0.0), spread: 0.13, twist: -0.25, bend: 0.28 + 0.22 * beat(0.7, 0.05) },
+        Limb { swing: 0.10 - 0.26 * beat(0.7, 0.0), spread: 0.13, twist: -0.25, bend: 0.28 - 0.22 * beat(0.7, 0.05) },
     ];
     let arms = [
         Limb { swing: -0.15 + 0.05 * beat(0.7, 0.2), spread: 0.80 + 0.05 * beat(0.7, 0.1), twist: 1.35, bend: 1.62 },
@@ -42,7 +42,7 @@ pub fn parts(time: f64) -> Vec<Part> {
     let pose = |height: f64| {
         let sway = 0.03 * beat(0.7, 0.1);
         Frame {
-            rotation: turn(0.04 * beat(0.7, 0.1), 0.03, 0.12 * beat(0.7, 0.0)),
+            rotation: turn(0.04 * beat(0.7, 0.1), 0.03, 0.22 * beat(0.7, 0.0)),
             origin: DVec3::new(0.0, sway, height),
         }
     };
@@ -51,7 +51,7 @@ pub fn parts(time: f64) -> Vec<Part> {
     let pelvis = pose(0.008 - lowest);
     let chest = pelvis.then(
         DVec3::new(0.0, 0.0, 0.15),
-        turn(-0.05 * beat(0.7, 0.15), 0.04 + 0.02 * beat(1.4, 0.0), -0.20 * beat(0.7, 0.0)),
+        turn(-0.05 * beat(0.7, 0.15), 0.04 + 0.02 * beat(1.4, 0.0), -0.30 * beat(0.7, 0.0)),
     );
     let head = chest.then(DVec3::new(0.03, 0.0, 0.50), turn(0.06 * beat(0.7, 0.3), 0.05, 0.15 * beat(0.5, 0.2)));
 

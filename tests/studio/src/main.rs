@@ -30,8 +30,8 @@ struct Arguments {
     #[arg(long, default_value_t = 25.0)]
     fps: f64,
     /// Lens distortion k1,k2,p1,p2,k3
-    #[arg(long, value_delimiter = ',', num_args = 5, allow_hyphen_values = true)]
-    distortion: Option<Vec<f64>>,
+    #[arg(long, value_parser = lens, allow_hyphen_values = true, default_value = "0,0,0,0,0")]
+    distortion: [f64; 5],
     /// Sensor noise, 8-bit levels (standard deviation)
     #[arg(long, default_value_t = 0.0)]
     noise: f64,
@@ -78,6 +78,11 @@ fn size(text: &str) -> Result<(u32, u32), String> {
     }
 }
 
+fn lens(text: &str) -> Result<[f64; 5], String> {
+    let numbers: Vec<f64> = text.split(',').map_while(|n| n.trim().parse().ok()).collect();
+    numbers.try_into().map_err(|_| "a lens is written as five numbers k1,k2,p1,p2,k3".to_owned())
+}
+
 fn main() -> ExitCode {
     let mut arguments = Arguments::parse();
     if arguments.sample {
@@ -94,10 +99,7 @@ fn main() -> ExitCode {
 }
 
 fn run(a: &Arguments) -> io::Result<()> {
-    let mut ring = Ring { count: a.views, ..Ring::default() }.sized(a.size.0, a.size.1);
-    if let Some(distortion) = &a.distortion {
-        ring.distortion.copy_from_slice(distortion);
-    }
+    let ring = Ring { count: a.views, distortion: a.distortion, ..Ring::default() }.sized(a.size.0, a.size.1);
     let faults = Faults {
         noise: a.noise,
         gain: a.gain,
