@@ -1,0 +1,8 @@
+//! Facts of the whole method on scenes whose truth is known: what the tests of this package share.
+
+pub mod shot;
+pub mod threads;
+pub mod topology;
+
+pub use shot::Shot;
+pub use threads::Threads;
