@@ -26,7 +26,7 @@ pub(super) use surface::smooth_normals;
 use system::Cell;
 
 /// Iterations on each level; the coarser solution leaves only details to find.
-const ITERATIONS: u32 = 8;
+const ITERATIONS: u32 = 6;
 /// Iterations on the coarsest level at most, and the share of the residual that may remain there.
 const ITERATIONS_COARSEST: u32 = 200;
 const TOLERANCE: f64 = 1e-4;
