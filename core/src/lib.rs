@@ -5,6 +5,7 @@ extern crate alloc;
 
 pub mod camera;
 pub mod error;
+pub mod export;
 pub mod grid;
 pub mod hash;
 pub mod image;
