@@ -92,12 +92,16 @@ impl Camera {
         self.distortion != [0.0; 5]
     }
 
-    /// Where the ideal (undistorted) pixel lies in the real picture.
-    pub fn distort_pixel(&self, pixel: DVec2) -> DVec2 {
+    /// Normalised coordinates K⁻¹ (x, y, 1) of an ideal pixel.
+    pub fn normalise(&self, pixel: DVec2) -> DVec2 {
         let k = &self.k;
         let y = (pixel.y - k[1][2]) / k[1][1];
-        let x = (pixel.x - k[0][2] - k[0][1] * y) / k[0][0];
-        (matrix(&self.k) * self.distort(DVec2::new(x, y)).extend(1.0)).truncate()
+        DVec2::new((pixel.x - k[0][2] - k[0][1] * y) / k[0][0], y)
+    }
+
+    /// Where the ideal (undistorted) pixel lies in the real picture.
+    pub fn distort_pixel(&self, pixel: DVec2) -> DVec2 {
+        (matrix(&self.k) * self.distort(self.normalise(pixel)).extend(1.0)).truncate()
     }
 }
 
@@ -172,6 +176,26 @@ impl Pinhole {
     #[inline]
     pub fn footprint(&self, depth: f32) -> f32 {
         depth / self.focal
+    }
+
+    /// The camera of a picture at half the resolution, whose pixels are means of 2 x 2.
+    pub fn halved(&self) -> Self {
+        // u' = (u - 1/2) / 2, so that centres of 2 x 2 squares become integers.
+        let scale = |row: Vec3, z: Vec3| (row - z * 0.5) * 0.5;
+        let offset = |v: f32| (v - self.offset.z * 0.5) * 0.5;
+        Self {
+            width: self.width / 2,
+            height: self.height / 2,
+            focal: self.focal * 0.5,
+            rows: [scale(self.rows[0], self.rows[2]), scale(self.rows[1], self.rows[2]), self.rows[2]],
+            offset: Vec3::new(offset(self.offset.x), offset(self.offset.y), self.offset.z),
+            columns: [
+                self.columns[0] * 2.0,
+                self.columns[1] * 2.0,
+                self.columns[2] + (self.columns[0] + self.columns[1]) * 0.5,
+            ],
+            ..*self
+        }
     }
 
     /// Rows of K·R and K·(R·origin + t), from which plane-induced homographies are made.

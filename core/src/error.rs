@@ -52,6 +52,12 @@ pub enum Error {
          Check that masks, images and cameras belong together and that masks are white on the object"
     )]
     EmptyHull,
+    /// The points bound no surface.
+    #[error(
+        "the points bound no surface: too few were found, or all have weight zero. \
+         Check that the cameras overlap and that masks, images and cameras belong together"
+    )]
+    NoSurface,
     /// The option `max_memory` is below what the frame needs.
     #[error("{needed} bytes of memory are needed, max_memory allows {limit}")]
     OutOfMemory {

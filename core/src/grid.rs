@@ -99,8 +99,23 @@ impl SparseGrid {
         let floor = |v: f32| libm::floorf(v) as i32;
         let (x, y, z) = (floor(q.x), floor(q.y), floor(q.z));
         let (fx, fy, fz) = (q.x - x as f32, q.y - y as f32, q.z - z as f32);
-        let at = |dx, dy, dz| self.value(values, x + dx, y + dy, z + dz, outside, inside);
         let lerp = |a: f32, b: f32, t: f32| a + (b - a) * t;
+        let m = BLOCK as i32 - 1;
+        if x & m != m && y & m != m && z & m != m {
+            // All eight nodes lie in one block.
+            let (slot, local) = self.locate(x, y, z);
+            return match slot {
+                Self::OUTSIDE => outside,
+                Self::INSIDE => inside,
+                _ => {
+                    let v = &values[slot as usize * BLOCK_NODES + local..][..BLOCK * BLOCK + BLOCK + 2];
+                    let row = |i: usize| lerp(v[i], v[i + 1], fx);
+                    let plane = |i: usize| lerp(row(i), row(i + BLOCK), fy);
+                    lerp(plane(0), plane(BLOCK * BLOCK), fz)
+                }
+            };
+        }
+        let at = |dx, dy, dz| self.value(values, x + dx, y + dy, z + dz, outside, inside);
         let row = |dy, dz| lerp(at(0, dy, dz), at(1, dy, dz), fx);
         lerp(lerp(row(0, 0), row(1, 0), fy), lerp(row(0, 1), row(1, 1), fy), fz)
     }

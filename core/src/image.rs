@@ -107,8 +107,23 @@ impl<'a> ImageRef<'a> {
     pub fn to_rgb(&self) -> Vec<u8> {
         let mut out = Vec::with_capacity(self.width as usize * self.height as usize * 3);
         for y in 0..self.height {
-            for x in 0..self.width {
-                out.extend_from_slice(&self.rgb(x, y));
+            if self.format == PixelFormat::Rgb8 {
+                out.extend_from_slice(&self.data[y as usize * self.stride..][..self.width as usize * 3]);
+            } else {
+                out.extend((0..self.width).flat_map(|x| self.rgb(x, y)));
+            }
+        }
+        out
+    }
+
+    /// Brightness of all pixels, packed.
+    pub fn to_gray(&self) -> Vec<u8> {
+        let mut out = Vec::with_capacity(self.width as usize * self.height as usize);
+        for y in 0..self.height {
+            if self.format == PixelFormat::Gray8 {
+                out.extend_from_slice(&self.data[y as usize * self.stride..][..self.width as usize]);
+            } else {
+                out.extend((0..self.width).map(|x| self.gray(x, y)));
             }
         }
         out
@@ -126,4 +141,65 @@ fn rgb_from_ycbcr(y: u8, cb: u8, cr: u8) -> [u8; 3] {
     let (y, cb, cr) = ((i32::from(y) - 16) * 298, i32::from(cb) - 128, i32::from(cr) - 128);
     let channel = |v: i32| ((v + 128) >> 8).clamp(0, 255) as u8;
     [channel(y + 409 * cr), channel(y - 100 * cb - 208 * cr), channel(y + 516 * cb)]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn nv12_is_bt601_video_range() {
+        // Hand-computed: black and white ends, mid gray, then the primaries of BT.601 rounded to bytes.
+        // Red 255 0 0 is Y 81.5, Cb 90.2, Cr 240.0; green Y 144.6, Cb 53.8, Cr 34.2; blue Y 41.0, Cb 240, Cr 109.8.
+        let cases = [
+            ([16, 128, 128], [0, 0, 0]),
+            ([235, 128, 128], [255, 255, 255]),
+            ([126, 128, 128], [128, 128, 128]),
+            ([81, 90, 240], [254, 0, 0]),
+            ([145, 54, 34], [0, 255, 1]),
+            ([41, 240, 110], [0, 0, 255]),
+        ];
+        for ([y, cb, cr], rgb) in cases {
+            for (a, b) in rgb_from_ycbcr(y, cb, cr).into_iter().zip(rgb) {
+                assert!((i32::from(a) - b).abs() <= 1, "{y} {cb} {cr}: {a} {b}");
+            }
+        }
+    }
+
+    #[test]
+    fn nv12_pixels_share_chroma_in_squares_and_strides_are_skipped() {
+        // 3 x 3 pixels in rows of 4 bytes; the chroma plane has 2 x 2 pairs in rows of 6 bytes.
+        let luma = [81, 81, 145, 9, 81, 81, 145, 9, 41, 41, 126];
+        let chroma = [90, 240, 54, 34, 9, 9, 240, 110, 128, 128];
+        let image = ImageRef {
+            data: &luma,
+            width: 3,
+            height: 3,
+            stride: 4,
+            format: PixelFormat::Nv12,
+            chroma: Some((&chroma, 6)),
+        };
+        image.check().unwrap();
+        let (red, green, blue) =
+            (rgb_from_ycbcr(81, 90, 240), rgb_from_ycbcr(145, 54, 34), rgb_from_ycbcr(41, 240, 110));
+        let gray = rgb_from_ycbcr(126, 128, 128);
+        let expected = [red, red, green, red, red, green, blue, blue, gray].concat();
+        assert_eq!(image.to_rgb(), expected);
+        assert!(ImageRef { chroma: Some((&chroma[..9], 6)), ..image }.check().is_err());
+        assert!(ImageRef { chroma: None, ..image }.check().is_err());
+        assert!(ImageRef { data: &luma[..10], ..image }.check().is_err());
+    }
+
+    #[test]
+    fn formats_agree() {
+        let rgb = [1, 2, 3, 40, 50, 60];
+        let expected = rgb.to_vec();
+        let packed = |data: &[u8], format| ImageRef::packed(data, 2, 1, format).to_rgb();
+        assert_eq!(packed(&rgb, PixelFormat::Rgb8), expected);
+        assert_eq!(packed(&[3, 2, 1, 60, 50, 40], PixelFormat::Bgr8), expected);
+        assert_eq!(packed(&[1, 2, 3, 0, 40, 50, 60, 0], PixelFormat::Rgba8), expected);
+        assert_eq!(packed(&[3, 2, 1, 0, 60, 50, 40, 0], PixelFormat::Bgra8), expected);
+        assert_eq!(packed(&[7, 200], PixelFormat::Gray8), [7, 7, 7, 200, 200, 200]);
+        assert_eq!(ImageRef::packed(&[7, 200], 2, 1, PixelFormat::Gray8).to_gray(), [7, 200]);
+    }
 }

@@ -4,17 +4,24 @@
 extern crate alloc;
 
 pub mod camera;
+pub mod colour;
+pub mod detect;
+mod eigen;
 pub mod error;
 pub mod export;
 pub mod grid;
 pub mod hash;
+pub mod hull;
 pub mod image;
+pub mod mesh;
 pub mod params;
 pub mod point_cloud;
 pub mod progress;
+pub mod raster;
 pub mod report;
 pub mod rig;
 pub mod silhouette;
+mod undistort;
 pub mod view;
 
 pub use camera::{Camera, Pinhole};

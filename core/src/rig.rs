@@ -3,6 +3,7 @@
 use crate::{
     camera::{Camera, Pinhole},
     error::{Error, Result},
+    undistort::Undistortion,
 };
 use alloc::vec::Vec;
 use glam::{DMat3, DVec3};
@@ -15,6 +16,7 @@ pub const LEAST_VIEWS: u32 = 3;
 pub struct Rig {
     cameras: Vec<Camera>,
     pinholes: Vec<Pinhole>,
+    undistortions: Vec<Option<Undistortion>>,
     origin: DVec3,
     radius: f32,
 }
@@ -42,7 +44,8 @@ impl Rig {
             }
         }
         let pinholes = cameras.iter().map(|c| Pinhole::new(c, origin)).collect();
-        Ok(Self { cameras: cameras.to_vec(), pinholes, origin, radius: radius as f32 })
+        let undistortions = cameras.iter().map(Undistortion::new).collect();
+        Ok(Self { cameras: cameras.to_vec(), pinholes, undistortions, origin, radius: radius as f32 })
     }
 
     /// The cameras as given.
@@ -53,6 +56,11 @@ impl Rig {
     /// The cameras without distortion, relative to the origin.
     pub fn pinholes(&self) -> &[Pinhole] {
         &self.pinholes
+    }
+
+    /// Where a camera's ideal pixels lie in its real pictures; `None` if its lens does not distort.
+    pub(crate) fn undistortion(&self, camera: usize) -> Option<&Undistortion> {
+        self.undistortions[camera].as_ref()
     }
 
     /// World position of the internal frame's origin: the point nearest to all optical axes.

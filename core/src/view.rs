@@ -59,9 +59,9 @@ impl View {
                 input.image.width, input.image.height, camera.width, camera.height
             )));
         }
-        let rgb = input.image.to_rgb();
-        let luma = rgb.chunks_exact(3).map(|p| luma([p[0], p[1], p[2]])).collect();
-        let silhouette = match &input.mask {
+        let undistortion = rig.undistortion(index);
+        let mut rgb = input.image.to_rgb();
+        let coverage = match &input.mask {
             Mask::Unknown => None,
             Mask::Given(mask) => {
                 let fail = |problem| Error::Silhouette { camera: index as u32, problem };
@@ -72,13 +72,25 @@ impl View {
                         mask.width, mask.height, camera.width, camera.height
                     )));
                 }
-                let mut coverage = Vec::with_capacity(camera.width as usize * camera.height as usize);
-                for y in 0..mask.height {
-                    coverage.extend((0..mask.width).map(|x| mask.gray(x, y)));
-                }
-                Some(Silhouette::from_coverage(camera.width, camera.height, &coverage, |_| true).map_err(fail)?)
+                Some(mask.to_gray())
             }
         };
+        if let Some(undistortion) = undistortion {
+            rgb = undistortion.rgb(&rgb);
+        }
+        let silhouette = coverage.map(|coverage| {
+            let (w, h) = (camera.width, camera.height);
+            match undistortion {
+                None => Silhouette::from_coverage(w, h, &coverage, |_| true),
+                Some(undistortion) => {
+                    let (coverage, known) = undistortion.coverage(&coverage);
+                    Silhouette::from_coverage(w, h, &coverage, |i| known[i])
+                }
+            }
+            .map_err(|problem| Error::Silhouette { camera: index as u32, problem })
+        });
+        let luma = rgb.chunks_exact(3).map(|p| luma([p[0], p[1], p[2]])).collect();
+        let silhouette = silhouette.transpose()?;
         Ok(Self { index: index as u16, camera: rig.pinholes()[index], rgb, luma, silhouette })
     }
 }

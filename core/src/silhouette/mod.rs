@@ -2,7 +2,7 @@
 
 mod distance;
 
-use alloc::{string::String, vec::Vec};
+use alloc::{format, string::String, vec::Vec};
 
 /// A view's silhouette as the signed distance to its contour.
 ///
@@ -31,24 +31,30 @@ impl Silhouette {
         coverage: &[u8],
         known: impl Fn(usize) -> bool,
     ) -> Result<Self, String> {
-        let inside = coverage.iter().enumerate().filter(|&(i, &c)| known(i) && c > 127).count();
-        if inside == 0 {
+        if width < 2 || height < 2 {
+            return Err(format!("a silhouette of {width} x {height} pixels has no contour"));
+        }
+        let mut distance = distance::signed_distance(width as usize, height as usize, coverage, &known);
+        let (mut inside, mut outside) = (false, false);
+        for (i, d) in distance.iter_mut().enumerate() {
+            if known(i) {
+                inside |= *d > 0;
+                outside |= *d <= 0;
+            } else {
+                *d = Self::UNKNOWN;
+            }
+        }
+        if !inside {
             return Err(String::from(
                 "the silhouette is empty: no pixel belongs to the object. Give a mask that is \
                 white on the object, or null where there is none",
             ));
         }
-        if inside == (0..coverage.len()).filter(|&i| known(i)).count() {
+        if !outside {
             return Err(String::from(
                 "the silhouette is full: every pixel belongs to the object. Give a mask that is \
                 black on the background, or null where there is none",
             ));
-        }
-        let mut distance = distance::signed_distance(width as usize, height as usize, coverage);
-        for (i, d) in distance.iter_mut().enumerate() {
-            if !known(i) {
-                *d = Self::UNKNOWN;
-            }
         }
         Ok(Self { width, height, distance })
     }
@@ -78,5 +84,141 @@ impl Silhouette {
         let top = a + (b - a) * fx;
         let bottom = c + (e - c) * fx;
         Some((top + (bottom - top) * fy) * (1.0 / Self::UNITS))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const W: u32 = 96;
+    const H: u32 = 80;
+
+    /// Renders the area that a signed distance function makes positive: exact coverage (16 x 16 samples a pixel) or
+    /// the pixel's centre alone.
+    fn render(inside: impl Fn(f32, f32) -> f32, samples: u32) -> Vec<u8> {
+        let place = |i: u32| (i as f32 + 0.5) / samples as f32 - 0.5;
+        let pixel = |i: u32| {
+            let (x, y) = ((i % W) as f32, (i / W) as f32);
+            let hits = (0..samples * samples)
+                .filter(|s| inside(x + place(s % samples), y + place(s / samples)) > 0.0)
+                .count() as u32;
+            (hits * 255 / (samples * samples)) as u8
+        };
+        (0..W * H).map(pixel).collect()
+    }
+
+    /// Largest error of the distance within `reach` of the contour, away from the picture's edge, where the contour
+    /// of the picture ends but the function's goes on.
+    fn worst(truth: impl Fn(f32, f32) -> f32, samples: u32, reach: f32) -> f32 {
+        let silhouette = Silhouette::from_coverage(W, H, &render(&truth, samples), |_| true).unwrap();
+        let mut worst = 0.0f32;
+        for (i, &d) in silhouette.distances().iter().enumerate() {
+            let (x, y) = ((i as u32 % W) as f32, (i as u32 / W) as f32);
+            let edge = x.min(y).min(W as f32 - 1.0 - x).min(H as f32 - 1.0 - y);
+            if truth(x, y).abs() < reach && edge > 2.0 * reach {
+                worst = worst.max((f32::from(d) / Silhouette::UNITS - truth(x, y)).abs());
+            }
+        }
+        worst
+    }
+
+    fn disc(radius: f32) -> impl Fn(f32, f32) -> f32 {
+        move |x, y| radius - libm::hypotf(x - 47.3, y - 40.8)
+    }
+
+    fn half_plane(angle: f32) -> impl Fn(f32, f32) -> f32 {
+        move |x, y| (x - 47.3) * libm::cosf(angle) + (y - 40.8) * libm::sinf(angle)
+    }
+
+    fn bar(angle: f32, width: f32) -> impl Fn(f32, f32) -> f32 {
+        move |x, y| width / 2.0 - half_plane(angle)(x, y).abs()
+    }
+
+    #[test]
+    fn distance_is_exact_to_a_tenth_of_a_pixel_with_soft_masks() {
+        assert!(worst(disc(30.0), 16, 8.0) < 0.1);
+        for k in 0..8 {
+            let angle = k as f32 * 0.13;
+            assert!(worst(half_plane(angle), 16, 8.0) < 0.1);
+            assert!(worst(bar(angle, 3.0), 16, 8.0) < 0.1);
+        }
+    }
+
+    #[test]
+    fn distance_is_good_to_a_third_of_a_pixel_with_binary_masks() {
+        assert!(worst(disc(30.0), 1, 8.0) < 0.37);
+        for k in 0..8 {
+            let angle = k as f32 * 0.13;
+            assert!(worst(half_plane(angle), 1, 8.0) < 0.37);
+            assert!(worst(bar(angle, 4.0), 1, 8.0) < 0.37);
+        }
+    }
+
+    #[test]
+    fn thin_bars_keep_their_width() {
+        for width in [2.0, 3.0, 4.0] {
+            // At 0° pixel centres alone cannot tell the width to better than half a pixel.
+            for k in 1..8 {
+                let truth = bar(k as f32 * 0.13, width);
+                let silhouette = Silhouette::from_coverage(W, H, &render(&truth, 1), |_| true).unwrap();
+                let (mut sum, mut count) = (0.0, 0.0f32);
+                for (i, &d) in silhouette.distances().iter().enumerate() {
+                    let (x, y) = ((i as u32 % W) as f32, (i as u32 / W) as f32);
+                    let edge = x.min(y).min(W as f32 - 1.0 - x).min(H as f32 - 1.0 - y);
+                    if (-3.0..-0.5).contains(&truth(x, y)) && edge > 5.0 {
+                        sum += f32::from(d) / Silhouette::UNITS - truth(x, y);
+                        count += 1.0;
+                    }
+                }
+                assert!((sum / count).abs() < 0.07, "{width} {k}: each side is off by {}", sum / count);
+            }
+        }
+    }
+
+    #[test]
+    fn picture_edge_and_unknown_pixels_make_no_contour() {
+        // The object covers everything left of x = 47.3, up to three edges of the picture.
+        let mut coverage = render(|x, _| 47.3 - x, 16);
+        let check = |silhouette: &Silhouette, columns: core::ops::Range<u32>| {
+            for i in (0..W * H).filter(|i| columns.contains(&(i % W))) {
+                let d = f32::from(silhouette.distances()[i as usize]) / Silhouette::UNITS;
+                let truth = 47.3 - (i % W) as f32;
+                assert!((d - truth).abs() < 0.1, "{d} instead of {truth}");
+            }
+        };
+        check(&Silhouette::from_coverage(W, H, &coverage, |_| true).unwrap(), 0..W);
+        // Unknown columns at the left say "background": they must not cut the object.
+        let known = |i: usize| i % W as usize >= 10;
+        (0..coverage.len()).filter(|&i| !known(i)).for_each(|i| coverage[i] = 0);
+        let silhouette = Silhouette::from_coverage(W, H, &coverage, known).unwrap();
+        check(&silhouette, 10..W);
+        assert_eq!(silhouette.sample(9.5, 20.0), None);
+        assert_eq!(silhouette.sample(-0.1, 20.0), None);
+        assert!(silhouette.sample(10.0, 20.0).is_some());
+    }
+
+    #[test]
+    fn far_distances_are_euclidean() {
+        // Four pixels wide dots: every pixel's distance is that to the nearest dot, whatever lies between.
+        let dots = [(10.0, 12.0), (80.0, 30.0), (33.0, 70.0), (60.0, 60.0)];
+        let truth = |x: f32, y: f32| {
+            dots.iter().map(|d| 2.0 - libm::hypotf(x - d.0, y - d.1)).fold(f32::NEG_INFINITY, f32::max)
+        };
+        let silhouette = Silhouette::from_coverage(W, H, &render(truth, 16), |_| true).unwrap();
+        for (i, &d) in silhouette.distances().iter().enumerate() {
+            let t = truth((i as u32 % W) as f32, (i as u32 / W) as f32);
+            assert!((f32::from(d) / Silhouette::UNITS - t).abs() < 0.4);
+        }
+    }
+
+    #[test]
+    fn empty_and_full_silhouettes_are_errors() {
+        for value in [0, 255] {
+            assert!(Silhouette::from_coverage(W, H, &[value; (W * H) as usize], |_| true).is_err());
+        }
+        let half = render(half_plane(0.0), 16);
+        assert!(Silhouette::from_coverage(W, H, &half, |i| i % W as usize > 60).is_err(), "only object is known");
+        assert!(Silhouette::from_coverage(W, H, &half, |i| (i % W as usize) < 30).is_err(), "only background is known");
     }
 }

@@ -1,0 +1,149 @@
+//! What a camera sees of a mesh: a depth buffer, and how far each pixel is from the nearest occlusion step.
+
+use crate::{camera::Pinhole, point_cloud::Mesh};
+use alloc::vec::Vec;
+use glam::{Vec2, Vec3};
+
+/// A depth step of more footprints than this between neighbouring pixels hides something behind it; less is slope.
+const STEP_FOOTPRINTS: f32 = 4.0;
+/// Distances to steps are told apart up to this many pixels.
+const MOST_BORDER: u8 = 4;
+
+/// Depths of the surface nearest to a camera, over the part of its picture that the mesh covers. Kept from view to
+/// view so that its memory is asked for once.
+#[derive(Debug, Default)]
+pub(super) struct DepthBuffer {
+    /// Pixel and depth of every vertex.
+    projected: Vec<Vec3>,
+    /// First column and row covered.
+    x: i32,
+    y: i32,
+    width: i32,
+    height: i32,
+    /// Inverse depth, zero where the camera sees past the mesh.
+    inverse: Vec<f32>,
+    /// Pixels to the nearest step or background, zero on background.
+    border: Vec<u8>,
+}
+
+impl DepthBuffer {
+    /// Rasterises the front of the mesh.
+    pub(super) fn render(&mut self, mesh: &Mesh, camera: &Pinhole) {
+        self.projected.clear();
+        self.projected.extend(mesh.positions.iter().map(|&p| camera.project(p)));
+        self.frame(camera);
+        self.inverse.clear();
+        self.inverse.resize((self.width * self.height) as usize, 0.0);
+        for triangle in &mesh.triangles {
+            self.fill(triangle.map(|i| self.projected[i as usize]));
+        }
+        self.measure_border(camera);
+    }
+
+    /// Pixel and depth of a vertex.
+    pub(super) fn projected(&self, vertex: usize) -> Vec3 {
+        self.projected[vertex]
+    }
+
+    /// The pixels to the nearest occlusion step if the camera sees the surface at this pixel and depth; `tolerance`
+    /// is the depth by which its own slope may hide it.
+    pub(super) fn visible(&self, pixel: Vec3, tolerance: f32) -> Option<f32> {
+        let (u, v) = (pixel.x - self.x as f32, pixel.y - self.y as f32);
+        // Written so that NaN fails too.
+        if !(pixel.z > 0.0 && u >= 0.0 && v >= 0.0 && u < (self.width - 1) as f32 && v < (self.height - 1) as f32) {
+            return None;
+        }
+        let i = v as usize * self.width as usize + u as usize;
+        let corners = [i, i + 1, i + self.width as usize, i + self.width as usize + 1];
+        if corners.iter().any(|&c| self.inverse[c] * (pixel.z - tolerance) > 1.0) {
+            return None;
+        }
+        // Bilinear, so that weights that follow from it are smooth over the surface.
+        let [a, b, c, d] = corners.map(|c| f32::from(self.border[c]));
+        let (fx, fy) = (u - libm::floorf(u), v - libm::floorf(v));
+        let (top, bottom) = (a + (b - a) * fx, c + (d - c) * fx);
+        Some(top + (bottom - top) * fy)
+    }
+
+    /// Bounds of the projected vertices within the picture, a pixel wider so that background surrounds the mesh.
+    fn frame(&mut self, camera: &Pinhole) {
+        let (mut low, mut high) = (Vec2::INFINITY, Vec2::NEG_INFINITY);
+        for p in self.projected.iter().filter(|p| p.z > 0.0) {
+            low = low.min(p.truncate());
+            high = high.max(p.truncate());
+        }
+        let clamp = |v: f32, n: u32| libm::floorf(v).clamp(0.0, n as f32) as i32;
+        (self.x, self.y) = (clamp(low.x - 1.0, camera.width), clamp(low.y - 1.0, camera.height));
+        self.width = (clamp(high.x + 3.0, camera.width) - self.x).max(0);
+        self.height = (clamp(high.y + 3.0, camera.height) - self.y).max(0);
+    }
+
+    /// Rasterises a triangle if it faces the camera: pixels whose centres it holds, 1/depth being linear in the image.
+    fn fill(&mut self, corners: [Vec3; 3]) {
+        let [a, b, c] = corners;
+        let area = (b.x - a.x) * (c.y - a.y) - (c.x - a.x) * (b.y - a.y);
+        // With y down a triangle that is counter-clockwise seen from the camera has negative area.
+        if !(area < 0.0) || a.z <= 0.0 || b.z <= 0.0 || c.z <= 0.0 {
+            return;
+        }
+        let (x, y) = (self.x as f32, self.y as f32);
+        let x0 = libm::ceilf(a.x.min(b.x).min(c.x) - x).max(0.0) as i32;
+        let x1 = libm::floorf(a.x.max(b.x).max(c.x) - x).min((self.width - 1) as f32) as i32;
+        let y0 = libm::ceilf(a.y.min(b.y).min(c.y) - y).max(0.0) as i32;
+        let y1 = libm::floorf(a.y.max(b.y).max(c.y) - y).min((self.height - 1) as f32) as i32;
+        if x0 > x1 || y0 > y1 {
+            return;
+        }
+        let inverse = [1.0 / a.z, 1.0 / b.z, 1.0 / c.z];
+        for py in y0..=y1 {
+            for px in x0..=x1 {
+                let (u, v) = (px as f32 + x, py as f32 + y);
+                let edge = |p: Vec3, q: Vec3| (q.x - p.x) * (v - p.y) - (u - p.x) * (q.y - p.y);
+                let (wa, wb, wc) = (edge(b, c), edge(c, a), edge(a, b));
+                if wa <= 0.0 && wb <= 0.0 && wc <= 0.0 {
+                    let depth = (wa * inverse[0] + wb * inverse[1] + wc * inverse[2]) / area;
+                    let i = (py * self.width + px) as usize;
+                    self.inverse[i] = self.inverse[i].max(depth);
+                }
+            }
+        }
+    }
+
+    /// Chessboard distance of every pixel to the nearest step, by two sweeps.
+    fn measure_border(&mut self, camera: &Pinhole) {
+        let (w, h) = (self.width as usize, self.height as usize);
+        self.border.clear();
+        self.border.resize(w * h, 0);
+        let step = |a: f32, b: f32| {
+            // |1/a - 1/b| > STEP_FOOTPRINTS · depth / focal, without dividing.
+            let (near, far) = (a.max(b), a.min(b));
+            near - far > STEP_FOOTPRINTS / camera.focal * near
+        };
+        for y in 1..h.max(1) - 1 {
+            for x in 1..w.max(1) - 1 {
+                let i = y * w + x;
+                let z = self.inverse[i];
+                if z > 0.0 {
+                    let edge = [i - 1, i + 1, i - w, i + w].into_iter().any(|j| step(z, self.inverse[j]));
+                    self.border[i] = if edge { 1 } else { MOST_BORDER };
+                }
+            }
+        }
+        let spread = |border: &mut [u8], i: usize, from: [usize; 4]| {
+            let nearest = from.into_iter().map(|j| border[j]).min().unwrap_or(MOST_BORDER);
+            border[i] = border[i].min(nearest + 1);
+        };
+        for y in 1..h.max(1) - 1 {
+            for x in 1..w - 1 {
+                let i = y * w + x;
+                spread(&mut self.border, i, [i - w - 1, i - w, i - w + 1, i - 1]);
+            }
+        }
+        for y in (1..h.max(1) - 1).rev() {
+            for x in (1..w - 1).rev() {
+                let i = y * w + x;
+                spread(&mut self.border, i, [i + w - 1, i + w, i + w + 1, i + 1]);
+            }
+        }
+    }
+}

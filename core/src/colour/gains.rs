@@ -1,0 +1,97 @@
+//! One gain per camera and channel, so that cameras that see the same surface agree on its colour.
+
+use super::Offer;
+use alloc::{vec, vec::Vec};
+use glam::Vec3;
+
+/// About as many vertices are compared as this: more do not change the gains.
+const VERTICES: usize = 16384;
+/// Views compare a vertex only if both see it well.
+const LEAST_SCORE: f32 = 0.5;
+/// Darker values are mostly noise, brighter ones may be saturated.
+const TRUSTED: core::ops::RangeInclusive<f32> = 12.0..=248.0;
+/// Pull of every gain towards one, in vertices: decides only where cameras share next to nothing.
+const PRIOR: f64 = 1.0;
+
+/// What well-placed views see of some of the vertices.
+pub(super) struct Overlap {
+    /// Every `stride`th vertex is compared.
+    stride: usize,
+    views: usize,
+    /// (vertex, view, colour) in order of views.
+    samples: Vec<(u32, u16, Vec3)>,
+}
+
+impl Overlap {
+    pub(super) fn new(vertices: usize, views: usize) -> Self {
+        Self { stride: vertices.div_ceil(VERTICES).max(1), views, samples: Vec::new() }
+    }
+
+    pub(super) fn add(&mut self, vertex: usize, view: usize, offer: &Offer) {
+        if vertex % self.stride == 0 && offer.score >= LEAST_SCORE {
+            self.samples.push((vertex as u32, view as u16, offer.rgb));
+        }
+    }
+
+    /// Gains by least squares in the log domain over pairs of views, each pair with the median ratio of what both see:
+    /// highlights, shadows and points off the surface do not count. Their geometric mean is one.
+    pub(super) fn solve(mut self) -> Vec<Vec3> {
+        let n = self.views;
+        let mut gains = vec![Vec3::ONE; n];
+        self.samples.sort_by_key(|&(vertex, view, _)| (vertex, view));
+        for channel in 0..3 {
+            let mut ratios: Vec<(u16, u16, f32)> = Vec::new();
+            for group in self.samples.chunk_by(|a, b| a.0 == b.0) {
+                for (k, &(_, i, a)) in group.iter().enumerate() {
+                    for &(_, j, b) in &group[k + 1..] {
+                        let (a, b) = (a[channel], b[channel]);
+                        if TRUSTED.contains(&a) && TRUSTED.contains(&b) {
+                            ratios.push((i, j, libm::logf(b / a)));
+                        }
+                    }
+                }
+            }
+            ratios.sort_by(|a, b| (a.0, a.1).cmp(&(b.0, b.1)).then(a.2.total_cmp(&b.2)));
+            let mut matrix = vec![0.0f64; n * n];
+            let mut right = vec![0.0f64; n];
+            for pair in ratios.chunk_by(|a, b| (a.0, a.1) == (b.0, b.1)) {
+                let (i, j, median) = (pair[0].0 as usize, pair[0].1 as usize, f64::from(pair[pair.len() / 2].2));
+                let weight = pair.len() as f64;
+                matrix[i * n + i] += weight;
+                matrix[j * n + j] += weight;
+                matrix[i * n + j] -= weight;
+                matrix[j * n + i] -= weight;
+                right[i] += weight * median;
+                right[j] -= weight * median;
+            }
+            for i in 0..n {
+                matrix[i * n + i] += PRIOR;
+            }
+            let logs = solve_symmetric(matrix, right);
+            let mean = logs.iter().sum::<f64>() / n as f64;
+            for (gain, log) in gains.iter_mut().zip(logs) {
+                gain[channel] = libm::exp(log - mean) as f32;
+            }
+        }
+        gains
+    }
+}
+
+/// Solves a symmetric positive definite system by LDLᵀ.
+fn solve_symmetric(mut m: Vec<f64>, mut x: Vec<f64>) -> Vec<f64> {
+    let n = x.len();
+    for k in 0..n {
+        for i in k + 1..n {
+            let factor = m[i * n + k] / m[k * n + k];
+            for j in k + 1..n {
+                m[i * n + j] -= factor * m[k * n + j];
+            }
+            x[i] -= factor * x[k];
+        }
+    }
+    for k in (0..n).rev() {
+        let sum: f64 = (k + 1..n).map(|j| m[k * n + j] * x[j]).sum();
+        x[k] = (x[k] - sum) / m[k * n + k];
+    }
+    x
+}

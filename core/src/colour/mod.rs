@@ -1,0 +1,145 @@
+//! View-independent colours of a mesh (§7): each vertex takes the pixel of the camera that faces it best and sees it.
+
+mod depth;
+mod fill;
+mod gains;
+
+use crate::{
+    error::Result,
+    params::ColourParams,
+    point_cloud::Mesh,
+    progress::{self, Progress, Stage},
+    view::View,
+};
+use alloc::{vec, vec::Vec};
+use depth::DepthBuffer;
+use glam::Vec3;
+
+/// Views that look along the surface (cosine between normal and ray below this) show mostly its neighbours.
+const LEAST_COSINE: f32 = 0.15;
+/// From how many pixels inside the contour and off depth steps a pixel shows one surface only: lens blur, demosaicing
+/// and JPEG mix colours over about that distance.
+const CLEAN_PIXELS: f32 = 2.0;
+/// What a pixel on a contour counts against a clean one: taken only if no camera offers better.
+const LEAST_CLEANNESS: f32 = 0.02;
+/// Blending weight falls with this power of the cosine.
+const BLEND_POWER: i32 = 4;
+
+/// A view's offer for a vertex's colour.
+#[derive(Debug, Clone, Copy)]
+struct Offer {
+    /// How well the view faces the vertex, and how clean the pixel is; greater is better.
+    score: f32,
+    view: u16,
+    rgb: Vec3,
+}
+
+/// Colours the mesh from the views that see it.
+///
+/// Each vertex takes the bicubic pixel of the camera whose ray is most opposed to its normal
+/// ([`ColourParams::blended_views`] = 1, the paper's choice), or a blend of the best few that has no seams. Vertices
+/// that no camera sees continue the colours around them. Colours are sRGB, like the pictures.
+///
+/// # Errors
+/// [`crate::Error::Cancelled`].
+pub fn colour(mesh: &mut Mesh, views: &[View], params: &ColourParams, progress: &dyn Progress) -> Result<()> {
+    let blended = params.blended_views.max(1) as usize;
+    // Blending needs the best view that is left out as well.
+    let kept = if blended == 1 { 1 } else { blended + 1 };
+    let mut offers: Vec<Offer> =
+        vec![Offer { score: 0.0, view: u16::MAX, rgb: Vec3::ZERO }; mesh.positions.len() * kept];
+    let mut overlap = gains::Overlap::new(mesh.positions.len(), views.len());
+    let mut buffer = DepthBuffer::default();
+    for (i, view) in views.iter().enumerate() {
+        buffer.render(mesh, &view.camera);
+        for (v, (&position, &normal)) in mesh.positions.iter().zip(&mesh.normals).enumerate() {
+            let Some(offer) = look(view, i as u16, &buffer, position, normal, v) else { continue };
+            if params.gains {
+                overlap.add(v, i, &offer);
+            }
+            insert(&mut offers[v * kept..][..kept], offer);
+        }
+        progress::step(progress, Stage::Colour, i as u32 + 1, views.len() as u32)?;
+    }
+    let gains = if params.gains { overlap.solve() } else { vec![Vec3::ONE; views.len()] };
+    let colours = offers.chunks_exact(kept).map(|offers| blend(offers, blended, &gains)).collect();
+    mesh.colours = fill::fill(mesh, colours)
+        .into_iter()
+        .map(|c| c.to_array().map(|v| libm::roundf(v.clamp(0.0, 255.0)) as u8))
+        .collect();
+    Ok(())
+}
+
+/// What a view has to say about a vertex, if it sees it.
+fn look(view: &View, index: u16, buffer: &DepthBuffer, position: Vec3, normal: Vec3, vertex: usize) -> Option<Offer> {
+    let ray = position - view.camera.centre;
+    let cosine = -ray.dot(normal) / libm::sqrtf(ray.length_squared() * normal.length_squared());
+    if !(cosine > LEAST_COSINE) {
+        return None;
+    }
+    let pixel = buffer.projected(vertex);
+    let footprint = view.camera.footprint(pixel.z);
+    // A neighbouring pixel's centre lies up to √2 pixels off: the surface's own slope may hide it by so much.
+    let slope = libm::sqrtf(1.0 - (cosine * cosine).min(1.0)) / cosine;
+    let border = buffer.visible(pixel, footprint * (0.5 + 1.5 * slope))?;
+    let contour = match &view.silhouette {
+        Some(silhouette) => silhouette.sample(pixel.x, pixel.y)?,
+        None => CLEAN_PIXELS,
+    };
+    let cleanness = (border.min(contour) / CLEAN_PIXELS).clamp(LEAST_CLEANNESS, 1.0);
+    Some(Offer { score: cosine * cleanness, view: index, rgb: bicubic(view, pixel.x, pixel.y)? })
+}
+
+/// Keeps the best offers in falling order; of equal ones the earlier view's stays ahead.
+fn insert(offers: &mut [Offer], mut offer: Offer) {
+    for kept in offers {
+        if offer.score > kept.score {
+            core::mem::swap(kept, &mut offer);
+        }
+    }
+}
+
+/// The vertex's colour, `None` without any offer. Weights fall to zero towards the first view left out, so that the
+/// colour does not jump where the order of views changes.
+fn blend(offers: &[Offer], blended: usize, gains: &[Vec3]) -> Option<Vec3> {
+    let seen = offers.iter().take_while(|o| o.score > 0.0).count();
+    if seen == 0 {
+        return None;
+    }
+    let colour = |o: &Offer| o.rgb * gains[o.view as usize];
+    if blended == 1 {
+        return Some(colour(&offers[0]));
+    }
+    let weight = |o: &Offer| (0..BLEND_POWER).fold(1.0, |w, _| w * o.score);
+    let left_out = if seen > blended { weight(&offers[blended]) } else { 0.0 };
+    let (mut sum, mut total) = (Vec3::ZERO, 0.0);
+    for offer in &offers[..seen.min(blended)] {
+        // A trace of the first view's own weight keeps the sum positive where all are equal.
+        let w = weight(offer) * 1.001 - left_out;
+        sum += colour(offer) * w;
+        total += w;
+    }
+    Some(sum / total)
+}
+
+/// Catmull-Rom sample of the picture, `None` too close to its edge.
+fn bicubic(view: &View, u: f32, v: f32) -> Option<Vec3> {
+    let (w, h) = (view.camera.width as usize, view.camera.height as usize);
+    if !(u >= 1.0 && v >= 1.0 && u < w as f32 - 2.0 && v < h as f32 - 2.0) {
+        return None;
+    }
+    let (x, y) = (u as usize, v as usize);
+    let kernel = |t: f32| {
+        let (t2, t3) = (t * t, t * t * t);
+        [(2.0 * t2 - t3 - t) * 0.5, (3.0 * t3 - 5.0 * t2 + 2.0) * 0.5, (t + 4.0 * t2 - 3.0 * t3) * 0.5, (t3 - t2) * 0.5]
+    };
+    let (across, down) = (kernel(u - x as f32), kernel(v - y as f32));
+    let mut sum = Vec3::ZERO;
+    for (k, weight) in down.into_iter().enumerate() {
+        let row = &view.rgb[((y + k - 1) * w + x - 1) * 3..][..12];
+        for (pixel, a) in row.chunks_exact(3).zip(across) {
+            sum += Vec3::new(f32::from(pixel[0]), f32::from(pixel[1]), f32::from(pixel[2])) * (a * weight);
+        }
+    }
+    Some(sum.clamp(Vec3::ZERO, Vec3::splat(255.0)))
+}

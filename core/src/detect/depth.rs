@@ -1,0 +1,162 @@
+//! §4.1: the depth map of one view, tile by tile.
+
+use super::{
+    level::Level,
+    range::SearchRange,
+    sweep::{TILE, Tile},
+    vote::{Curves, VoteParams},
+};
+use crate::error::Result;
+use alloc::{vec, vec::Vec};
+use glam::Vec3;
+
+/// How one pass of detection searches.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SearchParams {
+    /// J: how many neighbouring views vote.
+    pub neighbours: u32,
+    /// Radius of the correlation window in pixels of the pass's resolution.
+    pub window_radius: u32,
+    /// δ: distance of samples, in pixels by which they move on average in the neighbours' pictures.
+    pub step_pixels: f32,
+    /// Curves to depth.
+    pub vote: VoteParams,
+    /// Interpolate the best sample's position.
+    pub refine: bool,
+}
+
+/// Depth (0 where there is none) and fidelity f of eq. 1, row after row.
+#[derive(Debug, Clone, Default)]
+pub struct DepthMap {
+    /// Depth along the optical axis.
+    pub depth: Vec<f32>,
+    /// Support, at most the number of neighbours.
+    pub fidelity: Vec<f32>,
+}
+
+/// Sheets swept at most; a tile whose range is deeper is swept in coarser steps.
+const MOST_SHEETS: usize = 256;
+
+/// Finds every pixel's depth. `keep_going` is asked once a row of tiles.
+pub fn depth_map(
+    target: &Level,
+    neighbours: &[&Level],
+    range: &SearchRange,
+    params: &SearchParams,
+    mut keep_going: impl FnMut(usize, usize) -> Result<()>,
+) -> Result<DepthMap> {
+    let (w, h) = (target.camera.width as usize, target.camera.height as usize);
+    let mut map = DepthMap { depth: vec![0.0; w * h], fidelity: vec![0.0; w * h] };
+    if neighbours.is_empty() {
+        return Ok(map);
+    }
+    let mut tile = Tile::default();
+    let mut curves = Curves::default();
+    for y0 in (0..h).step_by(TILE) {
+        keep_going(y0, h)?;
+        for x0 in (0..w).step_by(TILE) {
+            sweep_tile(target, neighbours, range, params, (x0, y0), &mut tile, &mut curves, &mut map);
+        }
+    }
+    Ok(map)
+}
+
+/// The samples of a tile: sheet i lies at the inverse depth `1/guide - step * (i + first)`.
+struct Sheets {
+    first: f32,
+    step: f32,
+    count: usize,
+}
+
+impl Sheets {
+    fn shift(&self, i: f32) -> f32 {
+        self.step * (i + self.first)
+    }
+
+    /// Sheet on which a pixel has a depth.
+    fn position(&self, guide: f32, depth: f32) -> f32 {
+        (1.0 / guide - 1.0 / depth) / self.step - self.first
+    }
+}
+
+fn sweep_tile(
+    target: &Level,
+    neighbours: &[&Level],
+    range: &SearchRange,
+    params: &SearchParams,
+    (x0, y0): (usize, usize),
+    tile: &mut Tile,
+    curves: &mut Curves,
+    map: &mut DepthMap,
+) {
+    let (w, h) = (target.camera.width as usize, target.camera.height as usize);
+    let pixels = (y0..(y0 + TILE).min(h)).flat_map(move |y| (x0..(x0 + TILE).min(w)).map(move |x| (x, y)));
+    let searched = pixels.filter(|&(x, y)| !range.of(y * w + x).is_empty());
+    let Some(sheets) = sheets(target, neighbours, range, params, searched.clone()) else { return };
+    tile.load(target, &range.guide, x0, y0, params.window_radius as usize);
+    curves.reset(neighbours.len(), sheets.count);
+    for (j, neighbour) in neighbours.iter().enumerate() {
+        tile.face(target, neighbour, x0, y0);
+        for i in 0..sheets.count {
+            tile.score(neighbour, sheets.shift(i as f32), curves.scores_mut(j, i));
+        }
+    }
+    curves.vote(neighbours.len(), &params.vote);
+    for (x, y) in searched {
+        let pixel = y * w + x;
+        let guide = range.guide[pixel];
+        let mut best = (0.0, f32::NEG_INFINITY);
+        for interval in range.of(pixel) {
+            let last = sheets.count - 2;
+            let first = (libm::ceilf(sheets.position(guide, interval.near)) as usize).clamp(1, last);
+            let last = (libm::floorf(sheets.position(guide, interval.far)) as usize).clamp(first, last);
+            let found = curves.best((y - y0) * TILE + x - x0, first, last, params.refine);
+            if found.1 > best.1 {
+                best = found;
+            }
+        }
+        if best.1 > 0.0 {
+            map.depth[pixel] = 1.0 / (1.0 / guide - sheets.shift(best.0));
+            map.fidelity[pixel] = best.1;
+        }
+    }
+}
+
+/// Chooses a tile's sheets so that they cover its pixels' intervals, with one to spare at either end.
+fn sheets(
+    target: &Level,
+    neighbours: &[&Level],
+    range: &SearchRange,
+    params: &SearchParams,
+    pixels: impl Iterator<Item = (usize, usize)>,
+) -> Option<Sheets> {
+    let w = target.camera.width as usize;
+    let (mut nearest, mut farthest) = (f32::INFINITY, f32::NEG_INFINITY);
+    let (mut middle, mut count) = (Vec3::ZERO, 0.0f32);
+    for (x, y) in pixels {
+        let (guide, intervals) = (range.guide[y * w + x], range.of(y * w + x));
+        nearest = nearest.min(1.0 / guide - 1.0 / intervals[0].near);
+        farthest = farthest.max(1.0 / guide - 1.0 / intervals[intervals.len() - 1].far);
+        middle += target.camera.unproject(x as f32, y as f32, guide);
+        count += 1.0;
+    }
+    if count == 0.0 {
+        return None;
+    }
+    // How fast the neighbours' pixels move when 1/z grows: mean over the neighbours at the tile's middle.
+    let middle = middle / count;
+    let ray = middle - target.camera.centre;
+    let nudged = target.camera.centre + ray * (1.0 + 1e-3);
+    let speed = neighbours
+        .iter()
+        .fold(0.0, |s: f32, n| s + (n.camera.project(middle) - n.camera.project(nudged)).truncate().length())
+        * target.camera.depth(middle)
+        / (1e-3 * neighbours.len() as f32);
+    if !(speed > 0.0) {
+        return None;
+    }
+    let span = farthest - nearest;
+    let step = (params.step_pixels / speed).max(span / (MOST_SHEETS - 3) as f32);
+    let count = libm::ceilf(span / step) as usize + 3;
+    Some(Sheets { first: nearest / step - 1.0, step, count })
+}

@@ -1,0 +1,129 @@
+//! Finds roughly where the object is in the space between the cameras.
+
+use super::carve::{Verdict, judge};
+use super::{Carver, LEAST_SILHOUETTES};
+use crate::{
+    error::{Error, Result},
+    progress::{self, Progress, Stage},
+};
+use alloc::{vec, vec::Vec};
+use glam::Vec3;
+
+/// Cells along an edge of the searched cube.
+const CELLS: usize = 128;
+/// Half diagonal of a cube over its half edge.
+const DIAGONAL: f32 = 1.7320508;
+
+/// The cells of a cube round the rig's origin that may hold the object.
+pub(super) struct Search {
+    half: f32,
+    /// Per cell, x fastest: zero where nothing is, else whether it belongs to the object.
+    kept: Vec<bool>,
+    pub lower: Vec3,
+    pub upper: Vec3,
+    /// How many silhouettes must see a point for it to belong to the object.
+    pub needed: u32,
+}
+
+impl Search {
+    /// Subdivides the cube of the cameras' radius.
+    ///
+    /// Where hardly a view looks, a few silhouettes agree by accident: between two cameras that face each other the
+    /// cones of both run together all the way. So a point needs two silhouettes, or a quarter of those that see the
+    /// best seen place; and of the connected groups of cells only those are kept that reach half of that best.
+    pub fn new(carvers: &[Carver], progress: &dyn Progress) -> Result<Self> {
+        let half = carvers.iter().map(|c| c.camera.centre.length()).fold(0.0, f32::max) * 1.2;
+        let support = support(carvers, half, progress)?;
+        let most = support.iter().copied().max().unwrap_or(0);
+        let needed = (2 * u32::from(most)).div_ceil(5).max(LEAST_SILHOUETTES);
+        let (labels, best) = label(&support, needed);
+        let kept: Vec<bool> = labels.iter().map(|&l| l > 0 && 2 * best[l as usize - 1] >= most).collect();
+        let (mut lower, mut upper) = (Vec3::INFINITY, Vec3::NEG_INFINITY);
+        let size = 2.0 * half / CELLS as f32;
+        for (i, _) in kept.iter().enumerate().filter(|&(_, &k)| k) {
+            let [x, y, z] = coordinates(i).map(|v| v as f32);
+            let corner = Vec3::new(x, y, z) * size - Vec3::splat(half);
+            (lower, upper) = (lower.min(corner), upper.max(corner + Vec3::splat(size)));
+        }
+        if lower.x > upper.x { Err(Error::EmptyHull) } else { Ok(Self { half, kept, lower, upper, needed }) }
+    }
+
+    /// Whether the object may be in a cube.
+    pub fn touches(&self, centre: Vec3, half_edge: f32) -> bool {
+        let scale = CELLS as f32 / (2.0 * self.half);
+        let index = |v: f32| ((v + self.half) * scale).clamp(0.0, CELLS as f32 - 1.0) as usize;
+        let (a, b) = (centre - Vec3::splat(half_edge), centre + Vec3::splat(half_edge));
+        (index(a.z)..=index(b.z)).any(|z| {
+            (index(a.y)..=index(b.y)).any(|y| (index(a.x)..=index(b.x)).any(|x| self.kept[(z * CELLS + y) * CELLS + x]))
+        })
+    }
+}
+
+fn coordinates(i: usize) -> [usize; 3] {
+    [i % CELLS, i / CELLS % CELLS, i / (CELLS * CELLS)]
+}
+
+/// For every cell the number of views in whose silhouette it may lie, zero if some view excludes it.
+fn support(carvers: &[Carver], half: f32, progress: &dyn Progress) -> Result<Vec<u16>> {
+    let mut support = vec![0u16; CELLS * CELLS * CELLS];
+    let mut crossing = Vec::new();
+    let mut stack = vec![([0usize; 3], CELLS)];
+    let mut visited = 0u32;
+    while let Some((corner, cells)) = stack.pop() {
+        visited += 1;
+        if visited % 4096 == 0 {
+            progress::step(progress, Stage::Hull, 0, 1)?;
+        }
+        let edge = 2.0 * half * cells as f32 / CELLS as f32;
+        let [x, y, z] = corner.map(|v| v as f32 * 2.0 * half / CELLS as f32 - half + 0.5 * edge);
+        let (verdict, _, supporting) =
+            judge(carvers, Vec3::new(x, y, z), 0.5 * edge * DIAGONAL, LEAST_SILHOUETTES, &mut crossing);
+        if verdict == Verdict::Outside {
+            continue;
+        }
+        if cells == 1 {
+            let [x, y, z] = corner;
+            support[(z * CELLS + y) * CELLS + x] = supporting as u16;
+            continue;
+        }
+        let step = cells / 2;
+        for k in 0..8 {
+            let at = |axis: usize| corner[axis] + if k >> axis & 1 == 0 { 0 } else { step };
+            stack.push(([at(0), at(1), at(2)], step));
+        }
+    }
+    Ok(support)
+}
+
+/// Labels the 26-connected groups of supported cells from 1 on; and each group's best support.
+fn label(support: &[u16], needed: u32) -> (Vec<u32>, Vec<u16>) {
+    let (mut labels, mut best) = (vec![0u32; support.len()], Vec::new());
+    let mut stack = Vec::new();
+    for first in 0..support.len() {
+        if u32::from(support[first]) < needed || labels[first] > 0 {
+            continue;
+        }
+        best.push(0);
+        let group = best.len() as u32;
+        labels[first] = group;
+        stack.push(first);
+        while let Some(i) = stack.pop() {
+            let most = &mut best[group as usize - 1];
+            *most = support[i].max(*most);
+            let [x, y, z] = coordinates(i);
+            let range = |v: usize| v.saturating_sub(1)..(v + 2).min(CELLS);
+            for z in range(z) {
+                for y in range(y) {
+                    for x in range(x) {
+                        let j = (z * CELLS + y) * CELLS + x;
+                        if u32::from(support[j]) >= needed && labels[j] == 0 {
+                            labels[j] = group;
+                            stack.push(j);
+                        }
+                    }
+                }
+            }
+        }
+    }
+    (labels, best)
+}

@@ -1,0 +1,66 @@
+//! Drops the parts of a mesh that are not the object.
+
+use alloc::{vec, vec::Vec};
+
+use crate::point_cloud::Mesh;
+
+/// Drops components with less volume than `smallest` times the largest one's, cavities (whose volume is negative) among
+/// them. Returns how many were dropped.
+pub fn drop_small_components(mesh: &mut Mesh, smallest: f32) -> u32 {
+    let mut parent: Vec<u32> = (0..mesh.positions.len() as u32).collect();
+    for &[a, b, c] in &mesh.triangles {
+        unite(&mut parent, a, b);
+        unite(&mut parent, b, c);
+    }
+    let roots: Vec<u32> = (0..parent.len() as u32).map(|v| root(&mut parent, v)).collect();
+
+    let mut volumes = vec![0.0_f64; roots.len()];
+    for triangle in &mesh.triangles {
+        let [a, b, c] = triangle.map(|v| mesh.positions[v as usize].as_dvec3());
+        volumes[roots[triangle[0] as usize] as usize] += a.dot(b.cross(c)) / 6.0;
+    }
+    let largest = volumes.iter().fold(0.0, |a: f64, &v| a.max(v));
+    let kept = |root: u32| {
+        let volume = volumes[root as usize];
+        volume > 0.0 && volume >= f64::from(smallest) * largest
+    };
+    let is_root = |&(v, &root): &(usize, &u32)| v as u32 == root;
+    let dropped = roots.iter().enumerate().filter(is_root).filter(|&(_, &root)| !kept(root)).count() as u32;
+    if dropped == 0 {
+        return 0;
+    }
+
+    const GONE: u32 = u32::MAX;
+    let mut renamed = vec![GONE; roots.len()];
+    let mut count = 0;
+    for (v, &root) in roots.iter().enumerate() {
+        if kept(root) {
+            renamed[v] = count;
+            mesh.positions[count as usize] = mesh.positions[v];
+            mesh.normals[count as usize] = mesh.normals[v];
+            count += 1;
+        }
+    }
+    mesh.positions.truncate(count as usize);
+    mesh.normals.truncate(count as usize);
+    mesh.triangles.retain_mut(|triangle| {
+        *triangle = triangle.map(|v| renamed[v as usize]);
+        triangle[0] != GONE
+    });
+    dropped
+}
+
+fn root(parent: &mut [u32], mut v: u32) -> u32 {
+    while parent[v as usize] != v {
+        let above = parent[parent[v as usize] as usize];
+        parent[v as usize] = above;
+        v = above;
+    }
+    v
+}
+
+/// The smaller index becomes the root, whatever the order.
+fn unite(parent: &mut [u32], a: u32, b: u32) {
+    let (a, b) = (root(parent, a), root(parent, b));
+    parent[a.max(b) as usize] = a.min(b);
+}

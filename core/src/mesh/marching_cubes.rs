@@ -1,0 +1,200 @@
+//! The surface of a sampled field as a closed manifold mesh.
+
+use alloc::{vec, vec::Vec};
+use glam::Vec3;
+
+use super::cases::{Cases, EDGES};
+use super::neighbourhood::{Neighbourhood, SIDE};
+use crate::grid::{BLOCK, BLOCK_NODES, SparseGrid};
+use crate::point_cloud::Mesh;
+
+/// How near to a node a vertex may come, as a share of the edge: vertices on different edges stay apart, so that no
+/// triangle degenerates.
+const NEAREST: f32 = 0.02;
+
+const NO_BLOCK: u32 = u32::MAX;
+
+/// The surface where the field passes `iso`; nodes with a greater value are inside the object. `values` are those of the
+/// grid's stored blocks, `inside` (greater than `iso`) and `outside` (not greater) those of the blocks that are not.
+///
+/// Whatever the values are, the mesh is closed, each edge has two triangles, each vertex one fan of triangles, and
+/// triangles are counter-clockwise seen from outside, with area. Normals follow the field's gradient.
+pub fn marching_cubes(grid: &SparseGrid, values: &[f32], iso: f32, inside: f32, outside: f32) -> Mesh {
+    let mut extractor = Extractor::new(grid, values, iso, inside, outside);
+    extractor.vertices();
+    extractor.triangles();
+    let mut mesh = extractor.mesh;
+    complete_normals(&mut mesh);
+    mesh
+}
+
+/// Blocks at whose nodes or upper faces signs can differ, the layer of blocks below the grid among them.
+struct Extractor<'a> {
+    grid: &'a SparseGrid,
+    values: &'a [f32],
+    iso: f32,
+    inside: f32,
+    outside: f32,
+    active: Vec<[i32; 3]>,
+    /// Index into `active`, of a grid of blocks that starts one below.
+    table: Vec<u32>,
+    /// Of each node of an active block its first vertex times eight, plus a bit for each axis whose edge has a vertex.
+    nodes: Vec<u32>,
+    mesh: Mesh,
+}
+
+impl<'a> Extractor<'a> {
+    fn new(grid: &'a SparseGrid, values: &'a [f32], iso: f32, inside: f32, outside: f32) -> Self {
+        let [w, h, d] = grid.dims.map(|v| v as i32);
+        let (mut active, mut table) = (Vec::new(), Vec::new());
+        for z in -1..d {
+            for y in -1..h {
+                for x in -1..w {
+                    let state = grid.slot(x, y, z);
+                    let differs = |c: i32| grid.slot(x + (c & 1), y + (c >> 1 & 1), z + (c >> 2)) != state;
+                    if state < SparseGrid::INSIDE || (1..8).any(differs) {
+                        table.push(active.len() as u32);
+                        active.push([x, y, z]);
+                    } else {
+                        table.push(NO_BLOCK);
+                    }
+                }
+            }
+        }
+        let nodes = vec![0; active.len() * BLOCK_NODES];
+        Self { grid, values, iso, inside, outside, active, table, nodes, mesh: Mesh::default() }
+    }
+
+    fn load(&self, block: [i32; 3], around: &mut Neighbourhood) {
+        around.load(self.grid, self.values, block, self.inside, self.outside);
+    }
+
+    /// Bit x of row (z, y) of the block's 9 x 9 rows of 9 nodes says that the node is inside.
+    fn signs(&self, around: &Neighbourhood) -> [[u16; BLOCK + 1]; BLOCK + 1] {
+        let mut signs = [[0; BLOCK + 1]; BLOCK + 1];
+        for (z, plane) in signs.iter_mut().enumerate() {
+            for (y, bits) in plane.iter_mut().enumerate() {
+                let first = Neighbourhood::index(0, y as i32, z as i32);
+                for (x, &value) in around.0[first..first + BLOCK + 1].iter().enumerate() {
+                    *bits |= u16::from(value > self.iso) << x;
+                }
+            }
+        }
+        signs
+    }
+
+    fn vertices(&mut self) {
+        let mut around = Neighbourhood::new();
+        for (index, &block) in core::mem::take(&mut self.active).iter().enumerate() {
+            self.load(block, &mut around);
+            let signs = self.signs(&around);
+            for z in 0..BLOCK {
+                for y in 0..BLOCK {
+                    let row = signs[z][y];
+                    let crossed = [row ^ row >> 1, row ^ signs[z][y + 1], row ^ signs[z + 1][y]];
+                    if (crossed[0] | crossed[1] | crossed[2]) & 0xff == 0 {
+                        continue;
+                    }
+                    for x in 0..BLOCK {
+                        let axes = (0..3).fold(0, |bits, a| bits | (crossed[a] >> x & 1) << a);
+                        if axes == 0 {
+                            continue;
+                        }
+                        let first = self.mesh.positions.len() as u32;
+                        self.nodes[index * BLOCK_NODES + (z * BLOCK + y) * BLOCK + x] = first << 3 | u32::from(axes);
+                        for axis in (0..3).filter(|axis| axes >> axis & 1 == 1) {
+                            self.vertex(&around, block, [x, y, z].map(|v| v as i32), axis);
+                        }
+                    }
+                }
+            }
+            self.active.push(block);
+        }
+    }
+
+    /// The vertex on the edge that leaves a node along an axis.
+    fn vertex(&mut self, around: &Neighbourhood, block: [i32; 3], node: [i32; 3], axis: usize) {
+        let i = Neighbourhood::index(node[0], node[1], node[2]);
+        let j = i + [1, SIDE, SIDE * SIDE][axis];
+        let (a, b) = (around.0[i], around.0[j]);
+        let t = (self.iso - a) / (b - a);
+        // Written so that NaN, from values that are not finite, is replaced too.
+        let t = if t > NEAREST { t.min(1.0 - NEAREST) } else { NEAREST };
+        let gradient = |i: usize| {
+            let difference = |step: usize| around.0[i + step] - around.0[i - step];
+            Vec3::new(difference(1), difference(SIDE), difference(SIDE * SIDE))
+        };
+        let outward = -(gradient(i) * (1.0 - t) + gradient(j) * t);
+        let length = outward.length();
+        let normal = if length > 1e-20 && length.is_finite() { outward / length } else { Vec3::ZERO };
+
+        let corner: [f32; 3] = core::array::from_fn(|k| (block[k] * BLOCK as i32 + node[k]) as f32);
+        let mut at = Vec3::from_array(corner);
+        at[axis] += t;
+        self.mesh.positions.push(self.grid.origin + at * self.grid.voxel);
+        self.mesh.normals.push(normal);
+    }
+
+    fn triangles(&mut self) {
+        let cases = Cases::new();
+        let mut around = Neighbourhood::new();
+        for index in 0..self.active.len() {
+            let block = self.active[index];
+            self.load(block, &mut around);
+            let signs = self.signs(&around);
+            for z in 0..BLOCK {
+                for y in 0..BLOCK {
+                    let rows = [signs[z][y], signs[z][y + 1], signs[z + 1][y], signs[z + 1][y + 1]];
+                    let (any, all) = rows.iter().fold((0, 0x1ff), |(any, all), row| (any | row, all & row));
+                    // A cube is uniform if its two columns of four nodes are all inside or all outside.
+                    let mixed = (any | any >> 1) & !(all & all >> 1) & 0xff;
+                    for x in (0..BLOCK).filter(|x| mixed >> x & 1 == 1) {
+                        let case = (0..4).fold(0, |bits, r| bits | (rows[r] >> x & 3) << (2 * r));
+                        for triangle in cases.of(case as u8) {
+                            let corners = triangle.map(|e| self.edge(index, [x, y, z], usize::from(e)));
+                            self.mesh.triangles.push(corners);
+                        }
+                    }
+                }
+            }
+        }
+    }
+
+    /// The vertex on an edge of the cube at a block's node.
+    fn edge(&self, index: usize, cube: [usize; 3], edge: usize) -> u32 {
+        let (axis, corner) = EDGES[edge];
+        let node: [usize; 3] = core::array::from_fn(|k| cube[k] + (corner >> k & 1));
+        let owner = if node.iter().all(|&v| v < BLOCK) {
+            index
+        } else {
+            let block = self.active[index];
+            // The table starts one block below the grid.
+            let [x, y, z] = core::array::from_fn(|k| (block[k] + 1) as usize + node[k] / BLOCK);
+            let [w, h, _] = self.grid.dims.map(|v| v as usize + 1);
+            self.table[(z * h + y) * w + x] as usize
+        };
+        let [x, y, z] = node.map(|v| v % BLOCK);
+        let entry = self.nodes[owner * BLOCK_NODES + (z * BLOCK + y) * BLOCK + x];
+        (entry >> 3) + (entry & ((1 << axis) - 1)).count_ones()
+    }
+}
+
+/// Where the gradient vanishes the normal is the mean of the triangles', by area.
+fn complete_normals(mesh: &mut Mesh) {
+    if mesh.normals.iter().all(|&n| n != Vec3::ZERO) {
+        return;
+    }
+    let mut sums = vec![Vec3::ZERO; mesh.positions.len()];
+    for &triangle in &mesh.triangles {
+        let [a, b, c] = triangle.map(|v| mesh.positions[v as usize]);
+        for v in triangle {
+            sums[v as usize] += (b - a).cross(c - a);
+        }
+    }
+    for (normal, sum) in mesh.normals.iter_mut().zip(sums) {
+        if *normal == Vec3::ZERO {
+            let length = sum.length();
+            *normal = if length > 0.0 { sum / length } else { Vec3::Z };
+        }
+    }
+}

@@ -1,0 +1,71 @@
+//! The grids' extent, and which nodes lie outside the envelope.
+
+use alloc::{vec, vec::Vec};
+use glam::Vec3;
+
+use crate::grid::{BLOCK, BLOCK_NODES, SparseGrid};
+use crate::mesh::Envelope;
+
+/// Extent of the domain relative to the bounds: χ is 0 at its border.
+const ROOM: f32 = 1.3;
+
+/// Most blocks along an edge of the coarsest level.
+const COARSEST: f32 = 4.0;
+
+/// The finest grid's frame (no blocks stored) over the bounds, and the number of levels.
+pub(super) fn domain(low: Vec3, high: Vec3, voxel: f32) -> (SparseGrid, usize) {
+    let size = (high - low) * ROOM + 8.0 * voxel;
+    let mut levels = 1;
+    while size.max_element() / (voxel * (BLOCK << (levels - 1)) as f32) > COARSEST {
+        levels += 1;
+    }
+    let block = voxel * (BLOCK << (levels - 1)) as f32;
+    let dims = (size / block).to_array().map(|v| libm::ceilf(v) as u32);
+    let extent = Vec3::from_array(dims.map(|v| v as f32)) * block;
+    let origin = (low + high - extent) * 0.5;
+    let finest = SparseGrid::new(origin, voxel, dims.map(|v| v << (levels - 1)), |_| SparseGrid::OUTSIDE);
+    (finest, levels)
+}
+
+/// How fast a signed distance may change along a line, at most.
+const SLOPE: f32 = 1.3;
+
+/// Signed distance to the envelope at the stored nodes, in voxels, positive inside. Exact where it is within
+/// ± `reach`; elsewhere only its sign and that it is beyond are right, which spares most of the evaluations.
+pub(super) fn distances(grid: &SparseGrid, envelope: &dyn Envelope, reach: f32) -> Vec<f32> {
+    let mut distances = vec![0.0; grid.blocks.len() * BLOCK_NODES];
+    for (block, out) in grid.blocks.iter().zip(distances.chunks_exact_mut(BLOCK_NODES)) {
+        let first = block.map(|v| i32::from(v) * BLOCK as i32);
+        cube(grid, envelope, reach, first, [0; 3], BLOCK, out);
+    }
+    distances
+}
+
+/// Fills a cube of `side` nodes at `at` of the block that begins at node `first`.
+fn cube(
+    grid: &SparseGrid,
+    envelope: &dyn Envelope,
+    reach: f32,
+    first: [i32; 3],
+    at: [usize; 3],
+    side: usize,
+    out: &mut [f32],
+) {
+    let half = (side - 1) as f32 * 0.5;
+    let centre: [f32; 3] = core::array::from_fn(|k| (first[k] + at[k] as i32) as f32 + half);
+    let distance = envelope.signed_distance(grid.origin + Vec3::from_array(centre) * grid.voxel) / grid.voxel;
+    // The farthest node is √3 times half a side away.
+    if side == 1 || distance.abs() > reach + SLOPE * 1.7321 * half {
+        for z in at[2]..at[2] + side {
+            for y in at[1]..at[1] + side {
+                let row = (z * BLOCK + y) * BLOCK + at[0];
+                out[row..row + side].fill(distance);
+            }
+        }
+        return;
+    }
+    for corner in 0..8 {
+        let at = core::array::from_fn(|k| at[k] + (corner >> k & 1) * side / 2);
+        cube(grid, envelope, reach, first, at, side / 2, out);
+    }
+}

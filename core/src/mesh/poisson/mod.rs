@@ -1,0 +1,142 @@
+//! Poisson surface reconstruction (§6.1) on a hierarchy of sparse grids.
+//!
+//! χ is the indicator function of the object, smoothed by a quadratic B-spline: its gradient is that of the points'
+//! normals, smoothed alike. Levels are solved from coarse to fine, each on the blocks that the surface can pass, with
+//! the coarser solution as start and as value on the border.
+
+mod domain;
+mod level;
+mod samples;
+mod solve;
+mod spline;
+mod surface;
+mod system;
+
+use alloc::{vec, vec::Vec};
+use glam::Vec3;
+
+use super::{Envelope, Steps};
+use crate::error::{Error, Result};
+use crate::grid::{BLOCK_NODES, SparseGrid};
+use crate::point_cloud::Point;
+use level::Level;
+use samples::Sample;
+use solve::Operator;
+use system::Cell;
+
+/// Iterations on each level; the coarser solution leaves only details to find.
+const ITERATIONS: u32 = 8;
+/// Iterations on the coarsest level at most, and the share of the residual that may remain there.
+const ITERATIONS_COARSEST: u32 = 200;
+const TOLERANCE: f64 = 1e-4;
+
+/// χ is held at 0 farther outside the envelope than this, in voxels: a surface that coincides with the envelope keeps
+/// the smooth profile that χ has across it.
+const MARGIN: f32 = 1.5;
+
+/// A solution on the finest grid.
+pub(super) struct Solution {
+    pub(super) grid: SparseGrid,
+    pub(super) chi: Vec<f32>,
+    /// Value of χ on the surface: its mean at the points.
+    pub(super) iso: f32,
+    /// Signed distance to the envelope in voxels where it is within ± [`MARGIN`], if one was given.
+    pub(super) distances: Option<Vec<f32>>,
+}
+
+/// Number of steps that [`solve`] reports at most.
+pub(super) fn steps(low: Vec3, high: Vec3, voxel: f32) -> u32 {
+    let (_, levels) = domain::domain(low, high, voxel);
+    ITERATIONS_COARSEST + 1 + levels as u32 * (ITERATIONS + 3)
+}
+
+/// Solves for χ over the bounds `low`, `high`. `screening` is the weight by which χ is held at 1/2 at the points; an
+/// envelope holds it at 0 outside.
+pub(super) fn solve(
+    points: &[Point],
+    (low, high): (Vec3, Vec3),
+    voxel: f32,
+    screening: f32,
+    envelope: Option<&dyn Envelope>,
+    steps: &mut Steps,
+) -> Result<Solution> {
+    let (finest, count) = domain::domain(low, high, voxel);
+    let mut samples = samples::collect(points, &finest);
+    if samples.is_empty() {
+        return Err(Error::NoSurface);
+    }
+    samples::weigh(&mut samples, &finest, count);
+    steps.step()?;
+
+    let mut levels: Vec<Level> = Vec::with_capacity(count);
+    let mut sparse: Vec<f32> = Vec::new();
+    let (mut iso, mut distances) = (0.5, None);
+    for level in (0..count).rev() {
+        let mut next = if levels.is_empty() {
+            Level::coarsest(&finest, level)
+        } else {
+            Level::refine(&levels, &samples, level, iso)
+        };
+        steps.step()?;
+        let mut rhs = right_hand_side(&levels, &mut sparse, &samples, &next.grid, level);
+        let cells = system::cells(&samples, &next.grid, level);
+        steps.step()?;
+        distances = envelope.map(|envelope| domain::distances(&next.grid, envelope, MARGIN));
+        let outside = |node: usize| distances.as_ref().is_some_and(|d: &Vec<f32>| d[node] < -MARGIN);
+        for (node, chi) in next.chi.iter_mut().enumerate() {
+            if outside(node) {
+                *chi = 0.0;
+            }
+        }
+        let neighbours = system::neighbours(&next.grid);
+        let inverse_diagonal = system::inverse_diagonal(&neighbours, &cells, screening, outside);
+        for cell in &cells {
+            for (&node, share) in cell.nodes.iter().zip(cell.shares) {
+                rhs[node as usize] += 0.5 * screening * cell.area * share;
+            }
+        }
+        steps.step()?;
+        let operator =
+            Operator { neighbours: &neighbours, cells: &cells, screening, inverse_diagonal: &inverse_diagonal };
+        let iterations = if levels.is_empty() { ITERATIONS_COARSEST } else { ITERATIONS };
+        operator.solve(&mut rhs, &mut next.chi, iterations, TOLERANCE, || steps.step())?;
+        iso = mean(&cells, &next.chi);
+        levels.push(next);
+    }
+    let Level { grid, chi } = levels.pop().expect("there is at least one level");
+    Ok(Solution { grid, chi, iso, distances })
+}
+
+/// The right-hand side of a level: samples as detailed as the level or finer act here, coarser ones through `sparse`,
+/// which holds their part on the level above and is brought to this one.
+fn right_hand_side(
+    levels: &[Level],
+    sparse: &mut Vec<f32>,
+    samples: &[Sample],
+    grid: &SparseGrid,
+    level: usize,
+) -> Vec<f32> {
+    let here = level as f32;
+    let mut rhs = vec![0.0; grid.blocks.len() * BLOCK_NODES];
+    if let Some(above) = levels.last() {
+        // In square voxels of this level the same divergence is a quarter.
+        let part = |[x, y, z]: [i32; 3]| above.grid.value(sparse, x, y, z, 0.0, 0.0);
+        level::prolong(part, grid, 0.25, &mut rhs);
+    }
+    let mut own = rhs.clone();
+    // A sample's share at a level falls linearly to 0 one level from its own.
+    system::splat(samples, grid, level, |detail| (1.0 - (detail - here).abs()).max(0.0), &mut own);
+    *sparse = own;
+    system::splat(samples, grid, level, |detail| (1.0 - (detail - here)).clamp(0.0, 1.0), &mut rhs);
+    rhs
+}
+
+/// Mean of χ at the points, by area.
+fn mean(cells: &[Cell], chi: &[f32]) -> f32 {
+    let (mut sum, mut area) = (0.0, 0.0);
+    for cell in cells {
+        sum += f64::from(cell.area * cell.value(chi));
+        area += f64::from(cell.area);
+    }
+    if area > 0.0 { (sum / area) as f32 } else { 0.5 }
+}

@@ -1,0 +1,134 @@
+//! The points as samples of the surface: how much of it each one stands for, and at which level of detail.
+
+use alloc::{vec, vec::Vec};
+use glam::Vec3;
+
+use super::spline::{ABSENT, Stencil};
+use crate::grid::{BLOCK, BLOCK_NODES, SparseGrid};
+use crate::point_cloud::Point;
+
+/// A point that takes part, in coordinates of the finest grid (nodes at integers).
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Sample {
+    pub(super) at: Vec3,
+    /// Unit normal, outward.
+    pub(super) normal: Vec3,
+    /// Weight (eq. 3), later also share of the surface: see [`weigh`].
+    pub(super) area: f32,
+    /// Level at which points are about one voxel apart, 0 the finest; between two levels the point acts on both.
+    pub(super) detail: f32,
+}
+
+/// The points with a normal and a positive weight, block by block, and within a block in an order that does not depend
+/// on the order of `points`.
+pub(super) fn collect(points: &[Point], grid: &SparseGrid) -> Vec<Sample> {
+    let mut keyed: Vec<(u64, u32)> = Vec::with_capacity(points.len());
+    for (i, point) in points.iter().enumerate() {
+        let at = (point.position - grid.origin) / grid.voxel;
+        let usable = point.weight > 0.0 && point.weight.is_finite() && at.is_finite() && point.normal.length() > 0.5;
+        let size = grid.dims.map(|v| (v as usize * BLOCK) as f32);
+        if usable && (0..3).all(|k| at[k] >= 2.0 && at[k] < size[k] - 3.0) {
+            let block = (at / BLOCK as f32).to_array().map(|v| v as u64);
+            keyed.push((block[2] << 42 | block[1] << 21 | block[0], i as u32));
+        }
+    }
+    keyed.sort_unstable_by(|a, b| {
+        let bits = |i: u32| {
+            let p = &points[i as usize];
+            (p.position.to_array().map(f32::to_bits), p.normal.to_array().map(f32::to_bits), p.weight.to_bits())
+        };
+        a.0.cmp(&b.0).then_with(|| bits(a.1).cmp(&bits(b.1)))
+    });
+    let sample = |&(_, i): &(u64, u32)| {
+        let point = &points[i as usize];
+        Sample {
+            at: (point.position - grid.origin) / grid.voxel,
+            normal: point.normal / point.normal.length(),
+            area: point.weight,
+            detail: 0.0,
+        }
+    };
+    keyed.iter().map(sample).collect()
+}
+
+/// What the autocorrelation of the quadratic B-spline sums to over a plane with one point a square voxel.
+const PLANE: f32 = 0.556;
+
+/// Fewest points a square voxel for which a density counts as measured at a level.
+const DENSE: f32 = 1.0;
+
+/// Sets each sample's share of the surface, in square voxels, and its level of detail from the density of the samples
+/// around it. Dense and sparse parts of the cloud then bound the same volume, and weights (eq. 3) decide between
+/// neighbours only.
+pub(super) fn weigh(samples: &mut [Sample], finest: &SparseGrid, levels: usize) {
+    let mut waiting: Vec<u32> = (0..samples.len() as u32).collect();
+    let mut shares = vec![(0.0, 0.0); samples.len()];
+    for level in 1..levels {
+        let scale = 1.0 / (1 << level) as f32;
+        let grid = around(samples, finest, level, 1.5);
+        let mut density = vec![[0.0_f32; 2]; grid.blocks.len() * BLOCK_NODES];
+        for sample in samples.iter() {
+            let stencil = Stencil::new(&grid, sample.at * scale);
+            let [vx, vy, vz] = &stencil.values;
+            for (i, &node) in stencil.nodes.iter().enumerate() {
+                if node != ABSENT {
+                    let value = vx[i % 3] * vy[i / 3 % 3] * vz[i / 9];
+                    density[node as usize][0] += value;
+                    density[node as usize][1] += value * sample.area;
+                }
+            }
+        }
+        let last = level == levels - 1;
+        waiting.retain(|&i| {
+            let sample = &samples[i as usize];
+            let [count, weight] = Stencil::new(&grid, sample.at * scale).gather(&density);
+            let count = count / PLANE;
+            let measured = count >= DENSE || last;
+            if measured {
+                // From one level's square voxels to the finest's.
+                let area = PLANE * sample.area / weight / (scale * scale);
+                let spacing = 1.0 / (scale * libm::sqrtf(count));
+                let detail = libm::log2f(spacing).clamp(0.0, (levels - 1) as f32);
+                shares[i as usize] = (area, detail);
+            }
+            !measured
+        });
+        if waiting.is_empty() {
+            break;
+        }
+    }
+    for (sample, (area, detail)) in samples.iter_mut().zip(shares) {
+        sample.area = area;
+        sample.detail = detail;
+    }
+}
+
+/// Blocks of a level's grid that hold a node within `reach` voxels of a sample.
+pub(super) fn mark(samples: &[Sample], dims: [u32; 3], level: usize, reach: f32) -> Vec<bool> {
+    let mut marks = vec![false; (dims[0] * dims[1] * dims[2]) as usize];
+    let scale = 1.0 / (1 << level) as f32;
+    for sample in samples {
+        let at = sample.at * scale;
+        let block = |v: f32, k: usize| (v.max(0.0) / BLOCK as f32).min((dims[k] - 1) as f32) as u32;
+        let low: [u32; 3] = core::array::from_fn(|k| block(at[k] - reach, k));
+        let high: [u32; 3] = core::array::from_fn(|k| block(at[k] + reach, k));
+        for z in low[2]..=high[2] {
+            for y in low[1]..=high[1] {
+                for x in low[0]..=high[0] {
+                    marks[((z * dims[1] + y) * dims[0] + x) as usize] = true;
+                }
+            }
+        }
+    }
+    marks
+}
+
+/// A level's grid of the blocks around the samples.
+fn around(samples: &[Sample], finest: &SparseGrid, level: usize, reach: f32) -> SparseGrid {
+    let dims = finest.dims.map(|v| v >> level);
+    let marks = mark(samples, dims, level, reach);
+    let voxel = finest.voxel * (1 << level) as f32;
+    SparseGrid::new(finest.origin, voxel, dims, |[x, y, z]| {
+        if marks[((z * dims[1] + y) * dims[0] + x) as usize] { 0 } else { SparseGrid::OUTSIDE }
+    })
+}

@@ -1,0 +1,136 @@
+//! Conjugate gradients on one level, preconditioned by the diagonal.
+
+use alloc::{vec, vec::Vec};
+
+use super::spline::ABSENT;
+use super::system::Cell;
+use crate::error::Result;
+use crate::grid::{BLOCK, BLOCK_NODES};
+
+/// The operator: six times the node less its neighbours, plus the screening of the cells.
+pub(super) struct Operator<'a> {
+    pub(super) neighbours: &'a [[u32; 6]],
+    pub(super) cells: &'a [Cell],
+    pub(super) screening: f32,
+    /// One over the diagonal; 0 at nodes whose value is given.
+    pub(super) inverse_diagonal: &'a [f32],
+}
+
+type Row = [f32; BLOCK];
+const NOTHING: [f32; BLOCK_NODES] = [0.0; BLOCK_NODES];
+
+#[inline]
+fn row(block: &[f32], z: usize, y: usize) -> &Row {
+    let first = (z * BLOCK + y) * BLOCK;
+    block[first..first + BLOCK].try_into().expect("a row has BLOCK nodes")
+}
+
+impl Operator<'_> {
+    /// `out` = A `v`; returns v · A v, for a v that is 0 at given nodes.
+    fn apply(&self, v: &[f32], out: &mut [f32]) -> f64 {
+        let mut product = 0.0;
+        let block = |slot: u32| -> &[f32] {
+            if slot == ABSENT { &NOTHING } else { &v[slot as usize * BLOCK_NODES..][..BLOCK_NODES] }
+        };
+        for (slot, (around, out)) in self.neighbours.iter().zip(out.chunks_exact_mut(BLOCK_NODES)).enumerate() {
+            let own = block(slot as u32);
+            let [left, right, front, back, below, above] = around.map(block);
+            let mut lanes = [0.0; BLOCK];
+            for z in 0..BLOCK {
+                for y in 0..BLOCK {
+                    let centre = row(own, z, y);
+                    let y0 = if y > 0 { row(own, z, y - 1) } else { row(front, z, BLOCK - 1) };
+                    let y1 = if y < BLOCK - 1 { row(own, z, y + 1) } else { row(back, z, 0) };
+                    let z0 = if z > 0 { row(own, z - 1, y) } else { row(below, BLOCK - 1, y) };
+                    let z1 = if z < BLOCK - 1 { row(own, z + 1, y) } else { row(above, 0, y) };
+                    let [a, b, c, d, e, f, g, h] = *centre;
+                    let x0 = [row(left, z, y)[BLOCK - 1], a, b, c, d, e, f, g];
+                    let x1 = [b, c, d, e, f, g, h, row(right, z, y)[0]];
+                    let first = (z * BLOCK + y) * BLOCK;
+                    let out = &mut out[first..first + BLOCK];
+                    for x in 0..BLOCK {
+                        let sum = ((x0[x] + x1[x]) + (y0[x] + y1[x])) + (z0[x] + z1[x]);
+                        out[x] = 6.0 * centre[x] - sum;
+                        lanes[x] += centre[x] * out[x];
+                    }
+                }
+            }
+            product += sum_lanes(lanes);
+        }
+        if self.screening > 0.0 {
+            for cell in self.cells {
+                let value = cell.value(v);
+                let force = self.screening * cell.area * value;
+                for (&node, share) in cell.nodes.iter().zip(cell.shares) {
+                    out[node as usize] += force * share;
+                }
+                product += f64::from(force * value);
+            }
+        }
+        product
+    }
+
+    /// Improves `x` towards A x = `rhs`, for `iterations` or until the residual has fallen to `tolerance` of the
+    /// right-hand side. `rhs` is used up. `step` is called once an iteration.
+    pub(super) fn solve(
+        &self,
+        rhs: &mut [f32],
+        x: &mut [f32],
+        iterations: u32,
+        tolerance: f64,
+        mut step: impl FnMut() -> Result<()>,
+    ) -> Result<()> {
+        let target = dot(rhs, rhs, self.inverse_diagonal) * tolerance * tolerance;
+        let mut image = vec![0.0; x.len()];
+        self.apply(x, &mut image);
+        let residual = rhs;
+        for (r, a) in residual.iter_mut().zip(&image) {
+            *r -= a;
+        }
+        let mut direction: Vec<f32> = residual.iter().zip(self.inverse_diagonal).map(|(r, d)| r * d).collect();
+        let mut size = dot(residual, residual, self.inverse_diagonal);
+        for _ in 0..iterations {
+            step()?;
+            if size <= target {
+                break;
+            }
+            let curvature = self.apply(&direction, &mut image);
+            let alpha = (size / curvature) as f32;
+            let previous = size;
+            size = 0.0;
+            let blocks = x
+                .chunks_exact_mut(BLOCK_NODES)
+                .zip(residual.chunks_exact_mut(BLOCK_NODES))
+                .zip(direction.chunks_exact(BLOCK_NODES).zip(image.chunks_exact(BLOCK_NODES)))
+                .zip(self.inverse_diagonal.chunks_exact(BLOCK_NODES));
+            for (((x, r), (p, a)), d) in blocks {
+                let mut lanes = [0.0; BLOCK];
+                for i in 0..BLOCK_NODES {
+                    x[i] += alpha * p[i];
+                    r[i] -= alpha * a[i];
+                    lanes[i % BLOCK] += r[i] * r[i] * d[i];
+                }
+                size += sum_lanes(lanes);
+            }
+            let beta = (size / previous) as f32;
+            for ((p, r), d) in direction.iter_mut().zip(residual.iter()).zip(self.inverse_diagonal) {
+                *p = r * d + beta * *p;
+            }
+        }
+        Ok(())
+    }
+}
+
+fn sum_lanes(lanes: [f32; BLOCK]) -> f64 {
+    lanes.iter().fold(0.0, |sum, &lane| sum + f64::from(lane))
+}
+
+/// Σ a b d, in the order of the nodes.
+fn dot(a: &[f32], b: &[f32], d: &[f32]) -> f64 {
+    let mut sum = 0.0;
+    let blocks = a.chunks_exact(BLOCK).zip(b.chunks_exact(BLOCK)).zip(d.chunks_exact(BLOCK));
+    for ((a, b), d) in blocks {
+        sum += sum_lanes(core::array::from_fn(|i| a[i] * b[i] * d[i]));
+    }
+    sum
+}

@@ -1,0 +1,138 @@
+//! The linear system of one level: (Δ + screening) χ = divergence of the normals, in units of the level's voxel.
+
+use alloc::{vec, vec::Vec};
+
+use super::samples::Sample;
+use super::spline::{ABSENT, Stencil, cube};
+use crate::grid::{BLOCK, BLOCK_NODES, SparseGrid};
+
+/// The points of one cell of the grid, merged: they ask for χ = 1/2 at their mean position.
+pub(super) struct Cell {
+    /// The cell's corners, x fastest.
+    pub(super) nodes: [u32; 8],
+    /// Trilinear weights of the corners.
+    pub(super) shares: [f32; 8],
+    /// Area of surface in square voxels.
+    pub(super) area: f32,
+}
+
+impl Cell {
+    /// χ at the points.
+    #[inline]
+    pub(super) fn value(&self, chi: &[f32]) -> f32 {
+        let mut sum = 0.0;
+        for (&node, share) in self.nodes.iter().zip(self.shares) {
+            sum += share * chi[node as usize];
+        }
+        sum
+    }
+}
+
+/// Adds the right-hand side of the samples' smoothed normals: -div V with V = -n a B(x - p), B the quadratic B-spline.
+/// `share` says how much of a sample, by its level of detail, belongs here.
+pub(super) fn splat(samples: &[Sample], grid: &SparseGrid, level: usize, share: impl Fn(f32) -> f32, rhs: &mut [f32]) {
+    let scale = 1.0 / (1 << level) as f32;
+    for sample in samples {
+        let area = share(sample.detail) * sample.area * scale * scale;
+        if area <= 0.0 {
+            continue;
+        }
+        let stencil = Stencil::new(grid, sample.at * scale);
+        let ([vx, vy, vz], [dx, dy, dz]) = (&stencil.values, &stencil.derivatives);
+        let n = sample.normal * area;
+        for (i, &node) in stencil.nodes.iter().enumerate() {
+            if node != ABSENT {
+                let (x, y, z) = (i % 3, i / 3 % 3, i / 9);
+                rhs[node as usize] +=
+                    n.x * dx[x] * vy[y] * vz[z] + n.y * vx[x] * dy[y] * vz[z] + n.z * vx[x] * vy[y] * dz[z];
+            }
+        }
+    }
+}
+
+/// Merges the samples cell by cell.
+pub(super) fn cells(samples: &[Sample], grid: &SparseGrid, level: usize) -> Vec<Cell> {
+    const NONE: u32 = u32::MAX;
+    let scale = 1.0 / (1 << level) as f32;
+    let mut index = vec![NONE; grid.blocks.len() * BLOCK_NODES];
+    // Area, area times offset from the cell's first corner, that corner.
+    let mut sums: Vec<([f32; 4], [i32; 3])> = Vec::new();
+    for sample in samples {
+        let at = sample.at * scale;
+        let corner = [at.x, at.y, at.z].map(|v| libm::floorf(v) as i32);
+        let (slot, local) = grid.locate(corner[0], corner[1], corner[2]);
+        if slot >= SparseGrid::INSIDE {
+            continue;
+        }
+        let entry = &mut index[slot as usize * BLOCK_NODES + local];
+        if *entry == NONE {
+            *entry = sums.len() as u32;
+            sums.push(([0.0; 4], corner));
+        }
+        let area = sample.area * scale * scale;
+        let sum = &mut sums[*entry as usize].0;
+        sum[0] += area;
+        for k in 0..3 {
+            sum[k + 1] += area * (at[k] - corner[k] as f32);
+        }
+    }
+    let mut cells = Vec::with_capacity(sums.len());
+    for ([area, x, y, z], corner) in sums {
+        let nodes: [u32; 8] = cube(grid, corner);
+        if area <= 0.0 || nodes.contains(&ABSENT) {
+            continue;
+        }
+        let offset = [x, y, z].map(|v| v / area);
+        let share = |i: usize, k: usize| if i >> k & 1 == 1 { offset[k] } else { 1.0 - offset[k] };
+        let shares = core::array::from_fn(|i| share(i, 0) * share(i, 1) * share(i, 2));
+        // A sample of a coarser level stands for more than this cell's surface.
+        cells.push(Cell { nodes, shares, area: area.min(1.0) });
+    }
+    cells
+}
+
+/// One over the system's diagonal; 0 where χ is given: where `fixed`, and on the border of what is stored.
+pub(super) fn inverse_diagonal(
+    neighbours: &[[u32; 6]],
+    cells: &[Cell],
+    screening: f32,
+    fixed: impl Fn(usize) -> bool,
+) -> Vec<f32> {
+    let mut diagonal = vec![6.0_f32; neighbours.len() * BLOCK_NODES];
+    for cell in cells {
+        for (&node, share) in cell.nodes.iter().zip(cell.shares) {
+            diagonal[node as usize] += screening * cell.area * share * share;
+        }
+    }
+    for (slot, around) in neighbours.iter().enumerate() {
+        for local in 0..BLOCK_NODES {
+            let at = [local % BLOCK, local / BLOCK % BLOCK, local / BLOCK / BLOCK];
+            let border = (0..3).any(|k| {
+                (at[k] == 0 && around[2 * k] == ABSENT) || (at[k] == BLOCK - 1 && around[2 * k + 1] == ABSENT)
+            });
+            let node = slot * BLOCK_NODES + local;
+            diagonal[node] = if border || fixed(node) { 0.0 } else { 1.0 / diagonal[node] };
+        }
+    }
+    diagonal
+}
+
+/// Slots of the blocks below and above each block along x, y, z.
+pub(super) fn neighbours(grid: &SparseGrid) -> Vec<[u32; 6]> {
+    let slot = |x: i32, y: i32, z: i32| {
+        let slot = grid.slot(x, y, z);
+        if slot < SparseGrid::INSIDE { slot } else { ABSENT }
+    };
+    let around = |b: &[u16; 3]| {
+        let [x, y, z] = b.map(i32::from);
+        [
+            slot(x - 1, y, z),
+            slot(x + 1, y, z),
+            slot(x, y - 1, z),
+            slot(x, y + 1, z),
+            slot(x, y, z - 1),
+            slot(x, y, z + 1),
+        ]
+    };
+    grid.blocks.iter().map(around).collect()
+}
