@@ -117,6 +117,9 @@ impl Scene {
         let reader = &mut serde_json::Deserializer::from_str(text);
         serde_path_to_error::deserialize(reader).map_err(|error| {
             let place = error.path().to_string();
+            if error.inner().is_syntax() {
+                return format!("{place}: {}", syntax_problem(text, error.inner()));
+            }
             let camera = camera_name(text, &place).map(|name| format!(" (camera `{name}`)")).unwrap_or_default();
             format!("{place}{camera}: {}", error.inner())
         })

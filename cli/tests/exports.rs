@@ -28,10 +28,10 @@ fn gltf_reads_back_what_was_written() {
     for vertices in [4, 65_532, 65_536] {
         let mesh = mesh(vertices);
         let bytes = glb::write(&mesh, ORIGIN, &glb::Options { normals: true, up: Some([0.0, 0.0, 1.0]) });
-        let (document, buffers, _) = gltf::import_slice(&bytes).unwrap();
+        let gltf::Gltf { document, blob } = gltf::Gltf::from_slice(&bytes).unwrap();
         let primitive = document.meshes().next().unwrap().primitives().next().unwrap();
         assert!(primitive.material().unlit());
-        let reader = primitive.reader(|buffer| Some(&buffers[buffer.index()]));
+        let reader = primitive.reader(|_| blob.as_deref());
 
         let positions: Vec<[f32; 3]> = reader.read_positions().unwrap().collect();
         assert_eq!(positions.len(), mesh.positions.len());
@@ -62,9 +62,9 @@ fn colours_are_linear_and_come_back_as_the_same_srgb() {
         *colour = [code as u8; 3];
     }
     let bytes = glb::write(&all, DVec3::ZERO, &glb::Options::default());
-    let (document, buffers, _) = gltf::import_slice(&bytes).unwrap();
+    let gltf::Gltf { document, blob } = gltf::Gltf::from_slice(&bytes).unwrap();
     let primitive = document.meshes().next().unwrap().primitives().next().unwrap();
-    let reader = primitive.reader(|buffer| Some(&buffers[buffer.index()]));
+    let reader = primitive.reader(|_| blob.as_deref());
     let linear: Vec<[f32; 3]> = reader.read_colors(0).unwrap().into_rgb_f32().collect();
     assert_eq!((linear[0], linear[255]), ([0.0; 3], [1.0; 3]));
     for (code, &[value, ..]) in linear.iter().enumerate() {
