@@ -13,6 +13,7 @@ pub mod grid;
 pub mod hash;
 pub mod hull;
 pub mod image;
+pub mod merge;
 pub mod mesh;
 pub mod params;
 pub mod point_cloud;
@@ -23,6 +24,13 @@ pub mod rig;
 pub mod silhouette;
 mod undistort;
 pub mod view;
+
+use alloc::vec::Vec;
+use detect::{Guide, Level, detect, frontier, implicit};
+use hash::Hash64;
+use hull::VisualHull;
+use params::Method;
+use progress::Part;
 
 pub use camera::{Camera, Pinhole};
 pub use error::{Error, Result};
@@ -52,8 +60,10 @@ pub struct Reconstruction {
 pub struct Stages {
     /// The visual hull's own mesh.
     pub hull: Mesh,
+    /// The mesh of the coarse pass, empty where there is none.
+    pub coarse: Mesh,
     /// One cleaned cloud a view (§4).
-    pub detected: alloc::vec::Vec<PointCloud>,
+    pub detected: Vec<PointCloud>,
     /// Frontier points (§4.4).
     pub frontier: PointCloud,
     /// Implicit points (§4.4).
@@ -73,12 +83,121 @@ pub fn reconstruct(
     executor: &impl Executor,
     progress: &dyn Progress,
 ) -> Result<Reconstruction> {
+    let mut counts = Counts::default();
+    let views = timed(progress, Stage::Views, || views(rig, inputs, executor, progress))?;
+
+    // §0: the hull, and its own mesh.
+    let hull = timed(progress, Stage::Hull, || VisualHull::new(&views, &params.hull, progress))?;
+    let mut hull_mesh = hull.mesh();
+    counts.components_dropped = mesh::drop_small_components(&mut hull_mesh, params.meshing.smallest_component);
+    let mut stages = Stages { hull: hull_mesh, ..Stages::default() };
+    let mut mesh = if params.method == Method::Hull {
+        stages.hull.clone()
+    } else {
+        pcmvs(&views, &hull, params, &mut stages, &mut counts, executor, progress)?
+    };
+
+    // §7.
+    timed(progress, Stage::Colour, || colour::colour(&mut mesh, &views, &params.colour, progress))?;
+    (counts.vertices, counts.faces) = (mesh.positions.len() as u32, mesh.triangles.len() as u32);
+    let hashes = [
+        views.iter().fold(Hash64::default(), |h, v| v.hash(h)).finish(),
+        stages.hull.hash(),
+        point_cloud::hash(stages.frontier.iter().chain(&stages.implicit)),
+        stages.coarse.hash(),
+        point_cloud::hash(stages.detected.iter().flatten()),
+        point_cloud::hash(&stages.merged),
+        Mesh { colours: Vec::new(), ..mesh.clone() }.hash(),
+        mesh.hash(),
+    ];
+    Ok(Reconstruction { mesh, counts, hashes, stages })
+}
+
+/// §4 to §6: from the hull to the mesh.
+fn pcmvs(
+    views: &[View],
+    hull: &VisualHull,
+    params: &Params,
+    stages: &mut Stages,
+    counts: &mut Counts,
+    executor: &impl Executor,
+    progress: &dyn Progress,
+) -> Result<Mesh> {
+    let full = executor.map(views.len(), |i| Level::full(&views[i]));
+    let merging = &params.merging;
+
+    // §4.4: points that the silhouettes alone give.
+    timed(progress, Stage::Contours, || {
+        if let Some(p) = &params.frontier {
+            let found = executor.map(views.len(), |i| {
+                progress::step(progress, Stage::Contours, i as u32, views.len() as u32)?;
+                Ok(frontier(&views[i], hull, p))
+            });
+            for cloud in found {
+                stages.frontier.extend(cloud?);
+            }
+            stages.frontier.iter_mut().for_each(|p| p.weight *= merging.frontier_weight);
+        }
+        if params.implicit {
+            stages.implicit = implicit(&stages.hull, views);
+            stages.implicit.iter_mut().for_each(|p| p.weight = merging.implicit_weight);
+        }
+        Ok(())
+    })?;
+    (counts.frontier, counts.implicit) = (stages.frontier.len() as u32, stages.implicit.len() as u32);
+
+    // §4.1 to §4.3, coarse to fine.
+    if let Some(p) = &params.coarse {
+        stages.coarse = timed(progress, Stage::Coarse, || {
+            let half = executor.map(full.len(), |i| full[i].halved());
+            let detecting = Part { of: progress, stage: Stage::Coarse, part: 0, parts: 2 };
+            let meshing = Part { part: 1, ..detecting };
+            let found = executor.map(half.len(), |i| detect(i, &half, hull, Guide::Hull, &p.detection, &detecting));
+            let mut cloud = stages.frontier.clone();
+            for found in found {
+                cloud.extend(found?.0);
+            }
+            let voxel = p.voxel_pixels * hull.footprint();
+            Ok(mesh::mesh(&cloud, hull, voxel, &params.meshing, &meshing)?.mesh)
+        })?;
+    }
+    let guide = if params.coarse.is_some() { Guide::Surface(&stages.coarse) } else { Guide::Hull };
+    timed(progress, Stage::Detect, || {
+        let found = executor.map(full.len(), |i| detect(i, &full, hull, guide, &params.detection, progress));
+        for found in found {
+            let (cloud, found) = found?;
+            stages.detected.push(cloud);
+            counts.add_detection(&found);
+        }
+        Ok(())
+    })?;
+
+    // §5.
+    let cameras: Vec<Pinhole> = views.iter().map(|v| v.camera).collect();
+    let all = stages.frontier.iter().chain(stages.detected.iter().flatten()).chain(&stages.implicit).copied().collect();
+    let neighbours = params.detection.search.neighbours;
+    stages.merged =
+        timed(progress, Stage::Merge, || merge::merge(all, hull, &cameras, neighbours, merging, counts, progress))?;
+
+    // §6.
+    let voxel = params.meshing.voxel_pixels * hull.footprint();
+    let meshed = timed(progress, Stage::Mesh, || mesh::mesh(&stages.merged, hull, voxel, &params.meshing, progress))?;
+    counts.components_dropped = meshed.components_dropped;
+    Ok(meshed.mesh)
+}
+
+fn views(rig: &Rig, inputs: &[ViewInput], executor: &impl Executor, progress: &dyn Progress) -> Result<Vec<View>> {
     let views = executor.map(inputs.len(), |i| {
-        let view = View::new(rig, i, &inputs[i])?;
-        progress::step(progress, Stage::Views, i as u32 + 1, inputs.len() as u32)?;
-        Ok(view)
+        progress::step(progress, Stage::Views, i as u32, inputs.len() as u32)?;
+        View::new(rig, i, &inputs[i])
     });
-    let _views = views.into_iter().collect::<Result<alloc::vec::Vec<View>>>()?;
-    let _ = params;
-    Err(Error::EmptyHull)
+    views.into_iter().collect()
+}
+
+/// Tells the host when a stage begins and ends.
+fn timed<T>(progress: &dyn Progress, stage: Stage, work: impl FnOnce() -> Result<T>) -> Result<T> {
+    progress.mark(stage, true);
+    let result = work();
+    progress.mark(stage, false);
+    result
 }

@@ -4,6 +4,11 @@
 //! ground truth, one set for all of them (BENCHMARKS.md). Lengths are in L = V^(1/3), V the volume of the hull's
 //! bounding box, or in pixels of footprint (depth / focal length), never in scene units.
 
+use crate::{
+    detect::{CleanParams, FrontierParams, SearchParams, VoteParams},
+    merge::{ConflictParams, DownsampleParams},
+};
+
 /// All parameters of a reconstruction.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
@@ -12,6 +17,16 @@ pub struct Params {
     pub method: Method,
     /// Visual hull (§0).
     pub hull: HullParams,
+    /// A first, coarse search whose mesh guides the second; none searches the hull at once, as the paper does.
+    pub coarse: Option<CoarseParams>,
+    /// Point cloud detection (§4).
+    pub detection: DetectionParams,
+    /// Frontier points (§4.4), if they are used.
+    pub frontier: Option<FrontierParams>,
+    /// Implicit points (§4.4), if they are used.
+    pub implicit: bool,
+    /// Merging (§5).
+    pub merging: MergingParams,
     /// Meshing (§6).
     pub meshing: MeshingParams,
     /// Colours (§7).
@@ -33,6 +48,45 @@ pub enum Method {
 pub struct HullParams {
     /// Distance of the grid's nodes in pixels of footprint at the object.
     pub voxel_pixels: f32,
+}
+
+/// A pass of detection and meshing whose result guides the next.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct CoarseParams {
+    /// How it detects, in pictures of half the resolution.
+    pub detection: DetectionParams,
+    /// Distance of its mesh's grid nodes in pixels of footprint.
+    pub voxel_pixels: f32,
+}
+
+/// Point cloud detection (§4).
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct DetectionParams {
+    /// §4.1.
+    pub search: SearchParams,
+    /// How far round a guiding mesh the search runs, in pixels of footprint along the ray.
+    pub band_pixels: f32,
+    /// §4.2: below this share of the number of neighbours stereo has failed.
+    pub substitute_below: f32,
+    /// §4.2: whether a point of the guide (the hull) then takes its place.
+    pub substitute: bool,
+    /// Weight of such a point in meshing.
+    pub substituted_weight: f32,
+    /// §4.3.
+    pub clean: CleanParams,
+}
+
+/// Merging (§5).
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct MergingParams {
+    /// §5.1, if it runs.
+    pub downsample: Option<DownsampleParams>,
+    /// §5.2, if it runs.
+    pub conflicts: Option<ConflictParams>,
+    /// Weight in meshing of a frontier point whose contact is certain.
+    pub frontier_weight: f32,
+    /// Weight in meshing of an implicit point.
+    pub implicit_weight: f32,
 }
 
 /// Meshing (§6).
@@ -77,9 +131,34 @@ pub enum Preset {
 impl Params {
     /// The parameters of a preset.
     pub fn preset(preset: Preset) -> Self {
+        let clean = CleanParams { radius_pixels: 3.0, density: 0.5, flatness: 0.5, facing: 0.3 };
+        let vote = VoteParams { smoothing: 0.8, local_maximum: true, spread: 1.0 };
+        let search =
+            SearchParams { neighbours: 4, window_radius: 3, step_pixels: 0.5, follow_guide: true, vote, refine: true };
+        let detection = DetectionParams {
+            search,
+            band_pixels: 6.0,
+            substitute_below: 0.25,
+            substitute: true,
+            substituted_weight: 0.3,
+            clean,
+        };
+        let coarse = CoarseParams {
+            detection: DetectionParams {
+                search: SearchParams { step_pixels: 0.6, ..search },
+                clean: CleanParams { radius_pixels: 2.5, ..clean },
+                ..detection
+            },
+            voxel_pixels: 2.0,
+        };
         let default = Self {
             method: Method::Pcmvs,
             hull: HullParams { voxel_pixels: 1.5 },
+            coarse: Some(coarse),
+            detection,
+            frontier: Some(FrontierParams { longest_pixels: 8.0 }),
+            implicit: true,
+            merging: MergingParams { downsample: None, conflicts: None, frontier_weight: 1.0, implicit_weight: 0.1 },
             meshing: MeshingParams {
                 voxel_pixels: 1.25,
                 screening: 4.0,
@@ -87,18 +166,35 @@ impl Params {
                 space_constraint: true,
                 smallest_component: 0.01,
             },
-            colour: ColourParams { gains: true, blended_views: 1 },
+            colour: ColourParams { gains: true, blended_views: 3 },
         };
         match preset {
             Preset::Default => default,
             Preset::Hull => Self { method: Method::Hull, ..default },
             Preset::Paper => Self {
+                coarse: None,
+                detection: DetectionParams {
+                    search: SearchParams {
+                        follow_guide: false,
+                        refine: false,
+                        vote: VoteParams { spread: 0.0, ..vote },
+                        ..search
+                    },
+                    substituted_weight: 0.25,
+                    ..detection
+                },
+                merging: MergingParams {
+                    downsample: Some(DownsampleParams { radius_pixels: 1.0, normal_agreement: 0.5, keep_above: 0.8 }),
+                    conflicts: Some(ConflictParams { distance_pixels: 10.0, virtual_views: 50 }),
+                    ..default.merging
+                },
                 meshing: MeshingParams { screening: 0.0, envelope: false, ..default.meshing },
                 colour: ColourParams { gains: false, blended_views: 1 },
                 ..default
             },
             Preset::Preview => Self {
                 hull: HullParams { voxel_pixels: 2.5 },
+                coarse: None,
                 meshing: MeshingParams { voxel_pixels: 2.5, ..default.meshing },
                 ..default
             },

@@ -1,5 +1,6 @@
 //! Oriented points and meshes that pass between the stages.
 
+use crate::hash::Hash64;
 use alloc::vec::Vec;
 use glam::Vec3;
 
@@ -53,4 +54,33 @@ pub struct Mesh {
     pub colours: Vec<[u8; 3]>,
     /// Indices of the triangles' corners.
     pub triangles: Vec<[u32; 3]>,
+}
+
+/// Hash of points in their order.
+pub fn hash<'a>(points: impl IntoIterator<Item = &'a Point>) -> u64 {
+    let mut hash = Hash64::default();
+    for p in points {
+        p.position.to_array().iter().chain(&p.normal.to_array()).for_each(|&v| hash.number(v));
+        hash.number(p.fidelity);
+        hash.number(p.weight);
+        hash.word(u64::from(p.view) << 8 | p.rank as u64);
+    }
+    hash.finish()
+}
+
+impl Mesh {
+    /// Hash of positions, normals, colours and triangles.
+    pub fn hash(&self) -> u64 {
+        let mut hash = Hash64::default();
+        for v in self.positions.iter().chain(&self.normals) {
+            v.to_array().iter().for_each(|&v| hash.number(v));
+        }
+        for [r, g, b] in &self.colours {
+            hash.word(u64::from(*r) << 16 | u64::from(*g) << 8 | u64::from(*b));
+        }
+        for t in &self.triangles {
+            t.iter().for_each(|&i| hash.word(u64::from(i)));
+        }
+        hash.finish()
+    }
 }

@@ -10,30 +10,33 @@ pub enum Stage {
     Views = 0,
     /// Visual hull (§0).
     Hull = 1,
-    /// Point cloud detection (§4), one step a view.
-    Detect = 2,
     /// Frontier and implicit points (§4.4).
-    Contours = 3,
+    Contours = 2,
+    /// The coarse pass of detection and meshing, where there is one.
+    Coarse = 3,
+    /// Point cloud detection (§4), one step a view.
+    Detect = 4,
     /// Merging (§5).
-    Merge = 4,
+    Merge = 5,
     /// Meshing (§6).
-    Mesh = 5,
+    Mesh = 6,
     /// Colours (§7).
-    Colour = 6,
+    Colour = 7,
 }
 
 impl Stage {
     /// All stages in order.
-    pub const ALL: [Stage; 7] =
-        [Self::Views, Self::Hull, Self::Detect, Self::Contours, Self::Merge, Self::Mesh, Self::Colour];
+    pub const ALL: [Stage; 8] =
+        [Self::Views, Self::Hull, Self::Contours, Self::Coarse, Self::Detect, Self::Merge, Self::Mesh, Self::Colour];
 
     /// Name as used in reports and file names.
     pub const fn name(self) -> &'static str {
         match self {
             Self::Views => "views",
             Self::Hull => "hull",
-            Self::Detect => "detect",
             Self::Contours => "contours",
+            Self::Coarse => "coarse",
+            Self::Detect => "detect",
             Self::Merge => "merge",
             Self::Mesh => "mesh",
             Self::Colour => "colour",
@@ -59,6 +62,23 @@ pub struct Silent;
 impl Progress for Silent {
     fn step(&self, _: Stage, _: u32, _: u32) -> bool {
         true
+    }
+}
+
+/// A part of a stage that itself consists of stages: their steps count as the outer stage's.
+#[derive(Clone, Copy)]
+pub(crate) struct Part<'a> {
+    pub of: &'a dyn Progress,
+    pub stage: Stage,
+    pub part: u32,
+    pub parts: u32,
+}
+
+impl Progress for Part<'_> {
+    fn step(&self, _: Stage, done: u32, total: u32) -> bool {
+        // In thousandths of a part.
+        let done = u64::from(done) * 1000 / u64::from(total.max(1));
+        self.of.step(self.stage, self.part * 1000 + done as u32, self.parts * 1000)
     }
 }
 

@@ -37,3 +37,14 @@ pub struct Counts {
     /// Triangles of the mesh.
     pub faces: u32,
 }
+
+impl Counts {
+    /// Adds what one view's detection counted.
+    pub(crate) fn add_detection(&mut self, view: &Self) {
+        self.detected += view.detected;
+        self.substituted += view.substituted;
+        self.cleaned_density += view.cleaned_density;
+        self.cleaned_pca += view.cleaned_pca;
+        self.cleaned_normal += view.cleaned_normal;
+    }
+}

@@ -3,6 +3,7 @@
 use crate::{
     camera::Pinhole,
     error::{Error, Result},
+    hash::Hash64,
     image::{ImageRef, luma},
     rig::Rig,
     silhouette::Silhouette,
@@ -44,6 +45,17 @@ pub struct View {
 }
 
 impl View {
+    /// Mixes picture and silhouette into a hash.
+    pub(crate) fn hash(&self, mut hash: Hash64) -> Hash64 {
+        for p in self.rgb.chunks(8) {
+            hash.word(p.iter().fold(0, |word, &b| word << 8 | u64::from(b)));
+        }
+        for d in self.silhouette.iter().flat_map(|s| s.distances()).copied().collect::<Vec<_>>().chunks(4) {
+            hash.word(d.iter().fold(0, |word, &d| word << 16 | u64::from(d as u16)));
+        }
+        hash
+    }
+
     /// Reads a camera's picture and silhouette.
     ///
     /// # Errors

@@ -19,6 +19,8 @@ pub struct SearchParams {
     pub window_radius: u32,
     /// δ: distance of samples, in pixels by which they move on average in the neighbours' pictures.
     pub step_pixels: f32,
+    /// Windows follow the guide surface; off, they are upright squares that face the camera, as in the paper.
+    pub follow_guide: bool,
     /// Curves to depth.
     pub vote: VoteParams,
     /// Interpolate the best sample's position.
@@ -50,15 +52,22 @@ pub fn depth_map(
     if neighbours.is_empty() {
         return Ok(map);
     }
-    let mut tile = Tile::default();
-    let mut curves = Curves::default();
+    let mut scratch = Scratch::default();
     for y0 in (0..h).step_by(TILE) {
         keep_going(y0, h)?;
         for x0 in (0..w).step_by(TILE) {
-            sweep_tile(target, neighbours, range, params, (x0, y0), &mut tile, &mut curves, &mut map);
+            sweep_tile(target, neighbours, range, params, (x0, y0), &mut scratch, &mut map);
         }
     }
     Ok(map)
+}
+
+/// Buffers that go from tile to tile.
+#[derive(Default)]
+struct Scratch {
+    tile: Tile,
+    curves: Curves,
+    flat: Vec<f32>,
 }
 
 /// The samples of a tile: sheet i lies at the inverse depth `1/guide - step * (i + first)`.
@@ -85,15 +94,24 @@ fn sweep_tile(
     range: &SearchRange,
     params: &SearchParams,
     (x0, y0): (usize, usize),
-    tile: &mut Tile,
-    curves: &mut Curves,
+    scratch: &mut Scratch,
     map: &mut DepthMap,
 ) {
+    let Scratch { tile, curves, flat } = scratch;
     let (w, h) = (target.camera.width as usize, target.camera.height as usize);
     let pixels = (y0..(y0 + TILE).min(h)).flat_map(move |y| (x0..(x0 + TILE).min(w)).map(move |x| (x, y)));
     let searched = pixels.filter(|&(x, y)| !range.of(y * w + x).is_empty());
-    let Some(sheets) = sheets(target, neighbours, range, params, searched.clone()) else { return };
-    tile.load(target, &range.guide, x0, y0, params.window_radius as usize);
+    let guide: &[f32] = if params.follow_guide {
+        &range.guide
+    } else {
+        // The guide of a whole tile is its nearest depth: the sheets are planes.
+        let nearest = searched.clone().map(|(x, y)| range.guide[y * w + x]).fold(f32::INFINITY, f32::min);
+        flat.clear();
+        flat.resize(w * h, nearest);
+        flat
+    };
+    let Some(sheets) = sheets(target, neighbours, range, guide, params, searched.clone()) else { return };
+    tile.load(target, guide, x0, y0, params.window_radius as usize);
     curves.reset(neighbours.len(), sheets.count);
     for (j, neighbour) in neighbours.iter().enumerate() {
         tile.face(target, neighbour, x0, y0);
@@ -104,7 +122,7 @@ fn sweep_tile(
     curves.vote(neighbours.len(), &params.vote);
     for (x, y) in searched {
         let pixel = y * w + x;
-        let guide = range.guide[pixel];
+        let guide = guide[pixel];
         let mut best = (0.0, f32::NEG_INFINITY);
         for interval in range.of(pixel) {
             let last = sheets.count - 2;
@@ -127,6 +145,7 @@ fn sheets(
     target: &Level,
     neighbours: &[&Level],
     range: &SearchRange,
+    guide: &[f32],
     params: &SearchParams,
     pixels: impl Iterator<Item = (usize, usize)>,
 ) -> Option<Sheets> {
@@ -134,7 +153,7 @@ fn sheets(
     let (mut nearest, mut farthest) = (f32::INFINITY, f32::NEG_INFINITY);
     let (mut middle, mut count) = (Vec3::ZERO, 0.0f32);
     for (x, y) in pixels {
-        let (guide, intervals) = (range.guide[y * w + x], range.of(y * w + x));
+        let (guide, intervals) = (guide[y * w + x], range.of(y * w + x));
         nearest = nearest.min(1.0 / guide - 1.0 / intervals[0].near);
         farthest = farthest.max(1.0 / guide - 1.0 / intervals[intervals.len() - 1].far);
         middle += target.camera.unproject(x as f32, y as f32, guide);

@@ -1,10 +1,97 @@
 //! Point cloud detection (§4), one view at a time.
 
-pub mod clean;
-pub mod depth;
-pub mod frontier;
-pub mod level;
-pub mod neighbours;
-pub mod range;
-pub mod sweep;
-pub mod vote;
+mod clean;
+mod depth;
+mod frontier;
+mod implicit;
+mod level;
+mod neighbours;
+mod range;
+mod sweep;
+mod vote;
+
+pub use clean::CleanParams;
+pub use depth::SearchParams;
+pub use frontier::{FrontierParams, frontier};
+pub use implicit::implicit;
+pub use level::Level;
+pub use vote::VoteParams;
+
+use crate::{
+    error::Result,
+    hull::VisualHull,
+    params::DetectionParams,
+    point_cloud::{Mesh, PointCloud, Rank},
+    progress::{Progress, Stage},
+    raster::Raster,
+    report::Counts,
+};
+use alloc::vec::Vec;
+use range::SearchRange;
+
+/// The surface that a search starts from.
+#[derive(Clone, Copy)]
+pub enum Guide<'a> {
+    /// The hull: the search runs through all of it.
+    Hull,
+    /// A mesh found before: the search stays near it.
+    Surface(&'a Mesh),
+}
+
+/// Detects the points of one view: §4.1 to §4.3.
+///
+/// `levels` are all views at the resolution that `params` asks for. `tick` is asked once a row of tiles and cancels.
+///
+/// # Errors
+/// [`crate::Error::Cancelled`].
+pub fn detect(
+    view: usize,
+    levels: &[Level],
+    hull: &VisualHull,
+    guide: Guide,
+    params: &DetectionParams,
+    progress: &dyn Progress,
+) -> Result<(PointCloud, Counts)> {
+    let level = &levels[view];
+    let (lower, upper) = hull.bounds();
+    let cameras: Vec<_> = levels.iter().map(|l| l.camera).collect();
+    let chosen = neighbours::neighbours(&cameras, view, (lower + upper) * 0.5, params.search.neighbours as usize);
+    let chosen: Vec<&Level> = chosen.iter().map(|&j| &levels[j as usize]).collect();
+    let range = match guide {
+        Guide::Hull => SearchRange::in_hull(level, hull),
+        Guide::Surface(mesh) => {
+            let mut raster = Raster::default();
+            raster.render(mesh, &level.camera);
+            let depth = raster.inverse.iter().map(|&i| if i > 0.0 { 1.0 / i } else { 0.0 }).collect();
+            SearchRange::round_surface(level, depth, params.band_pixels * hull.footprint())
+        }
+    };
+    let tick = |_, _| crate::progress::step(progress, Stage::Detect, view as u32, levels.len() as u32);
+    let mut map = depth::depth_map(level, &chosen, &range, &params.search, tick)?;
+
+    let mut counts = Counts::default();
+    let weakest = params.substitute_below * params.search.neighbours as f32;
+    let mut rank = alloc::vec![Rank::Detected; map.depth.len()];
+    for i in 0..map.depth.len() {
+        if range.guide[i] <= 0.0 {
+            continue;
+        }
+        if map.depth[i] > 0.0 && map.fidelity[i] >= weakest {
+            counts.detected += 1;
+        } else {
+            // §4.2: stereo has failed, and what has no texture more probably lies on the hull.
+            counts.substituted += 1;
+            rank[i] = Rank::Substituted;
+            map.depth[i] = if params.substitute { range.guide[i] } else { 0.0 };
+            map.fidelity[i] = 0.0;
+        }
+    }
+    let mut cloud = clean::clean(level, &map, &rank, view as u16, &params.clean, &mut counts);
+    for point in &mut cloud {
+        point.weight = match point.rank {
+            Rank::Substituted => params.substituted_weight,
+            _ => point.fidelity,
+        };
+    }
+    Ok((cloud, counts))
+}

@@ -120,18 +120,14 @@ impl<'a> Extractor<'a> {
         let t = (self.iso - a) / (b - a);
         // Written so that NaN, from values that are not finite, is replaced too.
         let t = if t > NEAREST { t.min(1.0 - NEAREST) } else { NEAREST };
-        let gradient = |i: usize| {
-            let difference = |step: usize| around.0[i + step] - around.0[i - step];
-            Vec3::new(difference(1), difference(SIDE), difference(SIDE * SIDE))
-        };
-        let outward = -(gradient(i) * (1.0 - t) + gradient(j) * t);
+        let mut local = Vec3::from_array(node.map(|v| v as f32));
+        local[axis] += t;
+        let outward = -around.gradient(local);
         let length = outward.length();
         let normal = if length > 1e-20 && length.is_finite() { outward / length } else { Vec3::ZERO };
 
-        let corner: [f32; 3] = core::array::from_fn(|k| (block[k] * BLOCK as i32 + node[k]) as f32);
-        let mut at = Vec3::from_array(corner);
-        at[axis] += t;
-        self.mesh.positions.push(self.grid.origin + at * self.grid.voxel);
+        let first = Vec3::from_array(block.map(|v| (v * BLOCK as i32) as f32));
+        self.mesh.positions.push(self.grid.origin + (first + local) * self.grid.voxel);
         self.mesh.normals.push(normal);
     }
 

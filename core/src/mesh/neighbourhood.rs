@@ -1,5 +1,7 @@
 //! A block's values together with those of the nodes around it.
 
+use glam::Vec3;
+
 use crate::grid::{BLOCK, BLOCK_NODES, SparseGrid};
 
 /// Nodes along the edge of a [`Neighbourhood`]: one below the block, two above.
@@ -44,4 +46,32 @@ impl Neighbourhood {
             }
         }
     }
+
+    /// Gradient of the values, smoothed by a quadratic B-spline, at a point given from the block's first node. It is
+    /// taken at the point itself: between nodes the gradient of a steep profile turns.
+    pub(super) fn gradient(&self, at: Vec3) -> Vec3 {
+        let (wx, dx, x) = spline(at.x);
+        let (wy, dy, y) = spline(at.y);
+        let (wz, dz, z) = spline(at.z);
+        let mut gradient = Vec3::ZERO;
+        for k in 0..3 {
+            for j in 0..3 {
+                let first = Self::index(x - 1, y + j as i32 - 1, z + k as i32 - 1);
+                let [a, b, c] = [self.0[first], self.0[first + 1], self.0[first + 2]];
+                let value = wx[0] * a + wx[1] * b + wx[2] * c;
+                gradient.x += (dx[0] * a + dx[1] * b + dx[2] * c) * wy[j] * wz[k];
+                gradient.y += value * dy[j] * wz[k];
+                gradient.z += value * wy[j] * dz[k];
+            }
+        }
+        gradient
+    }
+}
+
+/// Values of the quadratic B-spline for the three nodes nearest to a coordinate, derivatives, and the middle node.
+fn spline(at: f32) -> ([f32; 3], [f32; 3], i32) {
+    let nearest = libm::floorf(at + 0.5);
+    let d = at - nearest;
+    let (below, above) = (0.5 - d, 0.5 + d);
+    ([0.5 * below * below, 0.75 - d * d, 0.5 * above * above], [-below, -2.0 * d, above], nearest as i32)
 }

@@ -57,6 +57,9 @@ const PLANE: f32 = 0.556;
 /// Fewest points a square voxel for which a density counts as measured at a level.
 const DENSE: f32 = 1.0;
 
+/// Width of a sample's spline in spacings of the samples around it.
+const SPREAD: f32 = 1.5;
+
 /// Sets each sample's share of the surface, in square voxels, and its level of detail from the density of the samples
 /// around it. Dense and sparse parts of the cloud then bound the same volume, and weights (eq. 3) decide between
 /// neighbours only.
@@ -66,18 +69,7 @@ pub(super) fn weigh(samples: &mut [Sample], finest: &SparseGrid, levels: usize) 
     for level in 1..levels {
         let scale = 1.0 / (1 << level) as f32;
         let grid = around(samples, finest, level, 1.5);
-        let mut density = vec![[0.0_f32; 2]; grid.blocks.len() * BLOCK_NODES];
-        for sample in samples.iter() {
-            let stencil = Stencil::new(&grid, sample.at * scale);
-            let [vx, vy, vz] = &stencil.values;
-            for (i, &node) in stencil.nodes.iter().enumerate() {
-                if node != ABSENT {
-                    let value = vx[i % 3] * vy[i / 3 % 3] * vz[i / 9];
-                    density[node as usize][0] += value;
-                    density[node as usize][1] += value * sample.area;
-                }
-            }
-        }
+        let density = density(samples, &grid, scale);
         let last = level == levels - 1;
         waiting.retain(|&i| {
             let sample = &samples[i as usize];
@@ -88,7 +80,7 @@ pub(super) fn weigh(samples: &mut [Sample], finest: &SparseGrid, levels: usize) 
                 // From one level's square voxels to the finest's.
                 let area = PLANE * sample.area / weight / (scale * scale);
                 let spacing = 1.0 / (scale * libm::sqrtf(count));
-                let detail = libm::log2f(spacing).clamp(0.0, (levels - 1) as f32);
+                let detail = libm::log2f(SPREAD * spacing).clamp(0.0, (levels - 1) as f32);
                 shares[i as usize] = (area, detail);
             }
             !measured
@@ -101,6 +93,23 @@ pub(super) fn weigh(samples: &mut [Sample], finest: &SparseGrid, levels: usize) 
         sample.area = area;
         sample.detail = detail;
     }
+}
+
+/// Number of samples and sum of their areas per cubic voxel, smoothed by the B-spline.
+fn density(samples: &[Sample], grid: &SparseGrid, scale: f32) -> Vec<[f32; 2]> {
+    let mut density = vec![[0.0; 2]; grid.blocks.len() * BLOCK_NODES];
+    for sample in samples {
+        let stencil = Stencil::new(grid, sample.at * scale);
+        let [vx, vy, vz] = &stencil.values;
+        for (i, &node) in stencil.nodes.iter().enumerate() {
+            if node != ABSENT {
+                let value = vx[i % 3] * vy[i / 3 % 3] * vz[i / 9];
+                density[node as usize][0] += value;
+                density[node as usize][1] += value * sample.area;
+            }
+        }
+    }
+    density
 }
 
 /// Blocks of a level's grid that hold a node within `reach` voxels of a sample.

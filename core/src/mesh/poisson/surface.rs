@@ -1,5 +1,8 @@
 //! From the solution to the mesh.
 
+use alloc::vec;
+use glam::Vec3;
+
 use super::Solution;
 use crate::mesh::marching_cubes;
 use crate::point_cloud::Mesh;
@@ -27,6 +30,26 @@ impl Solution {
                 *value = value.min(SLOPE * (distance + TOLERANCE));
             }
         }
-        marching_cubes(&grid, &chi, 0.0, 1.0, -1.0)
+        let mut mesh = marching_cubes(&grid, &chi, 0.0, 1.0, -1.0);
+        smooth_normals(&mut mesh);
+        mesh
+    }
+}
+
+/// Each normal becomes the mean over the triangles around it: the sampling's chance, which tilts the gradient of χ from
+/// node to node, halves.
+fn smooth_normals(mesh: &mut Mesh) {
+    let mut sums = vec![Vec3::ZERO; mesh.normals.len()];
+    for triangle in &mesh.triangles {
+        let sum = triangle.iter().fold(Vec3::ZERO, |sum, &v| sum + mesh.normals[v as usize]);
+        for &v in triangle {
+            sums[v as usize] += sum;
+        }
+    }
+    for (normal, sum) in mesh.normals.iter_mut().zip(sums) {
+        let length = sum.length();
+        if length > 0.0 {
+            *normal = sum / length;
+        }
     }
 }

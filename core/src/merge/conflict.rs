@@ -1,0 +1,84 @@
+//! §5.2: of two points that claim the same pixel the less certain one goes.
+
+use super::virtual_view::Eye;
+use crate::{
+    error::Result,
+    point_cloud::{Point, PointCloud, Rank},
+    report::Counts,
+};
+use alloc::{vec, vec::Vec};
+
+/// Conflict cleaning of §5.2.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ConflictParams {
+    /// ε: points further apart do not conflict, in pixels of footprint.
+    pub distance_pixels: f32,
+    /// How many virtual views are tested besides the cameras.
+    pub virtual_views: u32,
+}
+
+const NONE: u32 = u32::MAX;
+
+/// Removes conflicting points, seen from each eye in turn; `step` is told after each how many are done.
+pub fn clean_conflicts(
+    cloud: &mut PointCloud,
+    eyes: &[Eye],
+    cameras: usize,
+    distance: f32,
+    counts: &mut Counts,
+    mut step: impl FnMut(usize) -> Result<()>,
+) -> Result<()> {
+    let mut next = vec![NONE; cloud.len()];
+    let mut seen: Vec<(u32, f32)> = Vec::new();
+    let mut dead = vec![false; cloud.len()];
+    for (v, eye) in eyes.iter().enumerate() {
+        step(v)?;
+        let mut first = vec![NONE; eye.pixels()];
+        // A linked list a pixel, of the points that face the eye (criterion 4).
+        for (i, s) in cloud.iter().enumerate().rev() {
+            if dead[i] || s.normal.dot(eye.camera.centre - s.position) <= 0.0 {
+                continue;
+            }
+            if let Some(pixel) = eye.pixel(s.position) {
+                next[i] = first[pixel];
+                first[pixel] = i as u32;
+            }
+        }
+        for &head in first.iter().filter(|&&head| head != NONE) {
+            seen.clear();
+            let mut i = head;
+            while i != NONE {
+                seen.push((i, eye.camera.depth(cloud[i as usize].position)));
+                i = next[i as usize];
+            }
+            for &(i, depth) in &seen {
+                let s = &cloud[i as usize];
+                let loses = if s.rank == Rank::Implicit {
+                    // An implicit point must not hide a valid one, however far behind.
+                    seen.iter().any(|&(j, behind)| cloud[j as usize].rank != Rank::Implicit && behind > depth)
+                } else {
+                    seen.iter().any(|&(j, _)| beats(&cloud[j as usize], s, distance))
+                };
+                if loses {
+                    dead[i as usize] = true;
+                    match (s.rank, v < cameras) {
+                        (Rank::Implicit, _) => counts.implicit_removed += 1,
+                        (_, true) => counts.conflicts_cameras += 1,
+                        (_, false) => counts.conflicts_virtual += 1,
+                    }
+                }
+            }
+        }
+    }
+    let mut dead = dead.into_iter();
+    cloud.retain(|_| dead.next() == Some(false));
+    Ok(())
+}
+
+/// Whether two points of one pixel conflict (criteria 2 and 3) and the first is the more certain.
+fn beats(winner: &Point, loser: &Point, distance: f32) -> bool {
+    winner.rank != Rank::Implicit
+        && winner.view != loser.view
+        && (winner.rank, winner.fidelity) > (loser.rank, loser.fidelity)
+        && (winner.position - loser.position).length_squared() < distance * distance
+}

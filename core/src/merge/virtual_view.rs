@@ -1,0 +1,56 @@
+//! The views from which conflicts are looked for (§5.2): the cameras, and virtual ones on the sphere through them.
+
+use crate::camera::{Camera, Pinhole};
+use alloc::vec::Vec;
+use glam::{DVec3, Vec3};
+
+/// A view that only tells which points fall onto the same pixel.
+pub struct Eye {
+    /// Its camera.
+    pub camera: Pinhole,
+}
+
+impl Eye {
+    /// Number of pixels.
+    pub fn pixels(&self) -> usize {
+        self.camera.width as usize * self.camera.height as usize
+    }
+
+    /// Index of the pixel that sees a point.
+    pub fn pixel(&self, p: Vec3) -> Option<usize> {
+        let q = self.camera.project(p);
+        let (x, y) = (libm::floorf(q.x + 0.5), libm::floorf(q.y + 0.5));
+        let within = q.z > 0.0 && x >= 0.0 && y >= 0.0 && x < self.camera.width as f32 && y < self.camera.height as f32;
+        within.then(|| y as usize * self.camera.width as usize + x as usize)
+    }
+}
+
+/// `count` virtual views evenly on the sphere of radius `distance` round `target`, that see a ball of `radius` with
+/// pixels of `footprint`.
+pub fn virtual_views(count: u32, target: Vec3, distance: f32, radius: f32, footprint: f32) -> Vec<Eye> {
+    let focal = f64::from(distance / footprint);
+    let size = (2.2 * radius / footprint) as u32 + 1;
+    (0..count)
+        .map(|i| {
+            // Fibonacci lattice: even over the sphere for any count.
+            let z = 1.0 - (2.0 * f64::from(i) + 1.0) / f64::from(count);
+            let (sin, cos) = libm::sincos(f64::from(i) * 2.399_963_229_728_653);
+            let across = libm::sqrt(1.0 - z * z);
+            let toward = DVec3::new(across * cos, across * sin, z);
+            let forward = -toward;
+            let helper = if forward.z.abs() < 0.9 { DVec3::Z } else { DVec3::X };
+            let right = forward.cross(helper).normalize();
+            let down = forward.cross(right);
+            let centre = target.as_dvec3() + toward * f64::from(distance);
+            let camera = Camera {
+                width: size,
+                height: size,
+                k: [[focal, 0.0, 0.5 * f64::from(size)], [0.0, focal, 0.5 * f64::from(size)], [0.0, 0.0, 1.0]],
+                distortion: [0.0; 5],
+                r: [right.to_array(), down.to_array(), forward.to_array()],
+                t: [-right.dot(centre), -down.dot(centre), -forward.dot(centre)],
+            };
+            Eye { camera: Pinhole::new(&camera, DVec3::ZERO) }
+        })
+        .collect()
+}
