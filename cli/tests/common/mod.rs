@@ -88,7 +88,10 @@ impl Capture {
     pub fn run_as_written(&self, arguments: &[&str]) -> Output {
         let (scene, out) = (self.folder.path(), self.path("out"));
         let mut command = pcmvs();
-        command.arg("reconstruct").arg(scene).arg("-o").arg(out).args(["--preset", "hull"]).args(arguments);
+        command.arg("reconstruct").arg(scene).arg("-o").arg(out).args(arguments);
+        if !arguments.contains(&"--preset") {
+            command.args(["--preset", "hull"]);
+        }
         command.output().unwrap()
     }
 
