@@ -13,14 +13,17 @@ use crate::{
 };
 use alloc::{vec, vec::Vec};
 use depth::DepthBuffer;
-use glam::Vec3;
+use glam::{Vec2, Vec3};
 
 /// Views that look along the surface (cosine between normal and ray below this) show mostly its neighbours.
 const LEAST_COSINE: f32 = 0.15;
 /// From how many pixels inside the contour and off depth steps a pixel shows one surface only: lens blur, demosaicing
 /// and JPEG mix colours over about that distance.
-const CLEAN_PIXELS: f32 = 2.0;
-/// What a pixel on a contour counts against a clean one: taken only if no camera offers better.
+const CLEAN_PIXELS: f32 = 2.5;
+/// Nearer to a contour or step than this a pixel is mixed with what lies behind: what surrounds the vertex knows its
+/// colour better.
+const MIXED_PIXELS: f32 = 1.25;
+/// What the least clean pixel counts against a clean one: taken only if no camera offers better.
 const LEAST_CLEANNESS: f32 = 0.02;
 /// Blending weight falls with this power of the cosine.
 const BLEND_POWER: i32 = 4;
@@ -74,19 +77,28 @@ pub fn colour(mesh: &mut Mesh, views: &[View], params: &ColourParams, progress: 
 fn look(view: &View, index: u16, buffer: &DepthBuffer, position: Vec3, normal: Vec3, vertex: usize) -> Option<Offer> {
     let ray = position - view.camera.centre;
     let cosine = -ray.dot(normal) / libm::sqrtf(ray.length_squared() * normal.length_squared());
-    if !(cosine > LEAST_COSINE) {
+    if cosine.is_nan() || cosine < LEAST_COSINE {
         return None;
     }
     let pixel = buffer.projected(vertex);
     let footprint = view.camera.footprint(pixel.z);
-    // A neighbouring pixel's centre lies up to √2 pixels off: the surface's own slope may hide it by so much.
+    // The tangent plane's inverse depth is linear in the image: what its slope explains hides nothing. The rest of the
+    // tolerance is for curvature, and for normals that are slightly off.
+    let here = view.camera.ray(pixel.x, pixel.y);
+    let right = view.camera.ray(pixel.x + 1.0, pixel.y) - here;
+    let down = view.camera.ray(pixel.x, pixel.y + 1.0) - here;
+    let gradient = Vec2::new(normal.dot(right), normal.dot(down)) / normal.dot(ray);
     let slope = libm::sqrtf(1.0 - (cosine * cosine).min(1.0)) / cosine;
-    let border = buffer.visible(pixel, footprint * (0.5 + 1.5 * slope))?;
+    let border = buffer.visible(pixel, gradient, footprint * (1.5 + 0.5 * slope))?;
     let contour = match &view.silhouette {
         Some(silhouette) => silhouette.sample(pixel.x, pixel.y)?,
         None => CLEAN_PIXELS,
     };
-    let cleanness = (border.min(contour) / CLEAN_PIXELS).clamp(LEAST_CLEANNESS, 1.0);
+    let clean = border.min(contour);
+    if clean < MIXED_PIXELS {
+        return None;
+    }
+    let cleanness = ((clean - MIXED_PIXELS) / (CLEAN_PIXELS - MIXED_PIXELS)).clamp(LEAST_CLEANNESS, 1.0);
     Some(Offer { score: cosine * cleanness, view: index, rgb: bicubic(view, pixel.x, pixel.y)? })
 }
 
@@ -143,3 +155,6 @@ fn bicubic(view: &View, u: f32, v: f32) -> Option<Vec3> {
     }
     Some(sum.clamp(Vec3::ZERO, Vec3::splat(255.0)))
 }
+
+#[cfg(test)]
+mod tests;

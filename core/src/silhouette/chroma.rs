@@ -44,7 +44,7 @@ pub(crate) fn coverage(picture: &ImageRef, rgb: &[u8], key: &ChromaKey) -> Resul
     let hint = vector(key.rgb.as_slice());
     let gray = Vec3::ONE.normalize();
     let saturation = angle(hint, gray);
-    if !(saturation > 0.1) {
+    if saturation < 0.1 {
         return Err(format!(
             "the chroma key {:?} is nearly gray: no object can be told from it. Give masks or a clean plate",
             key.rgb
@@ -150,5 +150,130 @@ impl Backdrop {
         let ((x0, x1, fx), (y0, y1, fy)) = (place(x, self.columns), place(y, self.rows));
         let row = |y: usize| self.tiles[y * self.columns + x0].lerp(self.tiles[y * self.columns + x1], fx);
         row(y0).lerp(row(y1), fy)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{
+        image::PixelFormat,
+        silhouette::{Silhouette, clean_plate, matte},
+    };
+
+    const W: u32 = 320;
+    const H: u32 = 240;
+    const RADIUS: f32 = 60.0;
+
+    fn truth(x: f32, y: f32) -> f32 {
+        RADIUS - libm::hypotf(x - 150.3, y - 118.6)
+    }
+
+    /// Backdrop lit unevenly, with a shadow across, in the proportions of `base`.
+    fn empty(x: f32, y: f32, base: Vec3) -> Vec3 {
+        let light = 0.55 + 0.35 * x / W as f32 + 0.1 * libm::sinf(y / 23.0);
+        let shadow = 1.0 - 0.4 / (1.0 + libm::expf((libm::fabsf(x + y - 290.0) - 25.0) / 4.0));
+        base * (light * shadow)
+    }
+
+    /// A picture with an object's disc of one colour over the backdrop, mixed by exact coverage, with sensor noise.
+    fn picture(object: Option<Vec3>, base: Vec3) -> Vec<u8> {
+        let mut state = 1u32;
+        let mut noise = move || {
+            let mut sum = -1020.0;
+            for _ in 0..8 {
+                state = state.wrapping_mul(1664525).wrapping_add(1013904223);
+                sum += (state >> 24) as f32;
+            }
+            sum / 70.0
+        };
+        let mut out = Vec::new();
+        for i in 0..W * H {
+            let (x, y) = ((i % W) as f32, (i / W) as f32);
+            // The disc is wide enough for its edge to be straight within a pixel.
+            let alpha = if object.is_some() { (truth(x, y) + 0.5).clamp(0.0, 1.0) } else { 0.0 };
+            let colour = empty(x, y, base) * (1.0 - alpha) + object.unwrap_or(Vec3::ZERO) * alpha;
+            out.extend(colour.to_array().map(|v| libm::roundf(v + noise()).clamp(0.0, 255.0) as u8));
+        }
+        out
+    }
+
+    fn contour_error(coverage: &[u8]) -> f32 {
+        let silhouette = Silhouette::from_coverage(W, H, coverage, |_| true).unwrap();
+        let mut worst = 0.0f32;
+        for (i, &d) in silhouette.distances().iter().enumerate() {
+            let t = truth((i as u32 % W) as f32, (i as u32 / W) as f32);
+            let d = f32::from(d) / Silhouette::UNITS;
+            assert!(t.abs() < 1.0 || (d > 0.0) == (t > 0.0), "pixel {i}: {d} instead of {t}");
+            if t.abs() < 1.5 {
+                worst = worst.max((d - t).abs());
+            }
+        }
+        worst
+    }
+
+    const GREEN: Vec3 = Vec3::new(46.0, 190.0, 90.0);
+    /// Skin, white, black, jeans.
+    const OBJECTS: [Vec3; 4] = [
+        Vec3::new(200.0, 150.0, 120.0),
+        Vec3::new(240.0, 240.0, 235.0),
+        Vec3::new(14.0, 13.0, 16.0),
+        Vec3::new(70.0, 85.0, 130.0),
+    ];
+
+    #[test]
+    fn chroma_key_finds_the_contour_over_an_unevenly_lit_backdrop() {
+        for object in OBJECTS {
+            let rgb = picture(Some(object), GREEN);
+            let image = ImageRef::packed(&rgb, W, H, PixelFormat::Rgb8);
+            // The hint is off by more than any lighting.
+            let key = ChromaKey { rgb: [60, 160, 60], ..ChromaKey::default() };
+            let error = contour_error(&coverage(&image, &rgb, &key).unwrap());
+            assert!(error < 0.3, "{object}: {error}");
+        }
+    }
+
+    #[test]
+    fn clean_plate_finds_the_contour_before_any_background() {
+        for base in [GREEN, Vec3::new(90.0, 80.0, 70.0), Vec3::new(200.0, 200.0, 210.0)] {
+            for object in [Vec3::new(230.0, 40.0, 60.0), Vec3::new(20.0, 60.0, 200.0)] {
+                let (rgb, plate) = (picture(Some(object), base), picture(None, base));
+                let image = ImageRef::packed(&rgb, W, H, PixelFormat::Rgb8);
+                let plate = ImageRef::packed(&plate, W, H, PixelFormat::Rgb8);
+                let error = contour_error(&clean_plate::coverage(&image, &rgb, &plate).unwrap());
+                assert!(error < 0.3, "{base} {object}: {error}");
+            }
+        }
+    }
+
+    #[test]
+    fn unusable_keys_and_plates_are_errors() {
+        let rgb = picture(None, GREEN);
+        let image = ImageRef::packed(&rgb, W, H, PixelFormat::Rgb8);
+        let gray = ChromaKey { rgb: [120, 122, 119], ..ChromaKey::default() };
+        assert!(coverage(&image, &rgb, &gray).unwrap_err().contains("gray"));
+        let blue = ChromaKey { rgb: [20, 30, 200], ..ChromaKey::default() };
+        assert!(coverage(&image, &rgb, &blue).unwrap_err().contains("no pixel"));
+        let small = ImageRef::packed(&rgb, W / 2, H, PixelFormat::Rgb8);
+        assert!(clean_plate::coverage(&image, &rgb, &small).is_err());
+    }
+
+    #[test]
+    fn specks_and_pinholes_go_and_larger_parts_stay() {
+        const N: usize = 40;
+        let mut object = vec![false; N * N];
+        let mut paint = |xs: core::ops::Range<usize>, ys: core::ops::Range<usize>, label| {
+            ys.for_each(|y| xs.clone().for_each(|x| object[y * N + x] = label));
+        };
+        paint(5..25, 5..25, true);
+        paint(10..12, 10..12, false);
+        paint(15..19, 15..19, false);
+        paint(30..32, 30..32, true);
+        matte::remove_small(N, N, &mut object, true, 5);
+        matte::remove_small(N, N, &mut object, false, 5);
+        assert!(!object[31 * N + 31], "speck of 4 pixels");
+        assert!(object[11 * N + 11], "hole of 4 pixels");
+        assert!(!object[16 * N + 16], "hole of 16 pixels");
+        assert_eq!(object.iter().filter(|&&o| o).count(), 400 - 16);
     }
 }

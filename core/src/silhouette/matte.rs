@@ -82,7 +82,7 @@ pub(super) fn soften(width: usize, height: usize, rgb: &[u8], object: &[bool]) -
 /// Chessboard distance of every pixel to the nearest of the other label, at most [`BAND`] + 1.
 fn depths(width: usize, height: usize, object: &[bool]) -> Vec<u8> {
     let mut depth = vec![BAND + 1; width * height];
-    let mut offer = |i: usize, x: usize, y: usize, rows: [usize; 2]| {
+    let mut offer = |i: usize, x: usize, rows: [usize; 2]| {
         for ny in rows {
             for nx in x.saturating_sub(1)..(x + 2).min(width) {
                 let j = ny * width + nx;
@@ -93,12 +93,12 @@ fn depths(width: usize, height: usize, object: &[bool]) -> Vec<u8> {
     };
     for y in 0..height {
         for x in 0..width {
-            offer(y * width + x, x, y, [y.saturating_sub(1), y]);
+            offer(y * width + x, x, [y.saturating_sub(1), y]);
         }
     }
     for y in (0..height).rev() {
         for x in (0..width).rev() {
-            offer(y * width + x, x, y, [y, (y + 1).min(height - 1)]);
+            offer(y * width + x, x, [y, (y + 1).min(height - 1)]);
         }
     }
     depth
