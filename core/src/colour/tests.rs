@@ -116,7 +116,8 @@ fn seen_vertices_take_the_surface_colour() {
         let mut mesh = mesh(&balls);
         colour(&mut mesh, &views, &ColourParams { blended_views, ..PAPER }, &Silent).unwrap();
         let normals = mesh.normals.clone();
-        let error = worst(&mesh, |v| smooth(normals[v]), |v| normals[v].z > -0.3);
+        // All cameras look along the pole's surface, and none sees the sole.
+        let error = worst(&mesh, |v| smooth(normals[v]), |v| (-0.3..0.9).contains(&normals[v].z));
         assert!(error < 2.0, "{blended_views}: {error}");
     }
 }

@@ -42,7 +42,7 @@ impl Default for ChromaKey {
 pub(crate) fn coverage(picture: &ImageRef, rgb: &[u8], key: &ChromaKey) -> Result<Vec<u8>, String> {
     let (w, h) = (picture.width as usize, picture.height as usize);
     let hint = vector(key.rgb.as_slice());
-    let gray = Vec3::ONE.normalize();
+    let gray = Vec3::ONE;
     let saturation = angle(hint, gray);
     if saturation < 0.1 {
         return Err(format!(
