@@ -46,8 +46,8 @@ fn manifest_and_report_describe_the_files() {
         let box_ = primitive.bounding_box();
         for axis in 0..3 {
             assert!((-1.6..-0.8).contains(&box_.min[axis]) && (0.8..1.6).contains(&box_.max[axis]), "{box_:?}");
-            assert!(manifest["bounds"][0][axis].as_f64().unwrap() <= f64::from(box_.min[axis]));
-            assert!(manifest["bounds"][1][axis].as_f64().unwrap() >= f64::from(box_.max[axis]));
+            let bound = |end: usize| manifest["bounds"][end][axis].as_f64().unwrap() as f32;
+            assert!(bound(0) <= box_.min[axis] && bound(1) >= box_.max[axis]);
         }
         for stage in ["decode", "views", "hull", "colour", "write"] {
             assert!(made["seconds"][stage].as_f64().is_some_and(|s| s >= 0.0), "{stage}: {made}");
@@ -118,6 +118,30 @@ fn stages_and_ply() {
     }
     let colour = fs::read(capture.path("out/stages/frame_0000/colour.ply")).unwrap();
     assert_eq!(colour, fs::read(capture.path("out/frame_0000.ply")).unwrap());
+}
+
+#[test]
+fn silhouettes_from_the_backdrop() {
+    let mut capture = Capture::new(6, 1);
+    let refused = capture.run(&["--masks", "chroma"]);
+    assert_eq!(refused.status.code(), Some(2));
+    assert!(stderr(&refused).contains("chroma_rgb"), "{}", stderr(&refused));
+
+    capture.scene["background"] = serde_json::json!({ "chroma_rgb": [40, 165, 75] });
+    capture.scene["frames"][0]["masks"] = Value::Null;
+    for i in 0..6 {
+        let path = capture.path(&format!("images/cam{i:02}_0.png"));
+        let picture = image::RgbImage::from_fn(common::WIDTH, common::HEIGHT, |x, y| {
+            let inside = (x as f32 - 31.5).hypot(y as f32 - 23.5) < 14.0;
+            image::Rgb(if inside { [180, 90, 60] } else { [40, 165, 75] })
+        });
+        picture.save(path).unwrap();
+    }
+    assert_runs(&capture, &["--masks", "chroma"]);
+    let bounds = &json(&capture, "sequence.json")["bounds"];
+    for axis in 0..3 {
+        assert!(bounds[0][axis].as_f64().unwrap() < -0.8 && bounds[1][axis].as_f64().unwrap() > 0.8, "{bounds}");
+    }
 }
 
 #[cfg(unix)]

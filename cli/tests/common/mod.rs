@@ -54,10 +54,8 @@ impl Capture {
         let capture = Self { folder, scene };
         for frame in 0..frames {
             for i in 0..cameras {
-                let picture = RgbImage::from_fn(WIDTH, HEIGHT, |x, y| {
-                    let v = (x * 37 + y * 91 + (x * y) % 23 * 5 + frame) as u8;
-                    Rgb([v, v.wrapping_mul(3), 255 - v])
-                });
+                let picture =
+                    RgbImage::from_fn(WIDTH, HEIGHT, |x, y| colour(&capture.scene["cameras"][i], x, y, frame));
                 picture.save(capture.path(&path("images", i, frame))).unwrap();
                 capture.mask(&path("masks", i, frame), 31.5, 14.0);
             }
@@ -99,6 +97,23 @@ impl Capture {
     pub fn results(&self) -> Vec<String> {
         names(&self.path("out"))
     }
+}
+
+/// Colour of the ball, and of the wall behind it, at a pixel.
+fn colour(camera: &Value, x: u32, y: u32, frame: u32) -> Rgb<u8> {
+    let number = |v: &Value| v.as_f64().unwrap();
+    let row = |v: &Value| DVec3::new(number(&v[0]), number(&v[1]), number(&v[2]));
+    let back = DMat3::from_cols(row(&camera["R"][0]), row(&camera["R"][1]), row(&camera["R"][2]));
+    let centre = -(back * row(&camera["t"]));
+    let ray = back * DVec3::new((f64::from(x) - 31.5) / FOCAL, (f64::from(y) - 23.5) / FOCAL, 1.0).normalize();
+    let (along, radius) = (-centre.dot(ray), 0.97);
+    let inside = along * along - centre.length_squared() + radius * radius;
+    if inside < 0.0 {
+        return Rgb([20, 20, 20]);
+    }
+    let p = centre + ray * (along - inside.sqrt()) + DVec3::splat(f64::from(frame));
+    let wave = |axis: DVec3| (128.0 + 100.0 * (axis.dot(p)).sin()) as u8;
+    Rgb([wave(DVec3::new(9.0, 5.0, -7.0)), wave(DVec3::new(-4.0, 8.0, 9.0)), wave(DVec3::new(6.0, -8.0, 6.0))])
 }
 
 /// The command.
