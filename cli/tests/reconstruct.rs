@@ -62,12 +62,12 @@ fn manifest_and_report_describe_the_files() {
 
 #[test]
 fn threads_do_not_change_a_byte() {
-    let runs = ["1", "2", "5"].map(|threads| {
-        let capture = Capture::enlarged(16, 2, 4);
+    let runs = ["1", "3"].map(|threads| {
+        let capture = Capture::enlarged(14, 2, 3);
         assert_runs(&capture, &["--threads", threads, "--preset", "default"]);
         [0, 1].map(|i| fs::read(capture.path(&format!("out/frame_000{i}.glb"))).unwrap())
     });
-    assert!(runs[0] == runs[1] && runs[0] == runs[2]);
+    assert!(runs[0] == runs[1]);
 }
 
 #[test]

@@ -106,7 +106,7 @@ fn touch(hull: &VisualHull, view: &View, ray: Vec3, longest: f32) -> Option<(f32
             }
             _ => {}
         }
-        t += fine;
+        t += (d.abs() * 0.7 * unit).max(fine);
     }
     match piece {
         Some((start, stop)) => {

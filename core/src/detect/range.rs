@@ -54,9 +54,4 @@ impl SearchRange {
     pub fn of(&self, pixel: usize) -> &[Interval] {
         &self.intervals[self.starts[pixel] as usize..self.starts[pixel + 1] as usize]
     }
-
-    /// How many pixels have an interval.
-    pub fn pixels(&self) -> usize {
-        self.starts.windows(2).filter(|w| w[0] < w[1]).count()
-    }
 }

@@ -1,1 +1,27 @@
 //! A synthetic capture dome with exact ground truth.
+//!
+//! A [`Subject`] at a time is a [`Scene`]: a signed distance function with colours. A [`Ring`] gives cameras,
+//! [`Capture::new`] records pictures and masks with the [`Faults`] asked for, [`Capture::write`] makes a scene folder of
+//! them. Because the scene is a function, [`score`] states a reconstruction's errors exactly. Everything is the same,
+//! byte for byte, on every machine.
+
+pub mod backdrop;
+pub mod capture;
+pub mod faults;
+mod figure;
+pub mod material;
+pub mod mesh;
+pub mod noise;
+pub mod part;
+pub mod polygonise;
+pub mod render;
+pub mod ring;
+pub mod scene;
+pub mod score;
+pub mod write;
+
+pub use capture::{Capture, Frame, Picture};
+pub use faults::Faults;
+pub use mesh::TriangleMesh;
+pub use ring::{Ring, dome, pairs};
+pub use scene::{Scene, Subject};

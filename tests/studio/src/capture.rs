@@ -1,0 +1,97 @@
+//! A capture: cameras, and every frame's pictures and masks, as a studio would hand them over.
+
+use crate::{
+    faults::Faults,
+    render::render,
+    scene::{Scene, Subject},
+};
+use pcmvs_core::{Camera, ImageRef, PixelFormat};
+
+/// Packed 8-bit sRGB. A missing picture is 0 x 0.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub struct Picture {
+    /// Pixels in a row.
+    pub width: u32,
+    /// Rows.
+    pub height: u32,
+    /// Red, green, blue; row after row.
+    pub rgb: Vec<u8>,
+}
+
+impl Picture {
+    /// The picture as the core takes it.
+    pub fn as_ref(&self) -> ImageRef<'_> {
+        ImageRef::packed(&self.rgb, self.width, self.height, PixelFormat::Rgb8)
+    }
+}
+
+/// One instant, in the cameras' order.
+#[derive(Debug, Clone)]
+pub struct Frame {
+    /// Seconds.
+    pub time: f64,
+    /// A picture a camera.
+    pub images: Vec<Picture>,
+    /// A mask a camera, of its picture's size, 255 on the subject; `None` where nothing is known.
+    pub masks: Vec<Option<Vec<u8>>>,
+    /// The truth.
+    pub scene: Scene,
+}
+
+impl Frame {
+    /// A camera's mask as the core takes it.
+    pub fn mask(&self, camera: usize) -> Option<ImageRef<'_>> {
+        let Picture { width, height, .. } = self.images[camera];
+        self.masks[camera].as_ref().map(|m| ImageRef::packed(m, width, height, PixelFormat::Gray8))
+    }
+}
+
+/// What a dome recorded, and the truth about it.
+#[derive(Debug, Clone)]
+pub struct Capture {
+    /// Calibration as handed out; wrong where [`Faults::calibration`] says so.
+    pub cameras: Vec<Camera>,
+    /// Calibration that is true.
+    pub true_cameras: Vec<Camera>,
+    /// Names of the cameras.
+    pub names: Vec<String>,
+    /// Recorded frames.
+    pub frames: Vec<Frame>,
+}
+
+impl Capture {
+    /// A dome that has not recorded anything yet.
+    pub fn empty(cameras: &[Camera], faults: &Faults) -> Self {
+        Self {
+            cameras: cameras.iter().enumerate().map(|(i, c)| faults.calibrated(c, i)).collect(),
+            true_cameras: cameras.to_vec(),
+            names: (0..cameras.len()).map(|i| format!("cam{i:02}")).collect(),
+            frames: Vec::new(),
+        }
+    }
+
+    /// Records a subject at the given times (seconds).
+    pub fn new(subject: Subject, cameras: &[Camera], times: &[f64], faults: &Faults) -> Self {
+        let mut capture = Self::empty(cameras, faults);
+        for (i, &time) in times.iter().enumerate() {
+            capture.frames.push(record(subject, cameras, i, time, faults));
+        }
+        capture
+    }
+
+    /// Records a subject once, at time 0.
+    pub fn still(subject: Subject, cameras: &[Camera], faults: &Faults) -> Self {
+        Self::new(subject, cameras, &[0.0], faults)
+    }
+}
+
+/// One frame of a subject; `cameras` are the true ones.
+pub fn record(subject: Subject, cameras: &[Camera], frame: usize, time: f64, faults: &Faults) -> Frame {
+    let mut out = Frame { time, images: Vec::new(), masks: Vec::new(), scene: subject.at(time) };
+    for (i, camera) in cameras.iter().enumerate() {
+        let picture = render(&subject.at(time + faults.clock_of(i)), camera);
+        out.images.push(faults.picture(&picture, camera.width, camera.height, i, frame));
+        out.masks.push(faults.mask(&picture.coverage, camera.width, camera.height, i));
+    }
+    out
+}

@@ -1,0 +1,157 @@
+//! What goes wrong in a real capture, each switched on by itself.
+
+use crate::{capture::Picture, noise::Random, render::Render, scene::turn};
+use glam::{DMat3, DVec3};
+use image::{ImageFormat, RgbImage, codecs::jpeg::JpegEncoder};
+use pcmvs_core::Camera;
+
+/// Faults of a capture. The default has none. (Lens distortion belongs to the cameras: see [`crate::Ring`].)
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Faults {
+    /// Standard deviation of the sensor's noise, in 8-bit levels, each channel by itself.
+    pub noise: f64,
+    /// Largest deviation of a camera's gain from 1, and half of that again for each channel.
+    pub gain: f64,
+    /// Standard deviation of a Gaussian blur in pixels.
+    pub blur: f64,
+    /// How far, in pixels at the principal point, the calibration handed out is rotated from the true one.
+    pub calibration: f64,
+    /// Largest difference of a camera's clock in seconds.
+    pub clock: f64,
+    /// Indices of cameras whose mask is not known.
+    pub unmasked: Vec<usize>,
+    /// Indices of cameras whose pictures are missing: they are empty in memory and no file is written for them.
+    pub missing: Vec<usize>,
+    /// Coarse masks: black and white, up to this many pixels too wide, with jagged edges of that size. 0 is exact.
+    pub coarse_masks: u32,
+    /// Black and white masks in place of soft ones.
+    pub binary_masks: bool,
+    /// Quality (1..=100) of a JPEG that pictures went through.
+    pub jpeg: Option<u8>,
+    /// Chooses all that is random.
+    pub seed: u64,
+}
+
+/// Streams of random numbers, so that one fault does not change another.
+#[derive(Clone, Copy)]
+enum Stream {
+    Gain = 1,
+    Noise,
+    Calibration,
+    Clock,
+}
+
+impl Faults {
+    fn random(&self, stream: Stream, camera: usize, frame: usize) -> Random {
+        Random::new(self.seed, ((stream as u64) << 48) | ((camera as u64) << 24) | frame as u64)
+    }
+
+    /// The calibration handed out for a camera.
+    pub fn calibrated(&self, camera: &Camera, index: usize) -> Camera {
+        if self.calibration == 0.0 {
+            return *camera;
+        }
+        let (sine, cosine) = libm::sincos(core::f64::consts::PI * self.random(Stream::Calibration, index, 0).signed());
+        let (x, y) = (self.calibration * cosine, self.calibration * sine);
+        let (fx, fy) = (camera.k[0][0], camera.k[1][1]);
+        let by = turn(-libm::atan(y / fy), libm::atan(x / fx), 0.0);
+        // Columns of the row-major array's matrix are its rows, so `turned` is Rᵀ · byᵀ with world directions as rows.
+        let turned = DMat3::from_cols_array_2d(&camera.r) * by.transpose();
+        Camera { r: turned.to_cols_array_2d(), t: (by * DVec3::from_array(camera.t)).to_array(), ..*camera }
+    }
+
+    /// Difference of a camera's clock in seconds.
+    pub fn clock_of(&self, camera: usize) -> f64 {
+        self.clock * self.random(Stream::Clock, camera, 0).signed()
+    }
+
+    /// Gain of each channel of a camera.
+    pub fn gains_of(&self, camera: usize) -> [f64; 3] {
+        let mut random = self.random(Stream::Gain, camera, 0);
+        let all = 1.0 + self.gain * random.signed();
+        [(); 3].map(|()| all * (1.0 + 0.5 * self.gain * random.signed()))
+    }
+
+    /// The picture that a sensor reads.
+    pub fn picture(&self, render: &Render, width: u32, height: u32, camera: usize, frame: usize) -> Picture {
+        if self.missing.contains(&camera) {
+            return Picture::default();
+        }
+        let gains = self.gains_of(camera);
+        let mut random = self.random(Stream::Noise, camera, frame);
+        let sharp = &render.rgb;
+        let blurred = if self.blur > 0.0 { &blur(sharp, width, height, self.blur) } else { sharp };
+        let mut rgb = Vec::with_capacity(sharp.len() * 3);
+        for pixel in blurred {
+            for (value, gain) in pixel.iter().zip(gains) {
+                let noise = if self.noise > 0.0 { self.noise * random.normal() } else { 0.0 };
+                rgb.push((255.0 * value * gain + noise + 0.5).clamp(0.0, 255.0) as u8);
+            }
+        }
+        let picture = Picture { width, height, rgb };
+        match self.jpeg {
+            None => picture,
+            Some(quality) => through_jpeg(&picture, quality),
+        }
+    }
+
+    /// The mask that goes with it: white on the subject.
+    pub fn mask(&self, coverage: &[f64], width: u32, height: u32, camera: usize) -> Option<Vec<u8>> {
+        if self.unmasked.contains(&camera) || self.missing.contains(&camera) {
+            return None;
+        }
+        let black_and_white = |v: &f64| if *v >= 0.5 { 255 } else { 0 };
+        Some(if self.coarse_masks > 0 {
+            let exact: Vec<u8> = coverage.iter().map(black_and_white).collect();
+            coarse(&exact, width, height, self.coarse_masks)
+        } else if self.binary_masks {
+            coverage.iter().map(black_and_white).collect()
+        } else {
+            coverage.iter().map(|v| (255.0 * v + 0.5) as u8).collect()
+        })
+    }
+}
+
+/// Whole square cells are white as soon as the subject touches one of their pixels: 0 to `size` pixels too wide.
+fn coarse(mask: &[u8], width: u32, height: u32, size: u32) -> Vec<u8> {
+    let cell = size + 1;
+    let columns = width.div_ceil(cell);
+    let at = |x: u32, y: u32| (y / cell * columns + x / cell) as usize;
+    let mut cells = vec![0; (columns * height.div_ceil(cell)) as usize];
+    let pixels = || (0..height).flat_map(|y| (0..width).map(move |x| (x, y)));
+    for ((x, y), &v) in pixels().zip(mask) {
+        cells[at(x, y)] = v.max(cells[at(x, y)]);
+    }
+    pixels().map(|(x, y)| cells[at(x, y)]).collect()
+}
+
+/// Gaussian blur, rows then columns; the border's pixels go on beyond it.
+fn blur(rgb: &[[f64; 3]], width: u32, height: u32, sigma: f64) -> Vec<[f64; 3]> {
+    let reach = libm::ceil(3.0 * sigma) as i64;
+    let weights: Vec<f64> = (-reach..=reach).map(|i| libm::exp(-0.5 * (i * i) as f64 / (sigma * sigma))).collect();
+    let total: f64 = weights.iter().sum();
+    let along = |rgb: &[[f64; 3]], dx: i64, dy: i64| -> Vec<[f64; 3]> {
+        let clamped = |v: i64, size: u32| v.clamp(0, i64::from(size) - 1);
+        let pixels = (0..i64::from(height)).flat_map(|y| (0..i64::from(width)).map(move |x| (x, y)));
+        pixels
+            .map(|(x, y)| {
+                let mut sum = [0.0; 3];
+                for (i, w) in (-reach..=reach).zip(&weights) {
+                    let (u, v) = (clamped(x + i * dx, width), clamped(y + i * dy, height));
+                    let p = rgb[(v * i64::from(width) + u) as usize];
+                    (0..3).for_each(|c| sum[c] += w * p[c]);
+                }
+                sum.map(|v| v / total)
+            })
+            .collect()
+    };
+    along(&along(rgb, 1, 0), 0, 1)
+}
+
+fn through_jpeg(picture: &Picture, quality: u8) -> Picture {
+    let mut bytes = Vec::new();
+    let image = RgbImage::from_raw(picture.width, picture.height, picture.rgb.clone()).expect("sizes agree");
+    image.write_with_encoder(JpegEncoder::new_with_quality(&mut bytes, quality)).expect("memory can be written");
+    let back = image::load_from_memory_with_format(&bytes, ImageFormat::Jpeg).expect("it was just encoded");
+    Picture { rgb: back.into_rgb8().into_raw(), ..*picture }
+}

@@ -1,0 +1,131 @@
+//! The command `studio`: renders a synthetic capture into a scene folder.
+
+use clap::Parser;
+use std::{io, path::PathBuf, process::ExitCode};
+use studio::{Capture, Faults, Ring, Subject, capture::record, polygonise::polygonise};
+
+/// Renders a synthetic capture: scene.json, images, masks and, if asked for, ground truth meshes.
+#[derive(Debug, Parser)]
+#[command(name = "studio", version)]
+struct Arguments {
+    /// Folder to write
+    #[arg(short, long)]
+    output: PathBuf,
+    /// The sample: the figure, 20 views of 512x384, 12 frames, with a little noise and gain
+    #[arg(long, conflicts_with_all = ["scene", "views", "size", "frames", "noise", "gain"])]
+    sample: bool,
+    /// What stands in the dome
+    #[arg(long, value_enum, default_value = "figure")]
+    scene: Subject,
+    /// Cameras on the ring
+    #[arg(long, default_value_t = 20)]
+    views: u32,
+    /// Size of the pictures
+    #[arg(long, default_value = "1024x768", value_parser = size)]
+    size: (u32, u32),
+    /// Number of frames
+    #[arg(long, default_value_t = 1)]
+    frames: u32,
+    /// Frames a second
+    #[arg(long, default_value_t = 25.0)]
+    fps: f64,
+    /// Lens distortion k1,k2,p1,p2,k3
+    #[arg(long, value_parser = lens, allow_hyphen_values = true, default_value = "0,0,0,0,0")]
+    distortion: [f64; 5],
+    /// Sensor noise, 8-bit levels (standard deviation)
+    #[arg(long, default_value_t = 0.0)]
+    noise: f64,
+    /// Largest difference of a camera's gain from 1
+    #[arg(long, default_value_t = 0.0)]
+    gain: f64,
+    /// Blur, pixels (standard deviation)
+    #[arg(long, default_value_t = 0.0)]
+    blur: f64,
+    /// Calibration error, pixels
+    #[arg(long, default_value_t = 0.0)]
+    calibration: f64,
+    /// Largest difference of a camera's clock, seconds
+    #[arg(long, default_value_t = 0.0)]
+    clock: f64,
+    /// Cameras without masks, by index
+    #[arg(long, value_delimiter = ',')]
+    unmasked: Vec<usize>,
+    /// Cameras without pictures, by index
+    #[arg(long, value_delimiter = ',')]
+    missing: Vec<usize>,
+    /// Jagged masks, up to this many pixels too wide
+    #[arg(long, default_value_t = 0)]
+    coarse_masks: u32,
+    /// Black and white masks
+    #[arg(long)]
+    binary_masks: bool,
+    /// Quality of a JPEG that pictures go through
+    #[arg(long, value_parser = clap::value_parser!(u8).range(1..=100))]
+    jpeg: Option<u8>,
+    /// Chooses all that is random
+    #[arg(long, default_value_t = 0)]
+    seed: u64,
+    /// Also write ground truth meshes with triangles of this size in millimetres
+    #[arg(long)]
+    truth: Option<f64>,
+}
+
+fn size(text: &str) -> Result<(u32, u32), String> {
+    let parsed = text.split_once('x').and_then(|(w, h)| Some((w.parse().ok()?, h.parse().ok()?)));
+    match parsed {
+        Some((w, h)) if w > 0 && h > 0 => Ok((w, h)),
+        _ => Err("a size is written 1024x768".to_owned()),
+    }
+}
+
+fn lens(text: &str) -> Result<[f64; 5], String> {
+    let numbers: Vec<f64> = text.split(',').map_while(|n| n.trim().parse().ok()).collect();
+    numbers.try_into().map_err(|_| "a lens is written as five numbers k1,k2,p1,p2,k3".to_owned())
+}
+
+fn main() -> ExitCode {
+    let mut arguments = Arguments::parse();
+    if arguments.sample {
+        (arguments.size, arguments.frames) = ((512, 384), 12);
+        (arguments.noise, arguments.gain) = (1.5, 0.04);
+    }
+    match run(&arguments) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("studio: {}: {error}", arguments.output.display());
+            ExitCode::FAILURE
+        }
+    }
+}
+
+fn run(a: &Arguments) -> io::Result<()> {
+    let ring = Ring { count: a.views, distortion: a.distortion, ..Ring::default() }.sized(a.size.0, a.size.1);
+    let faults = Faults {
+        noise: a.noise,
+        gain: a.gain,
+        blur: a.blur,
+        calibration: a.calibration,
+        clock: a.clock,
+        unmasked: a.unmasked.clone(),
+        missing: a.missing.clone(),
+        coarse_masks: a.coarse_masks,
+        binary_masks: a.binary_masks,
+        jpeg: a.jpeg,
+        seed: a.seed,
+    };
+    let capture = Capture::empty(&ring.cameras(), &faults);
+    let mut entries = Vec::new();
+    for i in 0..a.frames as usize {
+        eprint!("\rstudio: frame {} of {}", i + 1, a.frames);
+        let frame = record(a.scene, &capture.true_cameras, i, i as f64 / a.fps, &faults);
+        entries.push(capture.write_frame(&a.output, i, &frame)?);
+        if let Some(millimetres) = a.truth {
+            let folder = a.output.join("gt");
+            std::fs::create_dir_all(&folder)?;
+            let mesh = polygonise(&frame.scene, millimetres / 1000.0);
+            std::fs::write(folder.join(format!("frame_{i:04}.ply")), mesh.to_ply())?;
+        }
+    }
+    eprintln!();
+    capture.write_scene_file(&a.output, entries)
+}

@@ -1,0 +1,261 @@
+//! Bodies that scenes are made of: a shape in a local frame, its relief, its material.
+
+use crate::{
+    material::Material,
+    noise::{self, STEEPEST},
+};
+use glam::{DMat3, DVec3};
+
+/// A shape in its own frame, given by its exact signed distance.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Shape {
+    /// A ball about the origin.
+    Ball {
+        /// Radius.
+        radius: f64,
+    },
+    /// A box about the origin.
+    Cuboid {
+        /// Half its sides.
+        half: DVec3,
+    },
+    /// A ring about the z axis.
+    Torus {
+        /// Radius of the ring's middle line.
+        major: f64,
+        /// Radius of the tube.
+        minor: f64,
+    },
+    /// The hull of two balls, one at the origin and one at (0, 0, -length).
+    RoundCone(RoundCone),
+}
+
+/// The hull of a ball at the origin and one at (0, 0, -length).
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct RoundCone {
+    length: f64,
+    top: f64,
+    bottom: f64,
+    /// Lean of the flank's normal towards the narrower end.
+    sine: f64,
+    cosine: f64,
+}
+
+impl RoundCone {
+    /// From the distance of the balls' centres, which is more than their radii differ by, and the radii at the origin
+    /// and at the other end.
+    pub fn new(length: f64, top: f64, bottom: f64) -> Self {
+        assert!(libm::fabs(top - bottom) < length, "one ball holds the other: {top}, {bottom}, {length}");
+        let sine = (top - bottom) / length;
+        Self { length, top, bottom, sine, cosine: libm::sqrt(1.0 - sine * sine) }
+    }
+
+    fn distance(&self, p: DVec3) -> f64 {
+        // In the half plane of radius and depth the flank is a straight line.
+        let (r, z) = (libm::sqrt(p.x * p.x + p.y * p.y), -p.z);
+        let along = self.cosine * z - self.sine * r;
+        if along < 0.0 {
+            libm::sqrt(r * r + z * z) - self.top
+        } else if along > self.cosine * self.length {
+            let z = z - self.length;
+            libm::sqrt(r * r + z * z) - self.bottom
+        } else {
+            self.cosine * r + self.sine * z - self.top
+        }
+    }
+}
+
+impl Shape {
+    fn distance(&self, p: DVec3) -> f64 {
+        match *self {
+            Self::Ball { radius } => p.length() - radius,
+            Self::Cuboid { half } => {
+                let q = p.abs() - half;
+                q.max(DVec3::ZERO).length() + q.max_element().min(0.0)
+            }
+            Self::Torus { major, minor } => {
+                let ring = libm::sqrt(p.x * p.x + p.y * p.y) - major;
+                libm::sqrt(ring * ring + p.z * p.z) - minor
+            }
+            Self::RoundCone(cone) => cone.distance(p),
+        }
+    }
+
+    /// Centre and radius of a ball around it.
+    fn ball(&self) -> (DVec3, f64) {
+        match *self {
+            Self::Ball { radius } => (DVec3::ZERO, radius),
+            Self::Cuboid { half } => (DVec3::ZERO, half.length()),
+            Self::Torus { major, minor } => (DVec3::ZERO, major + minor),
+            Self::RoundCone(RoundCone { length, top, bottom, .. }) => {
+                let radius = 0.5 * (length + top + bottom);
+                (DVec3::new(0.0, 0.0, top - radius), radius)
+            }
+        }
+    }
+}
+
+/// A position and orientation: local to world is `rotation · p + origin`.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Frame {
+    /// Local to world.
+    pub rotation: DMat3,
+    /// Local origin in the world.
+    pub origin: DVec3,
+}
+
+impl Frame {
+    /// The world's own frame moved to a point.
+    pub fn at(origin: DVec3) -> Self {
+        Self { rotation: DMat3::IDENTITY, origin }
+    }
+
+    /// A frame given relative to this one.
+    pub fn then(&self, offset: DVec3, rotation: DMat3) -> Self {
+        Self { rotation: self.rotation * rotation, origin: self.to_world(offset) }
+    }
+
+    /// World position of a local point.
+    pub fn to_world(&self, p: DVec3) -> DVec3 {
+        self.rotation * p + self.origin
+    }
+
+    /// Local position of a world point.
+    pub fn to_local(&self, p: DVec3) -> DVec3 {
+        let d = p - self.origin;
+        DVec3::new(self.rotation.x_axis.dot(d), self.rotation.y_axis.dot(d), self.rotation.z_axis.dot(d))
+    }
+}
+
+/// Folds: smooth noise that displaces the surface along its normal.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Relief {
+    /// Largest displacement, out or in.
+    pub height: f64,
+    /// Folds a metre along the local axes.
+    pub density: DVec3,
+    /// Lipschitz constant of a distance that has this relief.
+    slope: f64,
+}
+
+impl Relief {
+    /// Folds of a height and of a size along the local axes.
+    pub fn new(height: f64, size: DVec3) -> Self {
+        let density = DVec3::ONE / size;
+        Self { height, density, slope: 1.0 + height * STEEPEST * density.length() }
+    }
+}
+
+/// A body with a material that moves with it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Part {
+    shape: Shape,
+    frame: Frame,
+    /// The frame that colours are given in.
+    cloth: Frame,
+    scale: DVec3,
+    /// Distance over which it melts into the parts before it; 0 is a plain union.
+    pub blend: f64,
+    relief: Option<Relief>,
+    /// What it is made of.
+    pub material: Material,
+    seed: u32,
+    /// Centre of a ball around it.
+    pub centre: DVec3,
+    /// Radius of that ball.
+    pub radius: f64,
+}
+
+impl Part {
+    /// A rigid body.
+    pub fn new(shape: Shape, frame: Frame, material: Material) -> Self {
+        let (scale, centre) = (DVec3::ONE, frame.origin);
+        let part = Self {
+            shape,
+            frame,
+            cloth: frame,
+            scale,
+            blend: 0.0,
+            relief: None,
+            material,
+            seed: 0,
+            centre,
+            radius: 0.0,
+        };
+        part.bounded()
+    }
+
+    fn bounded(mut self) -> Self {
+        let (centre, radius) = self.shape.ball();
+        self.centre = self.frame.to_world(centre * self.scale);
+        self.radius = radius * self.scale.max_element() + self.relief.map_or(0.0, |r| r.height);
+        self
+    }
+
+    /// Stretches the shape along its local axes.
+    pub fn scaled(mut self, x: f64, y: f64, z: f64) -> Self {
+        self.scale = DVec3::new(x, y, z);
+        self.bounded()
+    }
+
+    /// Melts into the parts before it over a distance.
+    pub fn blended(mut self, distance: f64) -> Self {
+        self.blend = distance;
+        self
+    }
+
+    /// Adds folds.
+    pub fn folded(mut self, height: f64, size: DVec3) -> Self {
+        self.relief = Some(Relief::new(height, size));
+        self.bounded()
+    }
+
+    /// Takes its colours from another frame, so that neighbouring parts are of one piece.
+    pub fn cut_from(mut self, cloth: &Frame) -> Self {
+        self.cloth = *cloth;
+        self
+    }
+
+    /// Gives folds and texture another pattern.
+    pub fn seeded(mut self, seed: u32) -> Self {
+        self.seed = seed;
+        self
+    }
+
+    /// Whether [`Self::bound`] is the distance itself and not only a bound of it.
+    pub fn is_exact(&self) -> bool {
+        self.scale == DVec3::ONE && self.relief.is_none() && self.blend == 0.0
+    }
+
+    /// A function of slope at most one that vanishes on the surface and is negative inside, for points at a distance
+    /// of `to_centre` from the bounding ball's centre.
+    #[inline]
+    pub fn bound(&self, p: DVec3, to_centre: f64) -> f64 {
+        let local = self.frame.to_local(p);
+        let plain = if self.scale == DVec3::ONE {
+            self.shape.distance(local)
+        } else {
+            self.shape.distance(local / self.scale) * self.scale.min_element()
+        };
+        let rough = match &self.relief {
+            None => plain,
+            // Both branches have slope one at most; far from the folds the first is larger and noise need not be known.
+            Some(relief) => {
+                let slope = relief.slope;
+                let outer = plain - relief.height;
+                if outer * slope >= plain + relief.height {
+                    outer
+                } else {
+                    let fold = noise::value(local * relief.density, self.seed);
+                    outer.max((plain - relief.height * fold) / slope)
+                }
+            }
+        };
+        if self.is_exact() { rough } else { rough.max(to_centre - self.radius) }
+    }
+
+    /// Colour (0..1 display values) of a point of its surface.
+    pub fn colour(&self, p: DVec3) -> [f64; 3] {
+        self.material.colour(self.cloth.to_local(p), self.seed)
+    }
+}

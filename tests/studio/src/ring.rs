@@ -1,0 +1,98 @@
+//! Where the cameras stand.
+
+use crate::{noise::Random, scene::turn};
+use core::f64::consts::TAU;
+use glam::{DMat3, DVec3};
+use pcmvs_core::Camera;
+
+/// Cameras spaced evenly on a level circle, looking at one point. The default is the paper's dome: 20 cameras,
+/// 1024 x 768, 3.8 m from the subject and looking down by 20 degrees.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Ring {
+    /// Cameras on it.
+    pub count: u32,
+    /// Radius of the circle in metres.
+    pub radius: f64,
+    /// Height of the circle above the floor in metres.
+    pub height: f64,
+    /// The point all cameras look at.
+    pub look_at: DVec3,
+    /// Pixels in a row.
+    pub width: u32,
+    /// Rows.
+    pub height_px: u32,
+    /// Vertical field of view in radians.
+    pub fov: f64,
+    /// OpenCV's coefficients k1, k2, p1, p2, k3 of every lens.
+    pub distortion: [f64; 5],
+    /// How far hands have moved the cameras from the even ring: 0.01 is up to 1 % of the distance and of the focal
+    /// length, and about that angle. Poses and calibration stay exact.
+    pub unevenness: f64,
+    /// Chooses the unevenness.
+    pub seed: u64,
+}
+
+impl Default for Ring {
+    fn default() -> Self {
+        Self {
+            count: 20,
+            radius: 3.57,
+            height: 2.2,
+            look_at: DVec3::new(0.0, 0.0, 0.9),
+            width: 1024,
+            height_px: 768,
+            fov: 0.65,
+            distortion: [0.0; 5],
+            unevenness: 0.01,
+            seed: 1,
+        }
+    }
+}
+
+impl Ring {
+    /// The same ring with pictures of another size.
+    pub fn sized(self, width: u32, height_px: u32) -> Self {
+        Self { width, height_px, ..self }
+    }
+
+    /// The cameras, counter-clockwise from the +x axis.
+    pub fn cameras(&self) -> Vec<Camera> {
+        (0..self.count).map(|i| self.camera(i)).collect()
+    }
+
+    fn camera(&self, index: u32) -> Camera {
+        let mut random = Random::new(self.seed, u64::from(index));
+        let mut uneven = || self.unevenness * random.signed();
+        let (sine, cosine) = libm::sincos(TAU * f64::from(index) / f64::from(self.count) + uneven());
+        let centre = DVec3::new(self.radius * cosine, self.radius * sine, self.height) * (1.0 + uneven());
+        let ahead = (self.look_at - centre).normalize();
+        let right = ahead.cross(DVec3::Z).normalize();
+        let level = DMat3::from_cols(right, ahead.cross(right), ahead).transpose();
+        let rotation = turn(uneven(), uneven(), uneven()) * level;
+        let focal = 0.5 * f64::from(self.height_px) / libm::tan(0.5 * self.fov) * (1.0 + uneven());
+        let middle = |pixels: u32, off: f64| 0.5 * (f64::from(pixels) - 1.0) + off * f64::from(pixels);
+        let k = [
+            [focal, 0.0, middle(self.width, uneven())],
+            [0.0, focal, middle(self.height_px, uneven())],
+            [0.0, 0.0, 1.0],
+        ];
+        Camera {
+            width: self.width,
+            height: self.height_px,
+            k,
+            distortion: self.distortion,
+            r: rotation.transpose().to_cols_array_2d(),
+            t: (-(rotation * centre)).to_array(),
+        }
+    }
+}
+
+/// Several rings, one above another, as one dome.
+pub fn dome(rings: &[Ring]) -> Vec<Camera> {
+    rings.iter().flat_map(Ring::cameras).collect()
+}
+
+/// Indices of neighbouring pairs on a ring (the paper's PCMVS-BINO): of 20 cameras 0, 1, 4, 5, 8, 9, 12, 13, 16, 17.
+pub fn pairs(count: usize) -> Vec<usize> {
+    (0..count).filter(|i| i % 4 < 2).collect()
+}

@@ -1,0 +1,275 @@
+//! A scene as a signed distance function with colours: the ground truth itself.
+
+use crate::{
+    figure,
+    material::Material,
+    noise::Random,
+    part::{Frame, Part, Shape},
+};
+use glam::{DMat3, DVec3};
+
+/// A scene at one instant. Metres, z up, floor at z = 0. Distances are negative inside.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Scene {
+    parts: Vec<Part>,
+    /// How near the surface each part must be to bend it: it melts into those before, later ones melt into it.
+    influence: Vec<f64>,
+    centre: DVec3,
+    radius: f64,
+}
+
+/// A set of a scene's parts, one bit each.
+pub type Parts = u64;
+
+/// Reach of ambient occlusion in metres.
+pub(crate) const OCCLUSION: f64 = 0.03;
+
+/// What stands in the dome.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
+pub enum Subject {
+    /// A ball of radius 0.45 m.
+    Sphere,
+    /// A turned box of 0.7 x 0.5 x 0.6 m.
+    Box,
+    /// A ring of radii 0.42 m and 0.15 m, leaning.
+    Torus,
+    /// A ball and a box that hide each other from most sides.
+    TwoBodies,
+    /// A plate, 12 mm thick.
+    Plate,
+    /// A clothed person who dances: the only one that moves.
+    Figure,
+}
+
+impl Subject {
+    /// The scene at a time in seconds.
+    pub fn at(self, time: f64) -> Scene {
+        let middle = DVec3::new(0.0, 0.0, 0.9);
+        let ball = |c: DVec3, radius: f64| Part::new(Shape::Ball { radius }, Frame::at(c), Material::Stone);
+        let cuboid = |c: DVec3, half: DVec3, rotation: DMat3| {
+            Part::new(Shape::Cuboid { half }, Frame { rotation, origin: c }, Material::Print)
+        };
+        let parts = match self {
+            Self::Sphere => vec![ball(middle, 0.45)],
+            Self::Box => vec![cuboid(middle, DVec3::new(0.35, 0.25, 0.3), turn(0.3, 0.2, 0.5))],
+            Self::Torus => {
+                let frame = Frame { rotation: turn(0.5, 0.3, 0.0), origin: middle };
+                vec![Part::new(Shape::Torus { major: 0.42, minor: 0.15 }, frame, Material::Print)]
+            }
+            Self::TwoBodies => vec![
+                ball(middle + DVec3::new(0.24, 0.03, 0.05), 0.26),
+                cuboid(middle + DVec3::new(-0.28, -0.02, 0.0), DVec3::new(0.12, 0.3, 0.4), turn(0.0, 0.0, 0.35)),
+            ],
+            Self::Plate => vec![cuboid(middle, DVec3::new(0.45, 0.35, 0.006), turn(1.2, 0.25, 0.4))],
+            Self::Figure => figure::parts(time),
+        };
+        Scene::new(parts)
+    }
+}
+
+/// Rotation about x, then y, then z (radians).
+pub(crate) fn turn(x: f64, y: f64, z: f64) -> DMat3 {
+    let ((sx, cx), (sy, cy), (sz, cz)) = (libm::sincos(x), libm::sincos(y), libm::sincos(z));
+    let about_x = DMat3::from_cols_array(&[1.0, 0.0, 0.0, 0.0, cx, sx, 0.0, -sx, cx]);
+    let about_y = DMat3::from_cols_array(&[cy, 0.0, -sy, 0.0, 1.0, 0.0, sy, 0.0, cy]);
+    let about_z = DMat3::from_cols_array(&[cz, sz, 0.0, -sz, cz, 0.0, 0.0, 0.0, 1.0]);
+    about_z * about_y * about_x
+}
+
+/// The smaller of two distances, rounded where they differ by less than `width`. Its gradient is a mean of theirs, so
+/// slopes stay at most one; where they differ by more it is the minimum itself.
+fn smooth_min(a: f64, b: f64, width: f64) -> f64 {
+    let apart = if a < b { b - a } else { a - b };
+    let least = if a < b { a } else { b };
+    if apart >= width {
+        return least;
+    }
+    let h = width - apart;
+    least - h * h / (4.0 * width)
+}
+
+impl Scene {
+    /// A scene of up to 64 parts; each melts into those before it by its own `blend`.
+    pub fn new(parts: Vec<Part>) -> Self {
+        assert!(!parts.is_empty() && parts.len() <= 64, "a scene has 1 to 64 parts, not {}", parts.len());
+        let centre = parts.iter().map(|p| p.centre).sum::<DVec3>() / parts.len() as f64;
+        let radius = parts.iter().map(|p| (p.centre - centre).length() + p.radius + p.blend).fold(0.0, f64::max);
+        let mut widest = 0.0_f64;
+        let mut influence: Vec<f64> = parts
+            .iter()
+            .rev()
+            .map(|p| {
+                widest = widest.max(p.blend);
+                // A blend reaches as far as its width and, together with the next, bulges by a quarter of it or two.
+                1.5 * widest + 0.002
+            })
+            .collect();
+        influence.reverse();
+        Self { parts, influence, centre, radius }
+    }
+
+    /// All parts.
+    pub fn all(&self) -> Parts {
+        u64::MAX >> (64 - self.parts.len())
+    }
+
+    /// Centre and radius of a ball around the scene.
+    pub fn ball(&self) -> (DVec3, f64) {
+        (self.centre, self.radius)
+    }
+
+    /// The parts that can matter within `reach` of rays from `origin` that lie within `spread` (at unit distance) of a
+    /// unit direction: the others do not change where such a ray meets the surface.
+    pub fn near(&self, origin: DVec3, direction: DVec3, spread: f64, reach: f64) -> Parts {
+        let mut parts = 0;
+        for (i, part) in self.parts.iter().enumerate() {
+            let to = part.centre - origin;
+            let along = to.dot(direction).max(0.0);
+            let off = (to - direction * along).length();
+            if off <= part.radius + self.influence[i] + (along + part.radius) * spread + reach {
+                parts |= 1 << i;
+            }
+        }
+        parts
+    }
+
+    /// A function of slope at most one that is zero on the surface and negative inside, of the given parts: a safe step
+    /// for sphere tracing. It is the distance itself for scenes without blends, relief or stretching.
+    pub fn bound(&self, p: DVec3, parts: Parts) -> f64 {
+        let mut least = f64::MAX;
+        let mut rest = parts;
+        while rest != 0 {
+            let part = &self.parts[rest.trailing_zeros() as usize];
+            rest &= rest - 1;
+            let reach = part.radius + least + part.blend;
+            let off = (p - part.centre).length_squared();
+            // A part's bound is never less than the distance to its ball, so this changes nothing.
+            if reach <= 0.0 || off >= reach * reach {
+                continue;
+            }
+            least = smooth_min(least, part.bound(p, libm::sqrt(off)), part.blend);
+        }
+        least
+    }
+
+    /// Signed distance to the surface, negative inside. Exact for the sphere, the box, the plate and the torus, for two
+    /// bodies as well; for the figure correct to first order (bound / |gradient|), that is near the surface.
+    pub fn distance(&self, p: DVec3) -> f64 {
+        let bound = self.bound(p, self.all());
+        if self.parts.iter().all(Part::is_exact) {
+            return bound;
+        }
+        bound / self.gradient(p, self.all()).length().max(0.1)
+    }
+
+    /// Gradient of [`Self::bound`] by differences over the corners of a tetrahedron.
+    pub fn gradient(&self, p: DVec3, parts: Parts) -> DVec3 {
+        const STEP: f64 = 1e-5;
+        let corners = [
+            DVec3::new(1.0, 1.0, 1.0),
+            DVec3::new(1.0, -1.0, -1.0),
+            DVec3::new(-1.0, 1.0, -1.0),
+            DVec3::new(-1.0, -1.0, 1.0),
+        ];
+        corners.into_iter().map(|c| c * self.bound(p + c * STEP, parts)).sum::<DVec3>() / (4.0 * STEP)
+    }
+
+    /// Unit normal, outward.
+    pub fn normal(&self, p: DVec3) -> DVec3 {
+        self.gradient(p, self.all()).normalize_or_zero()
+    }
+
+    /// Colour without light (display values in 0..1) of a point on the surface.
+    pub fn colour(&self, p: DVec3) -> [f64; 3] {
+        self.colour_of(p, self.all())
+    }
+
+    pub(crate) fn colour_of(&self, p: DVec3, parts: Parts) -> [f64; 3] {
+        self.parts[self.nearest(p, parts)].colour(p)
+    }
+
+    /// Index of the part that a point belongs to.
+    pub(crate) fn nearest(&self, p: DVec3, parts: Parts) -> usize {
+        let (mut best, mut least) = (parts.trailing_zeros() as usize, f64::MAX);
+        let mut rest = parts;
+        while rest != 0 {
+            let i = rest.trailing_zeros() as usize;
+            rest &= rest - 1;
+            let part = &self.parts[i];
+            let off = (p - part.centre).length();
+            if off - part.radius >= least {
+                continue;
+            }
+            let d = part.bound(p, off);
+            if d < least {
+                (best, least) = (i, d);
+            }
+        }
+        best
+    }
+
+    /// How much of the surroundings a surface point sees: 1 is all of it.
+    pub(crate) fn openness(&self, p: DVec3, normal: DVec3, parts: Parts) -> f64 {
+        let mut closed = 0.0;
+        for (share, reach) in [(0.5, OCCLUSION), (0.5, 0.4 * OCCLUSION)] {
+            closed += share * (1.0 - (self.bound(p + normal * reach, parts) / reach).clamp(0.0, 1.0));
+        }
+        1.0 - 0.6 * closed
+    }
+
+    /// Distance along a ray (unit direction) to the first surface point between two distances.
+    pub fn trace(&self, origin: DVec3, direction: DVec3, from: f64, to: f64, parts: Parts) -> Option<f64> {
+        let mut t = from;
+        while t < to {
+            let d = self.bound(origin + direction * t, parts);
+            // 1e-5 of the distance is a hundredth of a pixel of a 1024-pixel picture.
+            if d < 1e-5 * t {
+                return Some(t);
+            }
+            t += d;
+        }
+        None
+    }
+
+    /// Points spread evenly over the surface (equal chance for equal area) with their normals; the same ones for the
+    /// same seed. They are where random lines meet the surface (Cauchy-Crofton).
+    pub fn surface_points(&self, count: usize, seed: u64) -> Vec<(DVec3, DVec3)> {
+        let mut random = Random::new(seed, 1);
+        let mut points = Vec::with_capacity(count);
+        while points.len() < count {
+            let direction = random.direction();
+            let u = direction.any_orthonormal_vector();
+            let v = direction.cross(u);
+            let (a, b) = (random.signed(), random.signed());
+            if a * a + b * b > 1.0 {
+                continue;
+            }
+            let start = self.centre + (u * a + v * b - direction) * self.radius;
+            self.crossings(start, direction, &mut points);
+        }
+        points.truncate(count);
+        points
+    }
+
+    /// All points where a line through the scene's ball crosses the surface.
+    fn crossings(&self, start: DVec3, direction: DVec3, points: &mut Vec<(DVec3, DVec3)>) {
+        const STEP: f64 = 2e-4;
+        let parts = self.near(start, direction, 0.0, 0.0);
+        let at = |t: f64| self.bound(start + direction * t, parts);
+        let (mut t, mut d) = (0.0, at(0.0));
+        while t < 2.0 * self.radius {
+            let next = t + libm::fabs(d).max(STEP);
+            let e = at(next);
+            if (d < 0.0) != (e < 0.0) {
+                let (mut lo, mut hi) = (t, next);
+                for _ in 0..40 {
+                    let middle = 0.5 * (lo + hi);
+                    if (at(middle) < 0.0) == (d < 0.0) { lo = middle } else { hi = middle }
+                }
+                let p = start + direction * lo;
+                points.push((p, self.normal(p)));
+            }
+            (t, d) = (next, e);
+        }
+    }
+}

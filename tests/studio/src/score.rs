@@ -1,0 +1,115 @@
+//! A reconstruction's errors against the scene itself. Lengths are metres.
+
+use crate::{mesh::TriangleMesh, scene::Scene};
+use glam::DVec3;
+use pcmvs_core::Camera;
+
+/// Signed distances (negative inside the scene) of points spread evenly over a mesh, in ascending order of magnitude.
+pub fn errors(scene: &Scene, mesh: &TriangleMesh, samples: usize) -> Vec<f64> {
+    let mut errors: Vec<f64> = mesh.surface_points(samples, 0).into_iter().map(|p| scene.distance(p)).collect();
+    errors.sort_by(|a, b| libm::fabs(*a).total_cmp(&libm::fabs(*b)));
+    errors
+}
+
+/// The distance within which a share (0.9: Middlebury's accuracy) of a mesh's surface lies from the scene's.
+pub fn accuracy(scene: &Scene, mesh: &TriangleMesh, share: f64, samples: usize) -> f64 {
+    let errors = errors(scene, mesh, samples);
+    let rank = libm::ceil(share * errors.len() as f64) as usize;
+    libm::fabs(errors[rank.clamp(1, errors.len()) - 1])
+}
+
+/// Share (0..=1) of the given points that a mesh comes within a distance of.
+pub fn completeness(points: &[(DVec3, DVec3)], mesh: &TriangleMesh, within: f64) -> f64 {
+    let grid = TriangleGrid::new(mesh, within);
+    points.iter().filter(|(p, _)| grid.distance(*p).is_some()).count() as f64 / points.len() as f64
+}
+
+/// Whether a camera sees a point of the scene's surface, given its normal: in the picture, facing, nothing in front.
+pub fn sees(scene: &Scene, camera: &Camera, point: DVec3, normal: DVec3) -> bool {
+    let Some((pixel, _)) = camera.project(point) else {
+        return false;
+    };
+    let (right, bottom) = (f64::from(camera.width) - 1.0, f64::from(camera.height) - 1.0);
+    if pixel.x < 0.0 || pixel.y < 0.0 || pixel.x > right || pixel.y > bottom {
+        return false;
+    }
+    let to = point - camera.centre();
+    let distance = to.length();
+    let direction = to / distance;
+    let parts = scene.near(camera.centre(), direction, 0.0, 0.0);
+    // A millimetre is left free before the point itself.
+    normal.dot(direction) < -0.05 && scene.trace(camera.centre(), direction, 0.0, distance - 1e-3, parts).is_none()
+}
+
+/// Points (with normals) of the scene's surface that at least `least` cameras see.
+pub fn seen(scene: &Scene, cameras: &[Camera], least: usize, samples: usize) -> Vec<(DVec3, DVec3)> {
+    let mut points = scene.surface_points(samples, 0);
+    points.retain(|(p, n)| cameras.iter().filter(|c| sees(scene, c, *p, *n)).take(least).count() >= least);
+    points
+}
+
+/// Triangles in cubic cells, to find the nearest one within the cells' side.
+pub struct TriangleGrid<'a> {
+    mesh: &'a TriangleMesh,
+    reach: f64,
+    /// Cell and triangle, sorted.
+    entries: Vec<([i32; 3], u32)>,
+}
+
+impl<'a> TriangleGrid<'a> {
+    /// A grid that finds triangles within `reach`.
+    pub fn new(mesh: &'a TriangleMesh, reach: f64) -> Self {
+        let mut grid = Self { mesh, reach, entries: Vec::new() };
+        for face in 0..mesh.faces.len() {
+            let [a, b, c] = mesh.corners(face);
+            let (low, high) = (grid.cell(a.min(b).min(c)), grid.cell(a.max(b).max(c)));
+            for x in low[0]..=high[0] {
+                for y in low[1]..=high[1] {
+                    grid.entries.extend((low[2]..=high[2]).map(|z| ([x, y, z], face as u32)));
+                }
+            }
+        }
+        grid.entries.sort_unstable();
+        grid
+    }
+
+    fn cell(&self, p: DVec3) -> [i32; 3] {
+        (p / self.reach).to_array().map(|v| libm::floor(v) as i32)
+    }
+
+    /// Distance of the nearest triangle, if one is within reach.
+    pub fn distance(&self, p: DVec3) -> Option<f64> {
+        let [x, y, z] = self.cell(p);
+        let mut least = f64::MAX;
+        for i in x - 1..=x + 1 {
+            for j in y - 1..=y + 1 {
+                // Cells that follow each other in z lie together.
+                let from = self.entries.partition_point(|(cell, _)| *cell < [i, j, z - 1]);
+                for (cell, face) in &self.entries[from..] {
+                    if *cell > [i, j, z + 1] {
+                        break;
+                    }
+                    least = least.min(to_triangle(p, self.mesh.corners(*face as usize)));
+                }
+            }
+        }
+        (least <= self.reach).then_some(least)
+    }
+}
+
+/// Distance of a point from a triangle.
+fn to_triangle(p: DVec3, [a, b, c]: [DVec3; 3]) -> f64 {
+    let normal = (b - a).cross(c - a);
+    let edges = [(a, b), (b, c), (c, a)];
+    let above = edges.iter().all(|&(from, to)| normal.cross(to - from).dot(p - from) >= 0.0);
+    if above && normal.length_squared() > 0.0 {
+        return libm::fabs(normal.dot(p - a)) / normal.length();
+    }
+    edges.into_iter().map(|(from, to)| to_segment(p, from, to)).fold(f64::MAX, f64::min)
+}
+
+fn to_segment(p: DVec3, from: DVec3, to: DVec3) -> f64 {
+    let along = to - from;
+    let t = (p - from).dot(along) / along.length_squared().max(f64::MIN_POSITIVE);
+    (p - from - along * t.clamp(0.0, 1.0)).length()
+}
