@@ -8,6 +8,7 @@ pub mod colour;
 pub mod detect;
 mod eigen;
 pub mod error;
+pub mod export;
 pub mod grid;
 pub mod hash;
 pub mod hull;
@@ -39,6 +40,7 @@ pub use point_cloud::{Mesh, Point, PointCloud, Rank};
 pub use progress::{Executor, Progress, Serial, Silent, Stage};
 pub use report::Counts;
 pub use rig::Rig;
+pub use silhouette::ChromaKey;
 pub use view::{Mask, View, ViewInput};
 
 /// A frame's result.
