@@ -128,9 +128,7 @@ fn the_hull_shrinks_to_the_object() {
     for (many, few) in [(1, 0), (2, 1), (3, 2), (4, 3)] {
         assert!(volumes[many] < volumes[few], "{volumes:?}");
     }
-    let ring = |count, height, seed| {
-        Ring { count, height, seed, radius: 3.4, ..Ring::default() }.sized(320, 240)
-    };
+    let ring = |count, height, seed| Ring { count, height, seed, radius: 3.4, ..Ring::default() }.sized(320, 240);
     let sides = dome(&[ring(10, 2.4, 1), ring(10, 0.9, 2), ring(10, -0.6, 3)]);
     let shot = Shot::new(Subject::Sphere, &sides, &Faults::default());
     let ratio = volume(&shot.views(&shot.rig())) / truth;

@@ -81,7 +81,8 @@ impl Change {
         let mut differences = Vec::new();
         for (from, to) in [(&here, &there), (&there, &here)] {
             let grid = TriangleGrid::new(to, 4.0 * footprint);
-            differences.extend(from.surface_points(3000, 0).iter().map(|p| grid.distance(*p).map_or(4.0, |d| d / footprint)));
+            differences
+                .extend(from.surface_points(3000, 0).iter().map(|p| grid.distance(*p).map_or(4.0, |d| d / footprint)));
         }
         differences.sort_by(f64::total_cmp);
         let [half, most, worst] = [0.5, 0.95, 1.0].map(|share| quantile(&differences, share));
