@@ -78,7 +78,7 @@ fn contour(silhouette: &Silhouette, mut f: impl FnMut(Vec2, Vec2)) {
 /// it is short. Rays that just miss the hull by the contours' uncertainty touch it where they come nearest.
 fn touch(hull: &VisualHull, view: &View, ray: Vec3, longest: f32) -> Option<(f32, f32)> {
     let unit = 1.0 / ray.length();
-    let fine = 0.5 * hull.footprint() * unit;
+    let fine = hull.footprint() * unit;
     let (mut t, end) = hull.span(view.camera.centre, ray)?;
     let mut inside = None;
     let mut piece: Option<(f32, f32)> = None;
