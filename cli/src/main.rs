@@ -1,2 +1,21 @@
 //! The command `pcmvs`.
-fn main() {}
+
+use std::{
+    process::{ExitCode, exit},
+    sync::atomic::{AtomicBool, Ordering},
+};
+
+/// Set by the first Ctrl-C (or SIGTERM); a second one does not wait.
+static CANCELLED: AtomicBool = AtomicBool::new(false);
+
+fn main() -> ExitCode {
+    let handler = || {
+        if CANCELLED.swap(true, Ordering::Relaxed) {
+            exit(i32::from(pcmvs_cli::Failure::Cancelled.status()));
+        }
+    };
+    if let Err(error) = ctrlc::set_handler(handler) {
+        eprintln!("warning: Ctrl-C will kill this run instead of ending it: {error}");
+    }
+    ExitCode::from(pcmvs_cli::run(std::env::args_os(), &CANCELLED))
+}

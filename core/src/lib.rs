@@ -8,6 +8,7 @@ pub mod colour;
 pub mod detect;
 mod eigen;
 pub mod error;
+pub mod export;
 pub mod grid;
 pub mod hash;
 pub mod hull;

@@ -1,0 +1,44 @@
+//! Why a run ends early, and with which exit status.
+
+use std::{fmt, io, path::Path};
+
+/// Why a run, a frame or an import could not be finished.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Failure {
+    /// Usage or input is wrong; the message names file, camera and remedy.
+    Input(String),
+    /// The user asked to stop.
+    Cancelled,
+    /// Anything else: a full disk, too little memory, a defect of the program.
+    Other(String),
+}
+
+impl Failure {
+    /// Exit status of the command.
+    pub const fn status(&self) -> u8 {
+        match self {
+            Self::Input(_) => 2,
+            Self::Cancelled => 3,
+            Self::Other(_) => 1,
+        }
+    }
+
+    /// An input file that cannot be read.
+    pub(crate) fn unreadable(path: &Path, error: &io::Error) -> Self {
+        Self::Input(format!("{}: cannot be read ({error}): check that the file is there and readable", path.display()))
+    }
+
+    /// An output file that cannot be written.
+    pub(crate) fn unwritable(path: &Path, error: &io::Error) -> Self {
+        Self::Other(format!("{}: cannot be written ({error}): check free space and permissions", path.display()))
+    }
+}
+
+impl fmt::Display for Failure {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Input(message) | Self::Other(message) => f.write_str(message),
+            Self::Cancelled => f.write_str("cancelled"),
+        }
+    }
+}

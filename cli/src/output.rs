@@ -1,0 +1,111 @@
+//! The folder of results: files that are whole or not there, and the clip's manifest.
+
+use crate::{
+    failure::Failure,
+    report::{FrameReport, Report},
+    scene::Scene,
+};
+use serde::Serialize;
+use std::{
+    fs,
+    path::{Path, PathBuf},
+};
+
+/// Name of the clip's manifest.
+pub const MANIFEST: &str = "sequence.json";
+/// Frames a second where the scene does not say.
+const FPS: f64 = 30.0;
+
+/// Where something is written before it is renamed: hidden, in the same folder.
+pub fn temporary(path: &Path) -> PathBuf {
+    let name = path.file_name().unwrap_or_default().to_string_lossy();
+    path.with_file_name(format!(".{name}.tmp"))
+}
+
+/// Writes a file under a temporary name, then renames it; makes its folder first.
+pub fn write(path: &Path, bytes: &[u8]) -> Result<(), Failure> {
+    let unwritable = |e| Failure::unwritable(path, &e);
+    if let Some(folder) = path.parent() {
+        fs::create_dir_all(folder).map_err(unwritable)?;
+    }
+    let temporary = temporary(path);
+    let written = fs::write(&temporary, bytes).and_then(|()| fs::rename(&temporary, path));
+    written.map_err(|e| {
+        // The write's own error is the one to tell.
+        let _ = fs::remove_file(&temporary);
+        unwritable(e)
+    })
+}
+
+/// Writes a value as indented JSON.
+pub fn write_json(path: &Path, value: &impl Serialize) -> Result<(), Failure> {
+    let mut bytes = serde_json::to_vec_pretty(value)
+        .map_err(|e| Failure::Other(format!("{}: cannot be written ({e})", path.display())))?;
+    bytes.push(b'\n');
+    write(path, &bytes)
+}
+
+/// Name of a frame's mesh.
+pub fn frame_name(index: u32, extension: &str) -> String {
+    format!("frame_{index:04}.{extension}")
+}
+
+/// The manifest of a clip, for players.
+#[derive(Serialize)]
+struct Manifest<'a> {
+    version: u32,
+    generator: String,
+    units: Option<&'a str>,
+    up: Option<[f64; 3]>,
+    fps: f64,
+    frame_count: usize,
+    /// printf pattern of a frame's file, by its index.
+    url: String,
+    bounds: Option<[[f32; 3]; 2]>,
+    frames: Vec<ManifestFrame<'a>>,
+}
+
+#[derive(Serialize)]
+struct ManifestFrame<'a> {
+    index: u32,
+    /// Seconds from the scene's first frame.
+    time: f64,
+    url: &'a str,
+    bytes: u64,
+    sha256: &'a str,
+}
+
+impl<'a> ManifestFrame<'a> {
+    fn new(frame: &'a FrameReport, first_index: u32, fps: f64) -> Self {
+        let time = f64::from(frame.index.saturating_sub(first_index)) / fps;
+        Self { index: frame.index, time, url: &frame.file, bytes: frame.bytes, sha256: &frame.sha256 }
+    }
+}
+
+/// Writes the manifest of all frames in the report.
+pub fn write_manifest(
+    folder: &Path,
+    scene: &Scene,
+    first_index: u32,
+    extension: &str,
+    report: &Report,
+) -> Result<(), Failure> {
+    let fps = scene.fps.unwrap_or(FPS);
+    let manifest = Manifest {
+        version: 1,
+        generator: format!("pcmvs {}", env!("CARGO_PKG_VERSION")),
+        units: scene.units.as_deref(),
+        up: scene.up,
+        fps,
+        frame_count: report.frames.len(),
+        url: format!("frame_%04d.{extension}"),
+        bounds: report.frames.iter().map(|frame| frame.bounds).reduce(union),
+        frames: report.frames.iter().map(|frame| ManifestFrame::new(frame, first_index, fps)).collect(),
+    };
+    write_json(&folder.join(MANIFEST), &manifest)
+}
+
+fn union(a: [[f32; 3]; 2], b: [[f32; 3]; 2]) -> [[f32; 3]; 2] {
+    let of = |end: usize, pick: fn(f32, f32) -> f32| std::array::from_fn(|axis| pick(a[end][axis], b[end][axis]));
+    [of(0, f32::min), of(1, f32::max)]
+}

@@ -1,0 +1,68 @@
+//! JPEG and PNG files as the core's pictures: the same pixels on every machine.
+//!
+//! JPEG leaves the inverse transform's rounding to the decoder, so one decoder without SIMD paths is used everywhere.
+
+use image::{DynamicImage, ImageFormat};
+use pcmvs_core::{ImageRef, PixelFormat};
+use zune_jpeg::{
+    JpegDecoder,
+    zune_core::{bytestream::ZCursor, colorspace::ColorSpace, options::DecoderOptions},
+};
+
+/// A decoded picture without padding.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Picture {
+    width: u32,
+    height: u32,
+    format: PixelFormat,
+    pixels: Vec<u8>,
+}
+
+impl Picture {
+    /// The picture as the core borrows it.
+    pub fn view(&self) -> ImageRef<'_> {
+        ImageRef::packed(&self.pixels, self.width, self.height, self.format)
+    }
+
+    /// Decodes a file's bytes; errors say what is wrong and what to do.
+    pub fn decode(file: &[u8]) -> Result<Self, String> {
+        match image::guess_format(file) {
+            Ok(ImageFormat::Jpeg) => decode_jpeg(file),
+            Ok(ImageFormat::Png) => decode_png(file),
+            _ if file.is_empty() => Err(String::from("the file is empty: copy or export it again")),
+            _ => Err(String::from("this is neither JPEG nor PNG: convert it to one of them")),
+        }
+    }
+}
+
+fn damaged(why: impl std::fmt::Display) -> String {
+    format!("the picture is damaged or truncated ({why}): copy or export it again")
+}
+
+fn decode_jpeg(file: &[u8]) -> Result<Picture, String> {
+    // The end marker may be missing although every block is there; only its absence shows that a copy broke off late.
+    let scan = file.windows(2).rposition(|marker| marker == [0xFF, 0xDA]).unwrap_or(0);
+    if !file[scan..].windows(2).any(|marker| marker == [0xFF, 0xD9]) {
+        return Err(damaged("its end marker is missing"));
+    }
+    let options = DecoderOptions::default()
+        .set_strict_mode(true)
+        .set_max_width(usize::from(u16::MAX))
+        .set_max_height(usize::from(u16::MAX))
+        .jpeg_set_out_colorspace(ColorSpace::RGB);
+    let mut decoder = JpegDecoder::new_with_options(ZCursor::new(file), options);
+    let pixels = decoder.decode().map_err(|e| damaged(e.to_string().trim()))?;
+    let (width, height) = decoder.dimensions().ok_or_else(|| damaged("it has no size"))?;
+    Ok(Picture { width: width as u32, height: height as u32, format: PixelFormat::Rgb8, pixels })
+}
+
+fn decode_png(file: &[u8]) -> Result<Picture, String> {
+    let decoded = image::load_from_memory_with_format(file, ImageFormat::Png).map_err(damaged)?;
+    let (width, height) = (decoded.width(), decoded.height());
+    let (format, pixels) = match decoded {
+        DynamicImage::ImageLuma8(gray) => (PixelFormat::Gray8, gray.into_raw()),
+        DynamicImage::ImageRgba8(rgba) => (PixelFormat::Rgba8, rgba.into_raw()),
+        other => (PixelFormat::Rgb8, other.into_rgb8().into_raw()),
+    };
+    Ok(Picture { width, height, format, pixels })
+}

@@ -1,0 +1,119 @@
+//! What a run shows on its way: bars on a terminal, plain lines elsewhere.
+
+use indicatif::{MultiProgress, ProgressBar, ProgressStyle};
+use pcmvs_core::{Progress, Stage};
+use std::{
+    io::{IsTerminal, stderr},
+    sync::{
+        Mutex, PoisonError,
+        atomic::{AtomicBool, Ordering},
+    },
+    time::Instant,
+};
+
+/// The terminal (or log) that all frames share, and the user's wish to stop.
+pub struct Console<'a> {
+    bars: Option<MultiProgress>,
+    cancelled: &'a AtomicBool,
+}
+
+impl<'a> Console<'a> {
+    pub fn new(cancelled: &'a AtomicBool) -> Self {
+        Self { bars: stderr().is_terminal().then(MultiProgress::new), cancelled }
+    }
+
+    pub fn is_cancelled(&self) -> bool {
+        self.cancelled.load(Ordering::Relaxed)
+    }
+
+    /// Writes a line, above the bars where there are any.
+    pub fn line(&self, text: &str) {
+        // A terminal that has gone away is no reason to stop.
+        match &self.bars {
+            Some(bars) => drop(bars.println(text)),
+            None => eprintln!("{text}"),
+        }
+    }
+
+    /// Progress of one frame.
+    pub fn frame(&self, index: u32) -> FrameProgress<'_> {
+        let bar = match &self.bars {
+            Some(bars) => {
+                let style = ProgressStyle::with_template("{prefix} {msg:10} {bar:40} {pos}/{len} {elapsed}")
+                    .unwrap_or_else(|_| ProgressStyle::default_bar());
+                bars.add(ProgressBar::new(1).with_style(style).with_prefix(format!("frame {index}")))
+            }
+            None => ProgressBar::hidden(),
+        };
+        FrameProgress { console: self, index, bar, clocks: Mutex::default() }
+    }
+}
+
+#[derive(Default)]
+struct Clocks {
+    running: Vec<(&'static str, Instant)>,
+    /// In the order in which the steps first ended.
+    seconds: Vec<(&'static str, f64)>,
+}
+
+/// Times and shows the stages of one frame.
+pub struct FrameProgress<'a> {
+    console: &'a Console<'a>,
+    index: u32,
+    bar: ProgressBar,
+    clocks: Mutex<Clocks>,
+}
+
+impl FrameProgress<'_> {
+    /// A step, of the core or of the host, starts.
+    pub fn begin(&self, name: &'static str) {
+        self.bar.reset();
+        self.bar.set_message(name);
+        self.clocks().running.push((name, Instant::now()));
+    }
+
+    /// A step ends; does nothing if it has not begun.
+    pub fn end(&self, name: &'static str) {
+        let mut clocks = self.clocks();
+        let Some(at) = clocks.running.iter().position(|&(running, _)| running == name) else { return };
+        let seconds = clocks.running.remove(at).1.elapsed().as_secs_f64();
+        match clocks.seconds.iter_mut().find(|(ended, _)| *ended == name) {
+            Some((_, sum)) => *sum += seconds,
+            None => clocks.seconds.push((name, seconds)),
+        }
+        drop(clocks);
+        self.console.line(&format!("frame {} {name:8} {seconds:7.2} s", self.index));
+    }
+
+    /// Seconds of each step that has ended.
+    pub fn seconds(&self) -> Vec<(&'static str, f64)> {
+        self.clocks().seconds.clone()
+    }
+
+    fn clocks(&self) -> std::sync::MutexGuard<'_, Clocks> {
+        self.clocks.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+impl Progress for FrameProgress<'_> {
+    fn mark(&self, stage: Stage, begin: bool) {
+        if begin {
+            self.begin(stage.name());
+        } else {
+            self.end(stage.name());
+        }
+    }
+
+    fn step(&self, _: Stage, done: u32, total: u32) -> bool {
+        // Views finish in any order: the bar never runs backwards.
+        self.bar.set_length(u64::from(total));
+        self.bar.set_position(self.bar.position().max(u64::from(done)));
+        !self.console.is_cancelled()
+    }
+}
+
+impl Drop for FrameProgress<'_> {
+    fn drop(&mut self) {
+        self.bar.finish_and_clear();
+    }
+}

@@ -1,0 +1,154 @@
+//! `pcmvs reconstruct`: all frames of a scene.
+
+use crate::{
+    arguments::{MaskSource, Reconstruct},
+    debug_json,
+    failure::Failure,
+    fingerprint::Fingerprint,
+    frame::Job,
+    output,
+    progress::Console,
+    report::{self, FrameFailure, FrameReport, Report, earlier_frames, peak_memory},
+    scene::Scene,
+    threads::Threads,
+};
+use pcmvs_core::{Camera, Params, Rig};
+use std::{
+    num::NonZeroUsize,
+    panic::{AssertUnwindSafe, catch_unwind},
+    path::Path,
+    sync::{Mutex, PoisonError, atomic::AtomicBool},
+    thread,
+};
+
+/// Frames in memory at a time: each takes hundreds of MiB. More threads than this share the frames' views.
+const FRAMES_AT_A_TIME: usize = 8;
+
+/// Runs the command.
+pub fn run(options: &Reconstruct, cancelled: &AtomicBool) -> Result<(), Failure> {
+    let mut scene = Scene::load(&options.scene)?;
+    let first_index = scene.frames.iter().map(|f| f.index).min().unwrap_or(0);
+    scene.select_frames(options.frames.as_ref().map(|list| list.0.as_slice()))?;
+    if let Some(list) = &options.cameras {
+        scene.select_cameras(&list.0)?;
+    }
+    if options.output.exists() && !options.output.is_dir() {
+        return Err(Failure::Input(format!("{}: is a file: name a folder for the results", options.output.display())));
+    }
+    let cameras = cameras(&scene)?;
+    let rig = Rig::new(&cameras).map_err(|error| scene.explain(&error, None))?;
+    let params = Params::preset(options.preset.preset());
+    let settings = settings(options, &params, &cameras)?;
+    let threads = match options.threads {
+        Some(threads) => threads,
+        None => thread::available_parallelism().unwrap_or(NonZeroUsize::MIN),
+    };
+    let settings_text = settings.clone().finish();
+    let earlier = earlier_frames(&options.output, &settings_text);
+    let console = Console::new(cancelled);
+    let job = Job {
+        scene: &scene,
+        rig: &rig,
+        params: &params,
+        masks: options.masks,
+        format: options.format,
+        stages: options.stages,
+        folder: &options.output,
+        threads: &Threads::new(threads),
+        console: &console,
+        settings: &settings,
+        earlier: &earlier,
+    };
+    let report = Report {
+        version: env!("CARGO_PKG_VERSION").to_owned(),
+        preset: options.preset.name().to_owned(),
+        masks: if options.masks == MaskSource::File { "file" } else { "chroma" }.to_owned(),
+        cameras: scene.cameras.iter().map(|c| c.name.clone()).collect(),
+        threads: threads.get(),
+        params: debug_json::to_value(&params),
+        settings: settings_text,
+        peak_memory: peak_memory(),
+        frames: not_to_do(&earlier, &scene, &options.output),
+        failures: Vec::new(),
+    };
+    let (report, worst) = make_frames(&job, report);
+    if report.frames.is_empty() {
+        return Err(worst.unwrap_or(Failure::Cancelled));
+    }
+    // Once more, with the failures that came after the last good frame.
+    output::write_json(&options.output.join(report::FILE_NAME), &report)?;
+    output::write_manifest(&options.output, &scene, first_index, options.format.extension(), &report)?;
+    match worst {
+        Some(failure) => Err(failure),
+        None => {
+            println!("{} frames in {}", scene.frames.len(), options.output.display());
+            Ok(())
+        }
+    }
+}
+
+/// The core's cameras.
+fn cameras(scene: &Scene) -> Result<Vec<Camera>, Failure> {
+    let camera = |c: &crate::scene::SceneCamera| {
+        c.camera()
+            .map_err(|problem| Failure::Input(format!("camera `{}`: {}: {problem}", c.name, scene.path.display())))
+    };
+    scene.cameras.iter().map(camera).collect()
+}
+
+/// All that frames depend on besides their own pictures.
+fn settings(options: &Reconstruct, params: &Params, cameras: &[Camera]) -> Result<Fingerprint, Failure> {
+    let mut fingerprint = Fingerprint::of_program()?;
+    fingerprint.add(format!("{params:?} {cameras:?} {:?} {:?}", options.masks, options.format).as_bytes());
+    Ok(fingerprint)
+}
+
+/// Frames of an earlier run that this run does not ask for but that belong to the same clip.
+fn not_to_do(earlier: &[FrameReport], scene: &Scene, folder: &Path) -> Vec<FrameReport> {
+    let asked = |index: u32| scene.frames.iter().any(|f| f.index == index);
+    earlier.iter().filter(|e| !asked(e.index) && folder.join(&e.file).is_file()).cloned().collect()
+}
+
+/// Makes all frames, whichever of them fail. The report is written after each good one, so that a
+/// killed run can be continued.
+fn make_frames(job: &Job, report: Report) -> (Report, Option<Failure>) {
+    let report = Mutex::new(report);
+    let frames = &job.scene.frames;
+    let outcomes = job.threads.map_at_most(FRAMES_AT_A_TIME, frames.len(), |i| {
+        let index = frames[i].index;
+        let outcome = catch_unwind(AssertUnwindSafe(|| job.run(&frames[i])))
+            .unwrap_or_else(|_| Err(Failure::Other(format!("frame {index}: the program has a defect (see above)"))));
+        let mut report = report.lock().unwrap_or_else(PoisonError::into_inner);
+        let outcome = outcome.and_then(|done| {
+            report.frames.push(done);
+            report.frames.sort_by_key(|f| f.index);
+            report.peak_memory = peak_memory();
+            output::write_json(&job.folder.join(report::FILE_NAME), &*report)
+        });
+        if let Err(failure) = &outcome
+            && *failure != Failure::Cancelled
+        {
+            job.console.line(&format!("error: {failure}"));
+            report.failures.push(FrameFailure { index, error: failure.to_string() });
+            report.failures.sort_by_key(|f| f.index);
+        }
+        outcome
+    });
+    let report = report.into_inner().unwrap_or_else(PoisonError::into_inner);
+    let failures: Vec<Failure> = outcomes.into_iter().filter_map(Result::err).collect();
+    (report, summary(&failures, frames.len()))
+}
+
+/// The failure that stands for all: cancelling before anything else, the program's troubles before the input's.
+fn summary(failures: &[Failure], frames: usize) -> Option<Failure> {
+    let text = format!("{} of {frames} frames failed, the messages are above", failures.len());
+    if failures.is_empty() {
+        None
+    } else if failures.contains(&Failure::Cancelled) {
+        Some(Failure::Cancelled)
+    } else if failures.iter().any(|f| matches!(f, Failure::Other(_))) {
+        Some(Failure::Other(text))
+    } else {
+        Some(Failure::Input(text))
+    }
+}

@@ -1,0 +1,169 @@
+//! Whatever is wrong with an input: exit status 2, a message that names it, nothing under a final name.
+
+mod common;
+
+use common::{Capture, names, pcmvs, stderr};
+use image::RgbImage;
+use serde_json::json;
+use std::{fs, process::Output};
+
+#[track_caller]
+fn assert_refused(capture: &Capture, output: &Output, words: &[&str]) {
+    let message = stderr(output);
+    assert_eq!(output.status.code(), Some(2), "{message}");
+    for word in words {
+        assert!(message.contains(word), "`{word}` is missing in: {message}");
+    }
+    assert!(!message.contains("panicked"), "{message}");
+    assert_eq!(capture.results(), [""; 0]);
+}
+
+#[test]
+fn a_number_that_is_not_finite() {
+    for (number, place) in [("NaN", "line"), ("1e999", "line"), ("Infinity", "line")] {
+        let mut capture = Capture::new(4, 1);
+        capture.scene["cameras"][1]["K"][0][0] = json!(123_456.5);
+        let text = serde_json::to_string_pretty(&capture.scene).unwrap().replace("123456.5", number);
+        fs::write(capture.path("scene.json"), text).unwrap();
+        let output = capture.run_as_written(&[]);
+        assert_refused(&capture, &output, &["scene.json", "cam01", place, "finite"]);
+    }
+}
+
+#[test]
+fn a_singular_matrix() {
+    let mut capture = Capture::new(4, 1);
+    capture.scene["cameras"][2]["K"][1][1] = json!(0.0);
+    assert_refused(&capture, &capture.run(&[]), &["scene.json", "cam02", "singular"]);
+}
+
+#[test]
+fn a_reflected_rotation() {
+    let mut capture = Capture::new(4, 1);
+    for column in 0..3 {
+        let value = capture.scene["cameras"][3]["R"][1][column].as_f64().unwrap();
+        capture.scene["cameras"][3]["R"][1][column] = json!(-value);
+    }
+    assert_refused(&capture, &capture.run(&[]), &["scene.json", "cam03", "reflects", "negate"]);
+}
+
+#[test]
+fn a_picture_of_another_size() {
+    let capture = Capture::new(4, 1);
+    RgbImage::new(32, 24).save(capture.path("images/cam01_0.png")).unwrap();
+    let words = ["frame 0", "cam01", "images/cam01_0.png", "32 x 24", "64 x 48"];
+    assert_refused(&capture, &capture.run(&[]), &words);
+}
+
+#[test]
+fn a_mask_of_another_size() {
+    let capture = Capture::new(4, 1);
+    RgbImage::new(32, 24).save(capture.path("masks/cam01_0.png")).unwrap();
+    assert_refused(&capture, &capture.run(&[]), &["frame 0", "cam01", "masks/cam01_0.png", "32 x 24"]);
+}
+
+#[test]
+fn a_file_that_is_no_picture() {
+    let capture = Capture::new(4, 1);
+    for (bytes, what) in [(&b"this is text"[..], "neither JPEG nor PNG"), (b"", "empty")] {
+        fs::write(capture.path("images/cam02_0.png"), bytes).unwrap();
+        assert_refused(&capture, &capture.run(&[]), &["frame 0", "cam02", "images/cam02_0.png", what]);
+    }
+}
+
+#[test]
+fn a_truncated_picture() {
+    let mut capture = Capture::new(4, 1);
+    let png = fs::read(capture.path("images/cam00_0.png")).unwrap();
+    let jpeg = include_bytes!("data/waves.jpg");
+    capture.scene["frames"][0]["images"][1] = json!("images/cut");
+    for file in [&png[..], jpeg] {
+        // Most of a JPEG's decoders are silent when only its end is cut off.
+        for length in [file.len() / 3, file.len() - 40, file.len() - 2, file.len() - 1] {
+            if file[0] == 0xFF || length < file.len() - 12 {
+                fs::write(capture.path("images/cut"), &file[..length]).unwrap();
+                assert_refused(&capture, &capture.run(&[]), &["frame 0", "cam01", "images/cut", "truncated"]);
+            }
+        }
+    }
+}
+
+#[test]
+fn a_silhouette_that_is_empty_or_full() {
+    let capture = Capture::new(4, 1);
+    for (radius, what) in [(0.0, "empty"), (1000.0, "full")] {
+        capture.mask("masks/cam03_0.png", 31.5, radius);
+        assert_refused(&capture, &capture.run(&[]), &["frame 0", "cam03", "masks/cam03_0.png", what, "null"]);
+    }
+}
+
+#[test]
+fn silhouettes_that_do_not_meet() {
+    let capture = Capture::new(4, 1);
+    for i in 0..4 {
+        capture.mask(&format!("masks/cam{i:02}_0.png"), 4.0, 3.0);
+    }
+    assert_refused(&capture, &capture.run(&[]), &["frame 0", "scene.json", "hull is empty"]);
+}
+
+#[test]
+fn too_few_views() {
+    let capture = Capture::new(2, 1);
+    assert_refused(&capture, &capture.run(&[]), &["scene.json", "2 views", "at least 3"]);
+    let capture = Capture::new(4, 1);
+    assert_refused(&capture, &capture.run(&["--cameras", "0,1"]), &["scene.json", "2 views", "--cameras"]);
+}
+
+#[test]
+fn the_same_camera_twice() {
+    let mut capture = Capture::new(4, 1);
+    let name = capture.scene["cameras"][2]["name"].clone();
+    capture.scene["cameras"][2] = capture.scene["cameras"][1].clone();
+    capture.scene["cameras"][2]["name"] = name;
+    assert_refused(&capture, &capture.run(&[]), &["scene.json", "cam01", "cam02", "remove one"]);
+}
+
+#[test]
+fn a_missing_file() {
+    for missing in ["images/cam02_0.png", "masks/cam02_0.png"] {
+        let capture = Capture::new(4, 1);
+        fs::remove_file(capture.path(missing)).unwrap();
+        assert_refused(&capture, &capture.run(&[]), &["frame 0", "cam02", missing, "check the path"]);
+    }
+    let capture = Capture::new(4, 1);
+    assert_refused(&capture, &capture.run_as_written(&[]), &["scene.json", "cannot be read"]);
+}
+
+#[test]
+fn a_scene_that_is_not_one() {
+    let change = |edit: fn(&mut serde_json::Value), words: &[&str]| {
+        let mut capture = Capture::new(4, 1);
+        edit(&mut capture.scene);
+        assert_refused(&capture, &capture.run(&[]), words);
+    };
+    change(|s| s["version"] = json!(2), &["scene.json", "version 2"]);
+    change(|s| s["version"] = json!(null), &["scene.json", "`version` is missing"]);
+    change(|s| s["cameras"][1]["K"] = json!([[1, 0, 0], [0, 1, 0]]), &["cameras[1].K", "cam01", "length 2"]);
+    change(|s| s["cameras"][1]["t"] = json!([1, 2, "3"]), &["cameras[1].t[2]", "cam01", "string"]);
+    change(|s| drop(s["cameras"][1].as_object_mut().unwrap().remove("R")), &["cameras[1]", "cam01", "missing field"]);
+    change(|s| s["cameras"][1]["distortion"] = json!([0, 0, 0, 0, 0, 0.5]), &["cam01", "beyond k1 k2 p1 p2 k3"]);
+    change(|s| drop(s["frames"][0]["images"].as_array_mut().unwrap().pop()), &["frame 0", "3 images for 4 cameras"]);
+    change(|s| drop(s["frames"][0]["masks"].as_array_mut().unwrap().pop()), &["frame 0", "3 masks for 4 cameras"]);
+    change(|s| s["frames"] = json!([]), &["no cameras or no frames"]);
+    change(|s| s["frames"] = json!([s["frames"][0], s["frames"][0]]), &["frame 0 is there twice"]);
+}
+
+#[test]
+fn usage() {
+    let capture = Capture::new(4, 1);
+    assert_refused(&capture, &capture.run(&["--frames", "5"]), &["--frames 5", "no frame 5"]);
+    assert_refused(&capture, &capture.run(&["--cameras", "0,1,9"]), &["--cameras 9", "cameras 0 to 3"]);
+    assert_refused(&capture, &capture.run(&["--frames", "3..1"]), &["--frames", "3..1"]);
+    assert_refused(&capture, &capture.run(&["--threads", "0"]), &["--threads"]);
+    let file = capture.path("scene.json");
+    let output = pcmvs().arg("reconstruct").arg(&file).arg("-o").arg(&file).output().unwrap();
+    assert_refused(&capture, &output, &["is a file"]);
+    assert!(!names(&capture.path("")).iter().any(|name| name.ends_with(".tmp")));
+    assert_eq!(pcmvs().arg("--help").output().unwrap().status.code(), Some(0));
+    assert_eq!(pcmvs().arg("nonsense").output().unwrap().status.code(), Some(2));
+}
