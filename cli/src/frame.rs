@@ -1,7 +1,7 @@
 //! One frame from files to files.
 
 use crate::{
-    arguments::{Format, MaskSource},
+    arguments::Format,
     debug_json,
     failure::Failure,
     fingerprint::{Fingerprint, sha256},
@@ -13,7 +13,7 @@ use crate::{
     threads::Threads,
 };
 use pcmvs_core::{
-    Executor, Mask, Mesh, Params, PointCloud, Progress, Reconstruction, Rig, Stage, ViewInput,
+    ChromaKey, Executor, Mask, Mesh, Params, PointCloud, Progress, Reconstruction, Rig, Stage, ViewInput,
     export::{bounds, glb, ply},
 };
 use std::{
@@ -26,7 +26,8 @@ pub struct Job<'a> {
     pub scene: &'a Scene,
     pub rig: &'a Rig,
     pub params: &'a Params,
-    pub masks: MaskSource,
+    /// Silhouettes from the backdrop's colour instead of mask files.
+    pub key: Option<ChromaKey>,
     pub format: Format,
     pub stages: bool,
     pub folder: &'a Path,
@@ -105,10 +106,8 @@ impl Job<'_> {
             })
         };
         let files = |camera: usize| {
-            let mask = match self.masks {
-                MaskSource::File => frame.mask(camera).map(|path| read(camera, path)).transpose()?,
-                MaskSource::Chroma => None,
-            };
+            let path = frame.mask(camera).filter(|_| self.key.is_none());
+            let mask = path.map(|path| read(camera, path)).transpose()?;
             Ok(Files { image: read(camera, &frame.images[camera])?, mask })
         };
         (0..self.scene.cameras.len()).map(files).collect()
@@ -151,7 +150,7 @@ impl Job<'_> {
         let pictures: Vec<(Picture, Option<Picture>)> = pictures.into_iter().collect::<Result<_, Failure>>()?;
         drop(files);
         progress.end("decode");
-        let inputs: Vec<ViewInput> = pictures.iter().map(view_input).collect();
+        let inputs: Vec<ViewInput> = pictures.iter().map(|pictures| view_input(pictures, self.key)).collect();
         let progress: &dyn Progress = progress;
         pcmvs_core::reconstruct(self.rig, &inputs, self.params, self.threads, progress)
             .map_err(|error| self.scene.explain(&error, Some(frame)))
@@ -179,6 +178,7 @@ impl Job<'_> {
         for (view, points) in stages.detected.iter().enumerate() {
             cloud(&format!("detect_{view:02}.ply"), points)?;
         }
+        mesh("coarse.ply", &stages.coarse)?;
         cloud("frontier.ply", &stages.frontier)?;
         cloud("implicit.ply", &stages.implicit)?;
         cloud("merge.ply", &stages.merged)?;
@@ -188,6 +188,11 @@ impl Job<'_> {
     }
 }
 
-fn view_input((image, mask): &(Picture, Option<Picture>)) -> ViewInput<'_> {
-    ViewInput { image: image.view(), mask: mask.as_ref().map_or(Mask::Unknown, |mask| Mask::Given(mask.view())) }
+fn view_input((image, mask): &(Picture, Option<Picture>), key: Option<ChromaKey>) -> ViewInput<'_> {
+    let mask = match (key, mask) {
+        (Some(key), _) => Mask::ChromaKey(key),
+        (None, Some(mask)) => Mask::Given(mask.view()),
+        (None, None) => Mask::Unknown,
+    };
+    ViewInput { image: image.view(), mask }
 }

@@ -1,7 +1,7 @@
 //! `pcmvs reconstruct`: all frames of a scene.
 
 use crate::{
-    arguments::{MaskSource, Reconstruct},
+    arguments::{Format, MaskSource, Reconstruct},
     debug_json,
     failure::Failure,
     fingerprint::Fingerprint,
@@ -12,7 +12,7 @@ use crate::{
     scene::Scene,
     threads::Threads,
 };
-use pcmvs_core::{Camera, Params, Rig};
+use pcmvs_core::{Camera, ChromaKey, Params, Rig};
 use std::{
     num::NonZeroUsize,
     panic::{AssertUnwindSafe, catch_unwind},
@@ -38,7 +38,8 @@ pub fn run(options: &Reconstruct, cancelled: &AtomicBool) -> Result<(), Failure>
     let cameras = cameras(&scene)?;
     let rig = Rig::new(&cameras).map_err(|error| scene.explain(&error, None))?;
     let params = Params::preset(options.preset.preset());
-    let settings = settings(options, &params, &cameras)?;
+    let key = chroma_key(options.masks, &scene)?;
+    let settings = settings(options.format, &params, &cameras, key.as_ref())?;
     let threads = match options.threads {
         Some(threads) => threads,
         None => thread::available_parallelism().unwrap_or(NonZeroUsize::MIN),
@@ -50,7 +51,7 @@ pub fn run(options: &Reconstruct, cancelled: &AtomicBool) -> Result<(), Failure>
         scene: &scene,
         rig: &rig,
         params: &params,
-        masks: options.masks,
+        key,
         format: options.format,
         stages: options.stages,
         folder: &options.output,
@@ -96,10 +97,29 @@ fn cameras(scene: &Scene) -> Result<Vec<Camera>, Failure> {
     scene.cameras.iter().map(camera).collect()
 }
 
+/// How silhouettes are made where they do not come from mask files.
+fn chroma_key(masks: MaskSource, scene: &Scene) -> Result<Option<ChromaKey>, Failure> {
+    if masks == MaskSource::File {
+        return Ok(None);
+    }
+    match scene.background.as_ref().and_then(|background| background.chroma_rgb) {
+        Some(rgb) => Ok(Some(ChromaKey { rgb, ..ChromaKey::default() })),
+        None => Err(Failure::Input(format!(
+            "{}: --masks chroma needs the backdrop's colour: add \"background\": {{ \"chroma_rgb\": [r, g, b] }}",
+            scene.path.display()
+        ))),
+    }
+}
+
 /// All that frames depend on besides their own pictures.
-fn settings(options: &Reconstruct, params: &Params, cameras: &[Camera]) -> Result<Fingerprint, Failure> {
+fn settings(
+    format: Format,
+    params: &Params,
+    cameras: &[Camera],
+    key: Option<&ChromaKey>,
+) -> Result<Fingerprint, Failure> {
     let mut fingerprint = Fingerprint::of_program()?;
-    fingerprint.add(format!("{params:?} {cameras:?} {:?} {:?}", options.masks, options.format).as_bytes());
+    fingerprint.add(format!("{params:?} {cameras:?} {key:?} {format:?}").as_bytes());
     Ok(fingerprint)
 }
 

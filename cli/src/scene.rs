@@ -203,10 +203,10 @@ impl Scene {
 
     /// What the core found wrong, with the names of camera and file. `frame` is absent for what concerns the cameras.
     pub fn explain(&self, error: &Error, frame: Option<&SceneFrame>) -> Failure {
+        let of_frame = frame.map(|f| format!("frame {}: ", f.index)).unwrap_or_default();
         let place = |camera: u32, file: Option<&Path>| {
             let path = file.map_or_else(|| self.path.clone(), |file| self.resolve(file));
-            let frame = frame.map(|f| format!("frame {}: ", f.index)).unwrap_or_default();
-            format!("{frame}{}: {}", self.camera(camera), path.display())
+            format!("{of_frame}{}: {}", self.camera(camera), path.display())
         };
         let image = |camera: u32| frame.map(|f| f.images[camera as usize].as_path());
         Failure::Input(match error {
@@ -227,11 +227,8 @@ impl Scene {
             Error::TooFewViews { .. } => {
                 format!("{}: {error}: add cameras, or leave out --cameras", self.path.display())
             }
-            Error::EmptyHull => {
-                let frame = frame.map(|f| format!("frame {}: ", f.index)).unwrap_or_default();
-                format!("{frame}{}: {error}", self.path.display())
-            }
-            _ => return Failure::Other(format!("{}: {error}", self.path.display())),
+            Error::EmptyHull | Error::NoSurface => format!("{of_frame}{}: {error}", self.path.display()),
+            _ => return Failure::Other(format!("{of_frame}{}: {error}", self.path.display())),
         })
     }
 }

@@ -40,6 +40,7 @@ pub use point_cloud::{Mesh, Point, PointCloud, Rank};
 pub use progress::{Executor, Progress, Serial, Silent, Stage};
 pub use report::Counts;
 pub use rig::Rig;
+pub use silhouette::ChromaKey;
 pub use view::{Mask, View, ViewInput};
 
 /// A frame's result.

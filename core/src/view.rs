@@ -6,7 +6,7 @@ use crate::{
     hash::Hash64,
     image::{ImageRef, luma},
     rig::Rig,
-    silhouette::Silhouette,
+    silhouette::{ChromaKey, Silhouette, chroma, clean_plate},
 };
 use alloc::{format, vec::Vec};
 
@@ -18,6 +18,10 @@ pub enum Mask<'a> {
     Unknown,
     /// A picture that is white on the object; its bilinear half-level is the contour.
     Given(ImageRef<'a>),
+    /// The object stands before a backdrop of one colour.
+    ChromaKey(ChromaKey),
+    /// The same camera's picture of the empty set.
+    CleanPlate(ImageRef<'a>),
 }
 
 /// A camera's picture of one frame as the host gives it.
@@ -73,19 +77,21 @@ impl View {
         }
         let undistortion = rig.undistortion(index);
         let mut rgb = input.image.to_rgb();
+        let unusable = |problem| Error::Silhouette { camera: index as u32, problem };
         let coverage = match &input.mask {
             Mask::Unknown => None,
             Mask::Given(mask) => {
-                let fail = |problem| Error::Silhouette { camera: index as u32, problem };
-                mask.check().map_err(fail)?;
+                mask.check().map_err(unusable)?;
                 if (mask.width, mask.height) != (camera.width, camera.height) {
-                    return Err(fail(format!(
+                    return Err(unusable(format!(
                         "the mask is {} x {} pixels but the camera was calibrated at {} x {}",
                         mask.width, mask.height, camera.width, camera.height
                     )));
                 }
                 Some(mask.to_gray())
             }
+            Mask::ChromaKey(key) => Some(chroma::coverage(&input.image, &rgb, key).map_err(unusable)?),
+            Mask::CleanPlate(plate) => Some(clean_plate::coverage(&input.image, &rgb, plate).map_err(unusable)?),
         };
         if let Some(undistortion) = undistortion {
             rgb = undistortion.rgb(&rgb);
@@ -99,7 +105,7 @@ impl View {
                     Silhouette::from_coverage(w, h, &coverage, |i| known[i])
                 }
             }
-            .map_err(|problem| Error::Silhouette { camera: index as u32, problem })
+            .map_err(unusable)
         });
         let luma = rgb.chunks_exact(3).map(|p| luma([p[0], p[1], p[2]])).collect();
         let silhouette = silhouette.transpose()?;

@@ -1,7 +1,7 @@
 //! A tiny capture on disk, and the command run on it.
 #![allow(dead_code, reason = "each test uses its part")]
 
-use glam::{DMat3, DVec3};
+use glam::{DMat3, DVec2, DVec3};
 use image::{GrayImage, Luma, Rgb, RgbImage};
 use serde_json::{Value, json};
 use std::{
@@ -24,6 +24,13 @@ pub struct Capture {
 
 impl Capture {
     pub fn new(cameras: usize, frames: u32) -> Self {
+        Self::enlarged(cameras, frames, 1)
+    }
+
+    /// The same with pictures so many times as wide and high.
+    pub fn enlarged(cameras: usize, frames: u32, scale: u32) -> Self {
+        let (width, height, focal) = (WIDTH * scale, HEIGHT * scale, FOCAL * f64::from(scale));
+        let middle = DVec2::new(f64::from(width - 1), f64::from(height - 1)) / 2.0;
         let folder = tempfile::tempdir().unwrap();
         for name in ["images", "masks"] {
             fs::create_dir(folder.path().join(name)).unwrap();
@@ -31,15 +38,15 @@ impl Capture {
         let mut list = Vec::new();
         for i in 0..cameras {
             let angle = i as f64 / cameras as f64 * std::f64::consts::TAU;
-            let height = if i % 2 == 0 { 1.5 } else { -1.5 };
-            let centre = DVec3::new(4.0 * angle.cos(), 4.0 * angle.sin(), height);
+            let up = if i % 2 == 0 { 1.5 } else { -1.5 };
+            let centre = DVec3::new(4.0 * angle.cos(), 4.0 * angle.sin(), up);
             let forward = -centre.normalize();
             let right = forward.cross(DVec3::Z).normalize();
             let rotation = DMat3::from_cols(right, forward.cross(right), forward);
             let t = -(rotation.transpose() * centre);
             list.push(json!({
-                "name": format!("cam{i:02}"), "width": WIDTH, "height": HEIGHT,
-                "K": [[FOCAL, 0.0, 31.5], [0.0, FOCAL, 23.5], [0.0, 0.0, 1.0]],
+                "name": format!("cam{i:02}"), "width": width, "height": height,
+                "K": [[focal, 0.0, middle.x], [0.0, focal, middle.y], [0.0, 0.0, 1.0]],
                 "distortion": [0, 0, 0, 0, 0],
                 "R": rotation.to_cols_array_2d(), "t": t.to_array(),
             }));
@@ -54,12 +61,14 @@ impl Capture {
         let capture = Self { folder, scene };
         for frame in 0..frames {
             for i in 0..cameras {
-                let picture = RgbImage::from_fn(WIDTH, HEIGHT, |x, y| {
-                    let v = (x * 37 + y * 91 + (x * y) % 23 * 5 + frame) as u8;
-                    Rgb([v, v.wrapping_mul(3), 255 - v])
-                });
+                let camera = &capture.scene["cameras"][i];
+                let look = |x, y| (DVec2::new(f64::from(x), f64::from(y)) - middle) / focal;
+                let picture = RgbImage::from_fn(width, height, |x, y| colour(camera, look(x, y), frame));
                 picture.save(capture.path(&path("images", i, frame))).unwrap();
-                capture.mask(&path("masks", i, frame), 31.5, 14.0);
+                let radius = 14.0 / FOCAL;
+                let inside = |x, y| if look(x, y).length() < radius { 255 } else { 0 };
+                let mask = GrayImage::from_fn(width, height, |x, y| Luma([inside(x, y)]));
+                mask.save(capture.path(&path("masks", i, frame))).unwrap();
             }
         }
         capture
@@ -88,7 +97,10 @@ impl Capture {
     pub fn run_as_written(&self, arguments: &[&str]) -> Output {
         let (scene, out) = (self.folder.path(), self.path("out"));
         let mut command = pcmvs();
-        command.arg("reconstruct").arg(scene).arg("-o").arg(out).args(["--preset", "hull"]).args(arguments);
+        command.arg("reconstruct").arg(scene).arg("-o").arg(out).args(arguments);
+        if !arguments.contains(&"--preset") {
+            command.args(["--preset", "hull"]);
+        }
         command.output().unwrap()
     }
 
@@ -96,6 +108,23 @@ impl Capture {
     pub fn results(&self) -> Vec<String> {
         names(&self.path("out"))
     }
+}
+
+/// Colour of the ball, and of the wall behind it, in a direction of normalised image coordinates.
+fn colour(camera: &Value, look: DVec2, frame: u32) -> Rgb<u8> {
+    let number = |v: &Value| v.as_f64().unwrap();
+    let row = |v: &Value| DVec3::new(number(&v[0]), number(&v[1]), number(&v[2]));
+    let back = DMat3::from_cols(row(&camera["R"][0]), row(&camera["R"][1]), row(&camera["R"][2]));
+    let centre = -(back * row(&camera["t"]));
+    let ray = back * look.extend(1.0).normalize();
+    let (along, radius) = (-centre.dot(ray), 0.97);
+    let inside = along * along - centre.length_squared() + radius * radius;
+    if inside < 0.0 {
+        return Rgb([20, 20, 20]);
+    }
+    let p = centre + ray * (along - inside.sqrt()) + DVec3::splat(f64::from(frame));
+    let wave = |axis: DVec3| (128.0 + 100.0 * (axis.dot(p)).sin()) as u8;
+    Rgb([wave(DVec3::new(9.0, 5.0, -7.0)), wave(DVec3::new(-4.0, 8.0, 9.0)), wave(DVec3::new(6.0, -8.0, 6.0))])
 }
 
 /// The command.

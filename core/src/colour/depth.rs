@@ -45,9 +45,9 @@ impl DepthBuffer {
         self.projected[vertex]
     }
 
-    /// The pixels to the nearest occlusion step if the camera sees the surface at this pixel and depth; `tolerance`
-    /// is the depth by which its own slope may hide it.
-    pub(super) fn visible(&self, pixel: Vec3, tolerance: f32) -> Option<f32> {
+    /// The pixels to the nearest occlusion step if the camera sees the surface at this pixel and depth. `gradient` is
+    /// the surface's change of inverse depth a pixel, `tolerance` the depth by which it may seem hidden all the same.
+    pub(super) fn visible(&self, pixel: Vec3, gradient: Vec2, tolerance: f32) -> Option<f32> {
         let (u, v) = (pixel.x - self.x as f32, pixel.y - self.y as f32);
         // Written so that NaN fails too.
         if !(pixel.z > 0.0 && u >= 0.0 && v >= 0.0 && u < (self.width - 1) as f32 && v < (self.height - 1) as f32) {
@@ -55,14 +55,19 @@ impl DepthBuffer {
         }
         let i = v as usize * self.width as usize + u as usize;
         let corners = [i, i + 1, i + self.width as usize, i + self.width as usize + 1];
-        if corners.iter().any(|&c| self.inverse[c] * (pixel.z - tolerance) > 1.0) {
-            return None;
+        let (fx, fy) = (u - libm::floorf(u), v - libm::floorf(v));
+        let limit = 1.0 / (pixel.z - tolerance);
+        for (k, &corner) in corners.iter().enumerate() {
+            let offset = Vec2::new((k % 2) as f32 - fx, (k / 2) as f32 - fy);
+            if self.inverse[corner] > limit + gradient.dot(offset) {
+                return None;
+            }
         }
         // Bilinear, so that weights that follow from it are smooth over the surface.
         let [a, b, c, d] = corners.map(|c| f32::from(self.border[c]));
-        let (fx, fy) = (u - libm::floorf(u), v - libm::floorf(v));
         let (top, bottom) = (a + (b - a) * fx, c + (d - c) * fx);
-        Some(top + (bottom - top) * fy)
+        // Half a pixel beyond the last pixel's centre lies the step.
+        Some(top + (bottom - top) * fy - 0.5)
     }
 
     /// Bounds of the projected vertices within the picture, a pixel wider so that background surrounds the mesh.
@@ -83,7 +88,7 @@ impl DepthBuffer {
         let [a, b, c] = corners;
         let area = (b.x - a.x) * (c.y - a.y) - (c.x - a.x) * (b.y - a.y);
         // With y down a triangle that is counter-clockwise seen from the camera has negative area.
-        if !(area < 0.0) || a.z <= 0.0 || b.z <= 0.0 || c.z <= 0.0 {
+        if area.is_nan() || area >= 0.0 || a.z <= 0.0 || b.z <= 0.0 || c.z <= 0.0 {
             return;
         }
         let (x, y) = (self.x as f32, self.y as f32);

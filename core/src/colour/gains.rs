@@ -28,7 +28,7 @@ impl Overlap {
     }
 
     pub(super) fn add(&mut self, vertex: usize, view: usize, offer: &Offer) {
-        if vertex % self.stride == 0 && offer.score >= LEAST_SCORE {
+        if vertex.is_multiple_of(self.stride) && offer.score >= LEAST_SCORE {
             self.samples.push((vertex as u32, view as u16, offer.rgb));
         }
     }
@@ -77,7 +77,7 @@ impl Overlap {
     }
 }
 
-/// Solves a symmetric positive definite system by LDLᵀ.
+/// Solves a symmetric positive definite system by elimination.
 fn solve_symmetric(mut m: Vec<f64>, mut x: Vec<f64>) -> Vec<f64> {
     let n = x.len();
     for k in 0..n {

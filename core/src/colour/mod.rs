@@ -13,14 +13,17 @@ use crate::{
 };
 use alloc::{vec, vec::Vec};
 use depth::DepthBuffer;
-use glam::Vec3;
+use glam::{Vec2, Vec3};
 
 /// Views that look along the surface (cosine between normal and ray below this) show mostly its neighbours.
 const LEAST_COSINE: f32 = 0.15;
 /// From how many pixels inside the contour and off depth steps a pixel shows one surface only: lens blur, demosaicing
 /// and JPEG mix colours over about that distance.
-const CLEAN_PIXELS: f32 = 2.0;
-/// What a pixel on a contour counts against a clean one: taken only if no camera offers better.
+const CLEAN_PIXELS: f32 = 2.5;
+/// Nearer to a contour or step than this a pixel is mixed with what lies behind: what surrounds the vertex knows its
+/// colour better.
+const MIXED_PIXELS: f32 = 1.0;
+/// What the least clean pixel counts against a clean one: taken only if no camera offers better.
 const LEAST_CLEANNESS: f32 = 0.02;
 /// Blending weight falls with this power of the cosine.
 const BLEND_POWER: i32 = 4;
@@ -36,7 +39,7 @@ struct Offer {
 
 /// Colours the mesh from the views that see it.
 ///
-/// Each vertex takes the bicubic pixel of the camera whose ray is most opposed to its normal
+/// Each vertex takes the interpolated pixel of the camera whose ray is most opposed to its normal
 /// ([`ColourParams::blended_views`] = 1, the paper's choice), or a blend of the best few that has no seams. Vertices
 /// that no camera sees continue the colours around them. Colours are sRGB, like the pictures.
 ///
@@ -74,20 +77,29 @@ pub fn colour(mesh: &mut Mesh, views: &[View], params: &ColourParams, progress: 
 fn look(view: &View, index: u16, buffer: &DepthBuffer, position: Vec3, normal: Vec3, vertex: usize) -> Option<Offer> {
     let ray = position - view.camera.centre;
     let cosine = -ray.dot(normal) / libm::sqrtf(ray.length_squared() * normal.length_squared());
-    if !(cosine > LEAST_COSINE) {
+    if cosine.is_nan() || cosine < LEAST_COSINE {
         return None;
     }
     let pixel = buffer.projected(vertex);
     let footprint = view.camera.footprint(pixel.z);
-    // A neighbouring pixel's centre lies up to √2 pixels off: the surface's own slope may hide it by so much.
+    // The tangent plane's inverse depth is linear in the image: what its slope explains hides nothing. The rest of the
+    // tolerance is for curvature, and for normals that are slightly off.
+    let here = view.camera.ray(pixel.x, pixel.y);
+    let right = view.camera.ray(pixel.x + 1.0, pixel.y) - here;
+    let down = view.camera.ray(pixel.x, pixel.y + 1.0) - here;
+    let gradient = Vec2::new(normal.dot(right), normal.dot(down)) / normal.dot(ray);
     let slope = libm::sqrtf(1.0 - (cosine * cosine).min(1.0)) / cosine;
-    let border = buffer.visible(pixel, footprint * (0.5 + 1.5 * slope))?;
+    let border = buffer.visible(pixel, gradient, footprint * (1.5 + 0.5 * slope))?;
     let contour = match &view.silhouette {
         Some(silhouette) => silhouette.sample(pixel.x, pixel.y)?,
         None => CLEAN_PIXELS,
     };
-    let cleanness = (border.min(contour) / CLEAN_PIXELS).clamp(LEAST_CLEANNESS, 1.0);
-    Some(Offer { score: cosine * cleanness, view: index, rgb: bicubic(view, pixel.x, pixel.y)? })
+    let clean = border.min(contour);
+    if clean < MIXED_PIXELS {
+        return None;
+    }
+    let cleanness = ((clean - MIXED_PIXELS) / (CLEAN_PIXELS - MIXED_PIXELS)).clamp(LEAST_CLEANNESS, 1.0);
+    Some(Offer { score: cosine * cleanness, view: index, rgb: sample(view, pixel.x, pixel.y, cleanness)? })
 }
 
 /// Keeps the best offers in falling order; of equal ones the earlier view's stays ahead.
@@ -122,8 +134,9 @@ fn blend(offers: &[Offer], blended: usize, gains: &[Vec3]) -> Option<Vec3> {
     Some(sum / total)
 }
 
-/// Catmull-Rom sample of the picture, `None` too close to its edge.
-fn bicubic(view: &View, u: f32, v: f32) -> Option<Vec3> {
+/// Sample of the picture between bilinear and Catmull-Rom (`sharpness` 1), whose wider kernel would reach across a near
+/// contour; `None` too close to the picture's edge.
+fn sample(view: &View, u: f32, v: f32, sharpness: f32) -> Option<Vec3> {
     let (w, h) = (view.camera.width as usize, view.camera.height as usize);
     if !(u >= 1.0 && v >= 1.0 && u < w as f32 - 2.0 && v < h as f32 - 2.0) {
         return None;
@@ -131,7 +144,9 @@ fn bicubic(view: &View, u: f32, v: f32) -> Option<Vec3> {
     let (x, y) = (u as usize, v as usize);
     let kernel = |t: f32| {
         let (t2, t3) = (t * t, t * t * t);
-        [(2.0 * t2 - t3 - t) * 0.5, (3.0 * t3 - 5.0 * t2 + 2.0) * 0.5, (t + 4.0 * t2 - 3.0 * t3) * 0.5, (t3 - t2) * 0.5]
+        let bend = [2.0 * t2 - t3 - t, 3.0 * t3 - 5.0 * t2 + 2.0 * t, t + 4.0 * t2 - 3.0 * t3 - 2.0 * t, t3 - t2];
+        let linear = [0.0, 1.0 - t, t, 0.0];
+        [0, 1, 2, 3].map(|k| linear[k] + bend[k] * (0.5 * sharpness))
     };
     let (across, down) = (kernel(u - x as f32), kernel(v - y as f32));
     let mut sum = Vec3::ZERO;
@@ -143,3 +158,6 @@ fn bicubic(view: &View, u: f32, v: f32) -> Option<Vec3> {
     }
     Some(sum.clamp(Vec3::ZERO, Vec3::splat(255.0)))
 }
+
+#[cfg(test)]
+mod tests;

@@ -1,6 +1,11 @@
 //! Silhouettes (§0): which pixels see the object, with a contour finer than a pixel.
 
+pub(crate) mod chroma;
+pub(crate) mod clean_plate;
 mod distance;
+mod matte;
+
+pub use chroma::ChromaKey;
 
 use alloc::{format, string::String, vec::Vec};
 
