@@ -1,0 +1,41 @@
+//! The command `look`: a contact sheet of a reconstruction, photograph beside shape and colours.
+
+use clap::Parser;
+use std::{error::Error, path::PathBuf, process::ExitCode};
+use studio::look::{ColouredMesh, sheet};
+
+/// Draws a mesh as cameras of its scene see it, beside the photographs
+#[derive(Debug, Parser)]
+#[command(name = "look", version)]
+struct Arguments {
+    /// Folder with scene.json
+    scene: PathBuf,
+    /// The frame's GLB
+    mesh: PathBuf,
+    /// PNG to write
+    #[arg(short, long)]
+    output: PathBuf,
+    /// Frame of the scene
+    #[arg(long, default_value_t = 0)]
+    frame: u32,
+    /// Cameras, by their place in scene.json
+    #[arg(long, value_delimiter = ',', default_values_t = [0, 7, 14])]
+    cameras: Vec<usize>,
+}
+
+fn main() -> ExitCode {
+    let arguments = Arguments::parse();
+    match run(&arguments) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("look: {}, {}: {error}", arguments.scene.display(), arguments.mesh.display());
+            ExitCode::FAILURE
+        }
+    }
+}
+
+fn run(a: &Arguments) -> Result<(), Box<dyn Error>> {
+    let sheet = sheet(&a.scene, a.frame, &ColouredMesh::read(&a.mesh)?, &a.cameras)?;
+    image::save_buffer(&a.output, &sheet.rgb, sheet.width, sheet.height, image::ColorType::Rgb8)?;
+    Ok(())
+}
