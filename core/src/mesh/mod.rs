@@ -33,6 +33,9 @@ pub struct Meshed {
     pub components_dropped: u32,
 }
 
+/// Most nodes along the longest side of the bounds.
+const MOST_NODES: f32 = 4096.0;
+
 /// Reports the meshing's progress.
 struct Steps<'a> {
     progress: &'a dyn Progress,
@@ -51,7 +54,8 @@ impl Steps<'_> {
 /// their order.
 ///
 /// # Errors
-/// [`Error::NoSurface`] if the points bound nothing, [`Error::Cancelled`].
+/// [`Error::NoSurface`] if the points bound nothing or the envelope's bounds are empty or over 4096 voxels long,
+/// [`Error::Cancelled`].
 pub fn mesh(
     points: &[Point],
     envelope: &dyn Envelope,
@@ -60,12 +64,20 @@ pub fn mesh(
     progress: &dyn Progress,
 ) -> Result<Meshed> {
     let (low, high) = envelope.bounds();
+    // Written so that NaN fails too.
+    if !(voxel > 0.0 && (high - low).min_element() >= 0.0 && (high - low).max_element() < MOST_NODES * voxel) {
+        return Err(Error::NoSurface);
+    }
     let solves = 1 + u32::from(params.space_constraint && !params.envelope);
-    let total = solves * poisson::steps(low, high, voxel) + 2;
+    let total = solves * (poisson::steps(low, high, voxel) + 2) + 1;
     let mut steps = Steps { progress, done: 0, total };
     let mut surface = |points: &[Point], constraint: Option<&dyn Envelope>| -> Result<Mesh> {
         let solution = poisson::solve(points, (low, high), voxel, params.screening, constraint, &mut steps)?;
-        Ok(solution.surface())
+        let mut mesh = solution.surface();
+        steps.step()?;
+        poisson::smooth_normals(&mut mesh);
+        steps.step()?;
+        Ok(mesh)
     };
     let mut mesh = if !params.space_constraint {
         surface(points, None)?

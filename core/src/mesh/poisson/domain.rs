@@ -15,7 +15,8 @@ const COARSEST: f32 = 4.0;
 /// The finest grid's frame (no blocks stored) over the bounds, and the number of levels.
 pub(super) fn domain(low: Vec3, high: Vec3, voxel: f32) -> (SparseGrid, usize) {
     let size = (high - low) * ROOM + 8.0 * voxel;
-    let mut levels = 1;
+    // The density of the points is measured on a level above the finest.
+    let mut levels = 2;
     while size.max_element() / (voxel * (BLOCK << (levels - 1)) as f32) > COARSEST {
         levels += 1;
     }

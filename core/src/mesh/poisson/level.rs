@@ -4,6 +4,7 @@ use alloc::{vec, vec::Vec};
 
 use super::samples::{Sample, mark};
 use crate::grid::{BLOCK, BLOCK_NODES, SparseGrid};
+use crate::mesh::neighbourhood::Neighbourhood;
 
 /// A level's grid and the indicator function χ on it: 1 inside the object, 0 outside.
 pub(super) struct Level {
@@ -58,30 +59,40 @@ impl Level {
 
 /// For each block of the next finer level: inside, outside, or (0) with nodes on both sides of `iso` in it or near it.
 fn states(coarse: &Level, iso: f32) -> Vec<u32> {
-    let [w, h, d] = coarse.grid.dims;
-    let half = BLOCK as i32 / 2;
-    let mut states = Vec::with_capacity((8 * w * h * d) as usize);
-    for z in 0..2 * d as i32 {
-        for y in 0..2 * h as i32 {
-            for x in 0..2 * w as i32 {
-                let slot = coarse.grid.slot(x >> 1, y >> 1, z >> 1);
-                if slot >= SparseGrid::INSIDE {
-                    states.push(slot);
-                    continue;
-                }
-                let inside = |x, y, z| coarse.grid.value(&coarse.chi, x, y, z, 0.0, 1.0) > iso;
-                let first = inside(x * half, y * half, z * half);
-                let span = |v: i32| v * half - 1..=v * half + half + 1;
-                let same = span(z).all(|z| span(y).all(|y| span(x).all(|x| inside(x, y, z) == first)));
-                states.push(match (same, first) {
-                    (false, _) => 0,
-                    (true, true) => SparseGrid::INSIDE,
-                    (true, false) => SparseGrid::OUTSIDE,
-                });
-            }
+    let grid = &coarse.grid;
+    let [w, h, d] = grid.dims.map(|v| 2 * v as usize);
+    let mut states = vec![SparseGrid::OUTSIDE; w * h * d];
+    let mut around = Neighbourhood::new();
+    for block in (0..(w * h * d / 8) as i32).map(|i| {
+        let (w, h) = (w as i32 / 2, h as i32 / 2);
+        [i % w, i / w % h, i / w / h]
+    }) {
+        let slot = grid.slot(block[0], block[1], block[2]);
+        if slot < SparseGrid::INSIDE {
+            around.load(grid, &coarse.chi, block, 1.0, 0.0);
+        }
+        for child in 0..8 {
+            let [x, y, z] = core::array::from_fn(|k| 2 * block[k] as usize + (child >> k & 1));
+            states[(z * h + y) * w + x] = if slot < SparseGrid::INSIDE { state(&around, child, iso) } else { slot };
         }
     }
     states
+}
+
+/// State of one of the eight blocks that a coarse block becomes, from its coarse nodes and the next ones around.
+fn state(around: &Neighbourhood, child: usize, iso: f32) -> u32 {
+    const HALF: i32 = BLOCK as i32 / 2;
+    let [x, y, z] = core::array::from_fn(|k| (child >> k & 1) as i32 * HALF - 1);
+    let first = around.0[Neighbourhood::index(x, y, z)] > iso;
+    for z in z..=z + HALF + 2 {
+        for y in y..=y + HALF + 2 {
+            let row = Neighbourhood::index(x, y, z);
+            if around.0[row..=row + BLOCK / 2 + 2].iter().any(|&value| (value > iso) != first) {
+                return 0;
+            }
+        }
+    }
+    if first { SparseGrid::INSIDE } else { SparseGrid::OUTSIDE }
 }
 
 /// Adds a coarse field, times `scale`, to one of the next finer grid by trilinear interpolation. `coarse` gives the

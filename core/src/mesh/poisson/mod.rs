@@ -22,10 +22,11 @@ use crate::point_cloud::Point;
 use level::Level;
 use samples::Sample;
 use solve::Operator;
+pub(super) use surface::smooth_normals;
 use system::Cell;
 
 /// Iterations on each level; the coarser solution leaves only details to find.
-const ITERATIONS: u32 = 8;
+const ITERATIONS: u32 = 6;
 /// Iterations on the coarsest level at most, and the share of the residual that may remain there.
 const ITERATIONS_COARSEST: u32 = 200;
 const TOLERANCE: f64 = 1e-4;
@@ -47,7 +48,7 @@ pub(super) struct Solution {
 /// Number of steps that [`solve`] reports at most.
 pub(super) fn steps(low: Vec3, high: Vec3, voxel: f32) -> u32 {
     let (_, levels) = domain::domain(low, high, voxel);
-    ITERATIONS_COARSEST + 1 + levels as u32 * (ITERATIONS + 3)
+    1 + levels as u32 * (ITERATIONS + 6)
 }
 
 /// Solves for χ over the bounds `low`, `high`. `screening` is the weight by which χ is held at 1/2 at the points; an
@@ -65,8 +66,8 @@ pub(super) fn solve(
     if samples.is_empty() {
         return Err(Error::NoSurface);
     }
-    samples::weigh(&mut samples, &finest, count);
     steps.step()?;
+    samples::weigh(&mut samples, &finest, count, || steps.step())?;
 
     let mut levels: Vec<Level> = Vec::with_capacity(count);
     let mut sparse: Vec<f32> = Vec::new();
@@ -79,6 +80,7 @@ pub(super) fn solve(
         };
         steps.step()?;
         let mut rhs = right_hand_side(&levels, &mut sparse, &samples, &next.grid, level);
+        steps.step()?;
         let cells = system::cells(&samples, &next.grid, level);
         steps.step()?;
         distances = envelope.map(|envelope| domain::distances(&next.grid, envelope, MARGIN));
@@ -88,6 +90,7 @@ pub(super) fn solve(
                 *chi = 0.0;
             }
         }
+        steps.step()?;
         let neighbours = system::neighbours(&next.grid);
         let inverse_diagonal = system::inverse_diagonal(&neighbours, &cells, screening, outside);
         for cell in &cells {
@@ -98,8 +101,11 @@ pub(super) fn solve(
         steps.step()?;
         let operator =
             Operator { neighbours: &neighbours, cells: &cells, screening, inverse_diagonal: &inverse_diagonal };
-        let iterations = if levels.is_empty() { ITERATIONS_COARSEST } else { ITERATIONS };
-        operator.solve(&mut rhs, &mut next.chi, iterations, TOLERANCE, || steps.step())?;
+        if levels.is_empty() {
+            operator.solve(&mut rhs, &mut next.chi, ITERATIONS_COARSEST, TOLERANCE, || Ok(()))?;
+        } else {
+            operator.solve(&mut rhs, &mut next.chi, ITERATIONS, TOLERANCE, || steps.step())?;
+        }
         iso = mean(&cells, &next.chi);
         levels.push(next);
     }
@@ -123,10 +129,12 @@ fn right_hand_side(
         let part = |[x, y, z]: [i32; 3]| above.grid.value(sparse, x, y, z, 0.0, 0.0);
         level::prolong(part, grid, 0.25, &mut rhs);
     }
-    let mut own = rhs.clone();
-    // A sample's share at a level falls linearly to 0 one level from its own.
-    system::splat(samples, grid, level, |detail| (1.0 - (detail - here).abs()).max(0.0), &mut own);
-    *sparse = own;
+    if level > 0 {
+        let mut own = rhs.clone();
+        // A sample's share at a level falls linearly to 0 one level from its own.
+        system::splat(samples, grid, level, |detail| (1.0 - (detail - here).abs()).max(0.0), &mut own);
+        *sparse = own;
+    }
     system::splat(samples, grid, level, |detail| (1.0 - (detail - here)).clamp(0.0, 1.0), &mut rhs);
     rhs
 }

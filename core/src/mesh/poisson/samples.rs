@@ -4,6 +4,7 @@ use alloc::{vec, vec::Vec};
 use glam::Vec3;
 
 use super::spline::{ABSENT, Stencil};
+use crate::error::Result;
 use crate::grid::{BLOCK, BLOCK_NODES, SparseGrid};
 use crate::point_cloud::Point;
 
@@ -63,13 +64,20 @@ const SPREAD: f32 = 1.5;
 /// Sets each sample's share of the surface, in square voxels, and its level of detail from the density of the samples
 /// around it. Dense and sparse parts of the cloud then bound the same volume, and weights (eq. 3) decide between
 /// neighbours only.
-pub(super) fn weigh(samples: &mut [Sample], finest: &SparseGrid, levels: usize) {
+/// `step` is called once a level.
+pub(super) fn weigh(
+    samples: &mut [Sample],
+    finest: &SparseGrid,
+    levels: usize,
+    mut step: impl FnMut() -> Result<()>,
+) -> Result<()> {
     let mut waiting: Vec<u32> = (0..samples.len() as u32).collect();
     let mut shares = vec![(0.0, 0.0); samples.len()];
     for level in 1..levels {
         let scale = 1.0 / (1 << level) as f32;
         let grid = around(samples, finest, level, 1.5);
         let density = density(samples, &grid, scale);
+        step()?;
         let last = level == levels - 1;
         waiting.retain(|&i| {
             let sample = &samples[i as usize];
@@ -93,6 +101,7 @@ pub(super) fn weigh(samples: &mut [Sample], finest: &SparseGrid, levels: usize) 
         sample.area = area;
         sample.detail = detail;
     }
+    Ok(())
 }
 
 /// Number of samples and sum of their areas per cubic voxel, smoothed by the B-spline.

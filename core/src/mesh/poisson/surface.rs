@@ -30,15 +30,13 @@ impl Solution {
                 *value = value.min(SLOPE * (distance + TOLERANCE));
             }
         }
-        let mut mesh = marching_cubes(&grid, &chi, 0.0, 1.0, -1.0);
-        smooth_normals(&mut mesh);
-        mesh
+        marching_cubes(&grid, &chi, 0.0, 1.0, -1.0)
     }
 }
 
 /// Each normal becomes the mean over the triangles around it: the sampling's chance, which tilts the gradient of χ from
 /// node to node, halves.
-fn smooth_normals(mesh: &mut Mesh) {
+pub(in crate::mesh) fn smooth_normals(mesh: &mut Mesh) {
     let mut sums = vec![Vec3::ZERO; mesh.normals.len()];
     for triangle in &mesh.triangles {
         let sum = triangle.iter().fold(Vec3::ZERO, |sum, &v| sum + mesh.normals[v as usize]);
