@@ -72,7 +72,8 @@ pub fn run(quick: bool) -> Result<()> {
         }
         return Ok(());
     }
-    replace_in(&root().join("BENCHMARKS.md"), &parts)
+    replace_in(&root().join("BENCHMARKS.md"), &parts)?;
+    replace_in(&root().join("README.md"), &[("summary", summary(&results))])
 }
 
 /// Processor, system and compiler in a line.
@@ -120,6 +121,25 @@ fn scores(results: &[(&str, &str, Measured)]) -> String {
             figure(m.mean("psnr_db"), 1),
             yes(m),
             parts.map_or_else(String::new, |n| n.to_string()),
+            figure(Some(m.total_seconds()), 1),
+            figure(Some(m.peak_mebibytes()), 0),
+        ]);
+    }
+    table.text()
+}
+
+/// The README's table: the result beside what it must beat.
+fn summary(results: &[(&str, &str, Measured)]) -> String {
+    let mut table = Table::new(&["", "acc90 mm", "F@2.5", "F@5", "normals °", "silhouette IoU", "s a frame", "MiB"]);
+    for (scene, preset, m) in results.iter().filter(|(_, preset, m)| *preset != "paper" && m.mean("acc90_mm").is_some())
+    {
+        table.row(&[
+            format!("{scene}, {}", if *preset == "hull" { "visual hull" } else { "pcmvs" }),
+            figure(m.mean("acc90_mm"), 1),
+            figure(m.mean("f_pct@2.5"), 1),
+            figure(m.mean("f_pct@5"), 1),
+            figure(m.mean("normal_deg"), 1),
+            figure(m.mean("sil_iou_mean"), 3),
             figure(Some(m.total_seconds()), 1),
             figure(Some(m.peak_mebibytes()), 0),
         ]);

@@ -4,6 +4,7 @@ use crate::{
     Result,
     process::{cargo, program, run, target},
 };
+use std::path::Path;
 
 /// WebAssembly without any host, and a microcontroller with single-precision floats.
 const TARGETS: [&str; 2] = ["wasm32v1-none", "thumbv7em-none-eabihf"];
@@ -24,12 +25,11 @@ pub fn check() -> Result<String> {
 
 /// Where rustup's server cannot be reached: Debian's compiler, and the standard library's own sources.
 fn with_system_compiler() -> Result<()> {
-    let apt = |arguments: &str| {
-        let mut command = program("apt-get", arguments);
-        run(command.env("DEBIAN_FRONTEND", "noninteractive"))
-    };
-    apt("update -qq")?;
-    apt("install -y -qq --no-install-recommends rustc-web cargo-web rust-web-src")?;
+    if !Path::new("/usr/lib/rustlib/src/rust/library").exists() {
+        for arguments in ["update -qq", "install -y -qq --no-install-recommends rustc-web cargo-web rust-web-src"] {
+            run(program("apt-get", arguments).env("DEBIAN_FRONTEND", "noninteractive"))?;
+        }
+    }
     for triple in TARGETS {
         let arguments = format!("check -Zbuild-std=core,alloc --package pcmvs-core --all-features --target {triple}");
         let mut command = program("/usr/bin/cargo", &arguments);

@@ -1,7 +1,11 @@
 //! The command `look`: a contact sheet of a reconstruction, photograph beside shape and colours.
 
 use clap::Parser;
-use std::{error::Error, path::PathBuf, process::ExitCode};
+use image::{
+    ExtendedColorType, ImageEncoder,
+    codecs::png::{CompressionType, FilterType, PngEncoder},
+};
+use std::{error::Error, fs::File, io::BufWriter, path::PathBuf, process::ExitCode};
 use studio::look::{ColouredMesh, sheet};
 
 /// Draws a mesh as cameras of its scene see it, beside the photographs
@@ -36,6 +40,8 @@ fn main() -> ExitCode {
 
 fn run(a: &Arguments) -> Result<(), Box<dyn Error>> {
     let sheet = sheet(&a.scene, a.frame, &ColouredMesh::read(&a.mesh)?, &a.cameras)?;
-    image::save_buffer(&a.output, &sheet.rgb, sheet.width, sheet.height, image::ColorType::Rgb8)?;
+    let file = BufWriter::new(File::create(&a.output)?);
+    let encoder = PngEncoder::new_with_quality(file, CompressionType::Best, FilterType::Adaptive);
+    encoder.write_image(&sheet.rgb, sheet.width, sheet.height, ExtendedColorType::Rgb8)?;
     Ok(())
 }
