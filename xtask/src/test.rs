@@ -56,7 +56,7 @@ fn smoke() -> PathBuf {
 
 /// What the demo does, small: pictures from the studio, meshes by every preset.
 fn pipeline() -> Result<String> {
-    run_program(&mut cargo("build --quiet --workspace --bins"))?;
+    // The tests have built the commands that they run: nothing is built twice.
     let binary = |name: &str| target().join("debug").join(name);
     if smoke().exists() {
         fs::remove_dir_all(smoke()).map_err(|e| format!("{}: {e}", smoke().display()))?;
