@@ -141,10 +141,10 @@ pub enum Preset {
 impl Params {
     /// The parameters of a preset.
     pub fn preset(preset: Preset) -> Self {
-        let clean = CleanParams { radius_pixels: 3.0, density: 0.5, flatness: 0.5, facing: 0.3 };
+        let clean = CleanParams { radius_pixels: 4.0, density: 0.5, flatness: 0.5, facing: 0.3 };
         let vote = VoteParams { smoothing: 0.8, local_maximum: true, spread: 1.0 };
         let search =
-            SearchParams { neighbours: 4, window_radius: 3, step_pixels: 0.5, follow_guide: true, vote, refine: true };
+            SearchParams { neighbours: 4, window_radius: 2, step_pixels: 0.5, follow_guide: true, vote, refine: true };
         let detection = DetectionParams {
             search,
             band_pixels: 6.0,
@@ -155,7 +155,7 @@ impl Params {
         };
         let coarse = CoarseParams {
             detection: DetectionParams {
-                search: SearchParams { step_pixels: 0.6, ..search },
+                search: SearchParams { window_radius: 3, step_pixels: 0.6, ..search },
                 clean: CleanParams { radius_pixels: 2.5, ..clean },
                 ..detection
             },
@@ -166,18 +166,18 @@ impl Params {
             hull: HullParams { voxel_pixels: 1.5 },
             coarse: Some(coarse),
             detection,
-            frontier: Some(FrontierParams { longest_pixels: 20.0 }),
+            frontier: Some(FrontierParams { longest_pixels: 40.0 }),
             implicit: true,
             merging: MergingParams {
                 downsample: None,
                 conflicts: None,
-                frontier_weight: 8.0,
+                frontier_weight: 16.0,
                 implicit_weight: 0.1,
                 fidelity_weights: true,
             },
             meshing: MeshingParams {
-                voxel_pixels: 1.25,
-                screening: 1.0,
+                voxel_pixels: 1.5,
+                screening: 0.5,
                 envelope: true,
                 space_constraint: true,
                 smallest_component: 0.01,
