@@ -204,3 +204,8 @@ fn timed<T>(progress: &dyn Progress, stage: Stage, work: impl FnOnce() -> Result
     progress.mark(stage, false);
     result
 }
+
+/// The README's example compiles.
+#[cfg(doctest)]
+#[doc = include_str!("../../README.md")]
+struct Readme;

@@ -11,6 +11,7 @@ use glam::Vec3;
 
 /// The constraints of §4.3.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Deserialize), serde(deny_unknown_fields))]
 pub struct CleanParams {
     /// Radius of a point's neighbourhood in pixels of footprint.
     pub radius_pixels: f32,

@@ -10,6 +10,7 @@ use glam::{Vec2, Vec3};
 
 /// Frontier points of §4.4.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Deserialize), serde(deny_unknown_fields))]
 pub struct FrontierParams {
     /// τ: a contour pixel's ray may run this long inside the other views' hull, in pixels of footprint.
     pub longest_pixels: f32,

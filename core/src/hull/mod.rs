@@ -168,11 +168,11 @@ fn least<'c, 'a: 'c>(
 ) -> f32 {
     let (mut nearest, mut seen) = (FAR * voxel, 0);
     for carver in carvers {
-        if carver.index != without {
-            if let Some(d) = carver.distance(p) {
-                nearest = nearest.min(d);
-                seen += 1;
-            }
+        if carver.index != without
+            && let Some(d) = carver.distance(p)
+        {
+            nearest = nearest.min(d);
+            seen += 1;
         }
     }
     if seen < needed { nearest.min(-voxel) } else { nearest }
