@@ -192,7 +192,8 @@ fn pcmvs(
 fn views(rig: &Rig, inputs: &[ViewInput], executor: &impl Executor, progress: &dyn Progress) -> Result<Vec<View>> {
     let views = executor.map(inputs.len(), |i| {
         progress::step(progress, Stage::Views, i as u32, inputs.len() as u32)?;
-        View::new(rig, i, &inputs[i])
+        let given = rig.order()[i] as usize;
+        View::new(rig, given, &inputs[given])
     });
     views.into_iter().collect()
 }
