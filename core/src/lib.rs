@@ -13,6 +13,7 @@ pub mod grid;
 pub mod hash;
 pub mod hull;
 pub mod image;
+mod math;
 pub mod merge;
 pub mod mesh;
 pub mod params;
@@ -153,7 +154,8 @@ fn pcmvs(
             let half = executor.map(full.len(), |i| full[i].halved());
             let detecting = Part { of: progress, stage: Stage::Coarse, part: 0, parts: 2 };
             let meshing = Part { part: 1, ..detecting };
-            let found = executor.map(half.len(), |i| detect(i, &half, hull, Guide::Hull, &p.detection, &detecting));
+            let found = executor
+                .map(half.len(), |i| detect(i, &half, hull, Guide::Hull(&stages.hull), &p.detection, &detecting));
             let mut cloud = stages.frontier.clone();
             for found in found {
                 cloud.extend(found?.0);
@@ -162,7 +164,7 @@ fn pcmvs(
             Ok(mesh::mesh(&cloud, hull, voxel, &params.meshing, &meshing)?.mesh)
         })?;
     }
-    let guide = if params.coarse.is_some() { Guide::Surface(&stages.coarse) } else { Guide::Hull };
+    let guide = if params.coarse.is_some() { Guide::Surface(&stages.coarse) } else { Guide::Hull(&stages.hull) };
     timed(progress, Stage::Detect, || {
         let found = executor.map(full.len(), |i| detect(i, &full, hull, guide, &params.detection, progress));
         for found in found {
@@ -190,7 +192,8 @@ fn pcmvs(
 fn views(rig: &Rig, inputs: &[ViewInput], executor: &impl Executor, progress: &dyn Progress) -> Result<Vec<View>> {
     let views = executor.map(inputs.len(), |i| {
         progress::step(progress, Stage::Views, i as u32, inputs.len() as u32)?;
-        View::new(rig, i, &inputs[i])
+        let given = rig.order()[i] as usize;
+        View::new(rig, given, &inputs[given])
     });
     views.into_iter().collect()
 }
@@ -202,3 +205,8 @@ fn timed<T>(progress: &dyn Progress, stage: Stage, work: impl FnOnce() -> Result
     progress.mark(stage, false);
     result
 }
+
+/// The README's example compiles.
+#[cfg(doctest)]
+#[doc = include_str!("../../README.md")]
+struct Readme;

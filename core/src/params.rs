@@ -11,6 +11,7 @@ use crate::{
 
 /// All parameters of a reconstruction.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Deserialize), serde(deny_unknown_fields))]
 #[non_exhaustive]
 pub struct Params {
     /// Which steps run.
@@ -35,6 +36,7 @@ pub struct Params {
 
 /// Which result is made.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Deserialize))]
 #[non_exhaustive]
 pub enum Method {
     /// The visual hull's own mesh, the baseline.
@@ -45,6 +47,7 @@ pub enum Method {
 
 /// Visual hull (§0).
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Deserialize), serde(deny_unknown_fields))]
 pub struct HullParams {
     /// Distance of the grid's nodes in pixels of footprint at the object.
     pub voxel_pixels: f32,
@@ -52,6 +55,7 @@ pub struct HullParams {
 
 /// A pass of detection and meshing whose result guides the next.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Deserialize), serde(deny_unknown_fields))]
 pub struct CoarseParams {
     /// How it detects, in pictures of half the resolution.
     pub detection: DetectionParams,
@@ -61,6 +65,7 @@ pub struct CoarseParams {
 
 /// Point cloud detection (§4).
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Deserialize), serde(deny_unknown_fields))]
 pub struct DetectionParams {
     /// §4.1.
     pub search: SearchParams,
@@ -78,6 +83,7 @@ pub struct DetectionParams {
 
 /// Merging (§5).
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Deserialize), serde(deny_unknown_fields))]
 pub struct MergingParams {
     /// §5.1, if it runs.
     pub downsample: Option<DownsampleParams>,
@@ -87,10 +93,13 @@ pub struct MergingParams {
     pub frontier_weight: f32,
     /// Weight in meshing of an implicit point.
     pub implicit_weight: f32,
+    /// Points weigh as much as they are trusted (eq. 3, §6.1); off, only for ablation, all weigh the same.
+    pub fidelity_weights: bool,
 }
 
 /// Meshing (§6).
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Deserialize), serde(deny_unknown_fields))]
 pub struct MeshingParams {
     /// Distance of the grid's nodes in pixels of footprint at the object.
     pub voxel_pixels: f32,
@@ -107,6 +116,7 @@ pub struct MeshingParams {
 
 /// Colours (§7).
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Deserialize), serde(deny_unknown_fields))]
 pub struct ColourParams {
     /// Solve one gain per camera and channel from overlapping views.
     pub gains: bool,
@@ -158,7 +168,13 @@ impl Params {
             detection,
             frontier: Some(FrontierParams { longest_pixels: 40.0 }),
             implicit: true,
-            merging: MergingParams { downsample: None, conflicts: None, frontier_weight: 16.0, implicit_weight: 0.1 },
+            merging: MergingParams {
+                downsample: None,
+                conflicts: None,
+                frontier_weight: 16.0,
+                implicit_weight: 0.1,
+                fidelity_weights: true,
+            },
             meshing: MeshingParams {
                 voxel_pixels: 1.5,
                 screening: 0.5,

@@ -12,6 +12,7 @@ use glam::Vec3;
 
 /// How one pass of detection searches.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Deserialize), serde(deny_unknown_fields))]
 pub struct SearchParams {
     /// J: how many neighbouring views vote.
     pub neighbours: u32,

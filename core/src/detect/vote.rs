@@ -5,6 +5,7 @@ use alloc::{vec, vec::Vec};
 
 /// How curves of scores become one depth.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Deserialize), serde(deny_unknown_fields))]
 pub struct VoteParams {
     /// Standard deviation, in samples, of the Gaussian that smooths each view's curve (§4.1); 0 for none.
     pub smoothing: f32,
