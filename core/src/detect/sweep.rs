@@ -20,7 +20,7 @@ const PADDED: usize = TILE + 2 * MAX_RADIUS;
 const PADDED_PIXELS: usize = PADDED * PADDED;
 
 /// Added to the variances in grey levels squared: windows whose contrast is no more than noise do not correlate.
-const NOISE_VARIANCE: f32 = 3.0;
+const NOISE_VARIANCE: f32 = 1.0;
 
 /// Buffers and plane-independent moments of one tile of the target view.
 pub struct Tile {
