@@ -87,7 +87,8 @@ impl Measured {
 }
 
 impl Captured {
-    /// Finds data and tool, and builds the command. The inner error says what is not there.
+    /// Finds data and tool, and builds the command, together with what the demo needs so that neither builds it anew.
+    /// The inner error says what is not there.
     pub fn find() -> Result<std::result::Result<Self, String>> {
         let place = |variable: &str, default: &str| {
             let path = env::var_os(variable).map_or_else(|| root().join(default), PathBuf::from);
@@ -99,7 +100,7 @@ impl Captured {
             Ok(found) => found,
             Err(missing) => return Ok(Err(missing)),
         };
-        run(&mut cargo("build --quiet --release --package pcmvs-cli"))?;
+        run(&mut cargo("build --quiet --release --package pcmvs-cli --package studio --bins"))?;
         install_packages()?;
         Ok(Ok(Self { data, tool, pcmvs: target().join("release/pcmvs") }))
     }
