@@ -155,7 +155,13 @@ impl Params {
         };
         let coarse = CoarseParams {
             detection: DetectionParams {
-                search: SearchParams { window_radius: 3, step_pixels: 0.6, ..search },
+                search: SearchParams {
+                    window_radius: 3,
+                    step_pixels: 0.6,
+                    vote: VoteParams { agreement_radius: 3, ..vote },
+                    ..search
+                },
+                substitute_below: 0.22,
                 clean: CleanParams { radius_pixels: 2.5, ..clean },
                 ..detection
             },
@@ -191,6 +197,7 @@ impl Params {
                 coarse: None,
                 detection: DetectionParams {
                     search: SearchParams {
+                        window_radius: 3,
                         follow_guide: false,
                         refine: false,
                         vote: VoteParams { spread: 0.0, agreement_radius: 0, ..vote },
