@@ -45,12 +45,40 @@ const CONFIGURATIONS: [(&str, Option<&str>); 3] = [
     ("PCMVS-BINO, five pairs", Some("0,1,4,5,8,9,12,13,16,17")),
 ];
 
-/// Measures and writes the tables; `quick` takes one scene, one frame and two ideas, and prints them.
-pub fn run(quick: bool) -> Result<()> {
+/// The tables, each of which can be renewed alone.
+const PARTS: [&str; 4] = ["scores", "ablations-default", "configurations", "ablations-paper"];
+
+/// Measures and writes the tables, all or one; `quick` takes one scene, one frame and two ideas, and prints them.
+pub fn run(quick: bool, part: Option<&str>) -> Result<()> {
+    if let Some(part) = part.filter(|part| !PARTS.contains(part)) {
+        return Err(format!("there is no table {part}: {}", PARTS.join(", ")));
+    }
     let captured = Captured::find()??;
-    let scenes = if quick { &SCENES[..1] } else { &SCENES };
     let ideas = if quick { &IDEAS[..2] } else { &IDEAS };
     let ablation_scenes = if quick { &ABLATION_SCENES[..1] } else { &ABLATION_SCENES };
+    for name in PARTS.into_iter().filter(|name| part.is_none_or(|part| part == *name)) {
+        let made = match name {
+            "scores" => {
+                let results = results(&captured, if quick { &SCENES[..1] } else { &SCENES })?;
+                if !quick {
+                    replace_in(&root().join("README.md"), &[("summary", summary(&results))])?;
+                }
+                vec![("machine", machine()), ("scores", scores(&results)), ("seconds", seconds(&results))]
+            }
+            "configurations" => vec![(name, configurations(&captured)?)],
+            _ => vec![(name, ablations(&captured, &name["ablations-".len()..], ideas, ablation_scenes)?)],
+        };
+        if quick {
+            made.iter().for_each(|(name, table)| println!("## {name}\n\n{table}\n"));
+        } else {
+            replace_in(&root().join("BENCHMARKS.md"), &made)?;
+        }
+    }
+    Ok(())
+}
+
+/// Every scene by every preset.
+fn results(captured: &Captured, scenes: &[&'static str]) -> Result<Vec<(&'static str, &'static str, Measured)>> {
     let mut results = Vec::new();
     for scene in scenes {
         for preset in PRESETS {
@@ -58,22 +86,7 @@ pub fn run(quick: bool) -> Result<()> {
             results.push((*scene, preset, captured.measure(&Job::new(scene, preset))?));
         }
     }
-    let parts = [
-        ("machine", machine()),
-        ("scores", scores(&results)),
-        ("seconds", seconds(&results)),
-        ("ablations-paper", ablations(&captured, "paper", ideas, ablation_scenes)?),
-        ("ablations-default", ablations(&captured, "default", ideas, ablation_scenes)?),
-        ("configurations", configurations(&captured)?),
-    ];
-    if quick {
-        for (name, part) in &parts {
-            println!("## {name}\n\n{part}\n");
-        }
-        return Ok(());
-    }
-    replace_in(&root().join("BENCHMARKS.md"), &parts)?;
-    replace_in(&root().join("README.md"), &[("summary", summary(&results))])
+    Ok(results)
 }
 
 /// Processor, system and compiler in a line.

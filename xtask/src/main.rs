@@ -42,6 +42,9 @@ enum Task {
         /// One scene only, and the tables go to the terminal
         #[arg(long)]
         quick: bool,
+        /// One table only: scores, ablations-default, configurations or ablations-paper
+        #[arg(long)]
+        part: Option<String>,
     },
 }
 
@@ -49,7 +52,7 @@ fn main() -> ExitCode {
     let result = match Arguments::parse().task {
         Task::Demo { no_serve: _ } => demo::run(),
         Task::Test { all } => test::run(all),
-        Task::Bench { quick } => bench::run(quick),
+        Task::Bench { quick, part } => bench::run(quick, part.as_deref()),
     };
     match result {
         Ok(()) => ExitCode::SUCCESS,
