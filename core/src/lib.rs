@@ -28,7 +28,6 @@ mod undistort;
 pub mod view;
 
 use alloc::vec::Vec;
-use detect::Level;
 use hull::VisualHull;
 use params::Method;
 
@@ -57,7 +56,7 @@ pub struct Reconstruction {
     pub stages: Stages,
 }
 
-/// Reconstructs one frame: one input a camera of the rig, in the rig's order.
+/// Reconstructs one frame from one input a camera, in the order in which the cameras were given to [`Rig::new`].
 ///
 /// # Errors
 /// Every [`Error`]; nothing is kept of a frame that fails.
@@ -68,6 +67,9 @@ pub fn reconstruct(
     executor: &impl Executor,
     progress: &dyn Progress,
 ) -> Result<Reconstruction> {
+    if inputs.len() != rig.cameras().len() {
+        return Err(Error::ViewCount { given: inputs.len() as u32, cameras: rig.cameras().len() as u32 });
+    }
     let mut counts = Counts::default();
     let views = timed(progress, Stage::Views, || views(rig, inputs, executor, progress))?;
 
@@ -98,8 +100,6 @@ fn pcmvs(
     executor: &impl Executor,
     progress: &dyn Progress,
 ) -> Result<Mesh> {
-    let full = executor.map(views.len(), |i| Level::full(&views[i]));
-
     // §4.4: points that the silhouettes alone give.
     timed(progress, Stage::Contours, || {
         let found = executor.map(views.len(), |i| {
@@ -117,12 +117,13 @@ fn pcmvs(
     // §4.1 to §4.3, coarse to fine.
     if params.coarse.is_some() {
         stages.coarse = timed(progress, Stage::Coarse, || {
-            stages::coarse(&full, &stages.hull, &stages.frontier, hull, params, executor, progress)
+            stages::coarse(views, &stages.hull, &stages.frontier, hull, params, executor, progress)
         })?;
     }
     timed(progress, Stage::Detect, || {
-        let detect = |i| stages::detect(i, &full, hull, &stages.hull, &stages.coarse, params, progress);
-        for found in executor.map(full.len(), detect) {
+        let levels = stages::levels(views, params, executor);
+        let detect = |i| stages::detect(i, &levels, hull, &stages.hull, &stages.coarse, params, progress);
+        for found in executor.map(views.len(), detect) {
             let (cloud, found) = found?;
             stages.detected.push(cloud);
             counts.add_detection(&found);

@@ -57,7 +57,7 @@ pub struct HullParams {
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Deserialize), serde(deny_unknown_fields))]
 pub struct CoarseParams {
-    /// How it detects, in pictures of half the resolution.
+    /// How it detects.
     pub detection: DetectionParams,
     /// Distance of its mesh's grid nodes in pixels of footprint.
     pub voxel_pixels: f32,
@@ -67,6 +67,8 @@ pub struct CoarseParams {
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Deserialize), serde(deny_unknown_fields))]
 pub struct DetectionParams {
+    /// In pictures of half the resolution.
+    pub halved: bool,
     /// §4.1.
     pub search: SearchParams,
     /// How far round a guiding mesh the search runs, in pixels of footprint along the ray.
@@ -146,6 +148,7 @@ impl Params {
         let search =
             SearchParams { neighbours: 4, window_radius: 2, step_pixels: 0.5, follow_guide: true, vote, refine: true };
         let detection = DetectionParams {
+            halved: false,
             search,
             band_pixels: 6.0,
             substitute_below: 0.25,
@@ -155,6 +158,7 @@ impl Params {
         };
         let coarse = CoarseParams {
             detection: DetectionParams {
+                halved: true,
                 search: SearchParams {
                     window_radius: 3,
                     step_pixels: 0.6,
@@ -215,9 +219,11 @@ impl Params {
                 colour: ColourParams { gains: false, blended_views: 1 },
                 ..default
             },
+            // The coarse pass alone.
             Preset::Preview => Self {
                 hull: HullParams { voxel_pixels: 2.5 },
                 coarse: None,
+                detection: coarse.detection,
                 meshing: MeshingParams { voxel_pixels: 2.5, ..default.meshing },
                 ..default
             },
