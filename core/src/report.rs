@@ -40,7 +40,7 @@ pub struct Counts {
 
 impl Counts {
     /// Adds what one view's detection counted.
-    pub(crate) fn add_detection(&mut self, view: &Self) {
+    pub fn add_detection(&mut self, view: &Self) {
         self.detected += view.detected;
         self.substituted += view.substituted;
         self.cleaned_density += view.cleaned_density;

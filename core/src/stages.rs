@@ -1,0 +1,145 @@
+//! The stages between the hull and the mesh (§4 to §6), each a function of borrowed inputs: a host may run one by one,
+//! and those of single views on threads of its own, and gets what [`crate::reconstruct`] gives.
+
+use crate::{
+    camera::Pinhole,
+    detect::{self, Guide, Level},
+    error::Result,
+    hash::Hash64,
+    hull::VisualHull,
+    merge,
+    mesh::{self, Meshed},
+    params::Params,
+    point_cloud::{self, Mesh, Point, PointCloud},
+    progress::{Executor, Part, Progress, Stage},
+    report::Counts,
+    view::View,
+};
+use alloc::vec::Vec;
+
+/// What the stages pass on.
+#[derive(Debug, Clone, Default)]
+pub struct Stages {
+    /// The visual hull's own mesh.
+    pub hull: Mesh,
+    /// The mesh of the coarse pass, empty where there is none.
+    pub coarse: Mesh,
+    /// One cleaned cloud a view (§4).
+    pub detected: Vec<PointCloud>,
+    /// Frontier points (§4.4).
+    pub frontier: PointCloud,
+    /// Implicit points (§4.4).
+    pub implicit: PointCloud,
+    /// The merged cloud (§5).
+    pub merged: PointCloud,
+}
+
+impl Stages {
+    /// A 64-bit hash of each stage's output, in the order of [`Stage::ALL`]; `mesh` is the final one.
+    pub fn hashes(&self, views: &[View], mesh: &Mesh) -> [u64; Stage::ALL.len()] {
+        [
+            views.iter().fold(Hash64::default(), |h, v| v.hash(h)).finish(),
+            self.hull.hash(),
+            point_cloud::hash(self.frontier.iter().chain(&self.implicit)),
+            self.coarse.hash(),
+            point_cloud::hash(self.detected.iter().flatten()),
+            point_cloud::hash(&self.merged),
+            Mesh { colours: Vec::new(), ..mesh.clone() }.hash(),
+            mesh.hash(),
+        ]
+    }
+}
+
+/// The hull's own mesh without stray components, and how many those were (§0).
+pub fn hull_mesh(hull: &VisualHull, params: &Params) -> (Mesh, u32) {
+    let mut mesh = hull.mesh();
+    let dropped = mesh::drop_small_components(&mut mesh, params.meshing.smallest_component);
+    (mesh, dropped)
+}
+
+/// Frontier points of one view (§4.4), weighted for meshing; none if `params` does without.
+pub fn frontier(view: &View, hull: &VisualHull, params: &Params) -> PointCloud {
+    let Some(p) = &params.frontier else { return PointCloud::new() };
+    let mut cloud = detect::frontier(view, hull, p);
+    cloud.iter_mut().for_each(|point| point.weight *= params.merging.frontier_weight);
+    cloud
+}
+
+/// Implicit points (§4.4), weighted for meshing; none if `params` does without.
+pub fn implicit(hull_mesh: &Mesh, views: &[View], params: &Params) -> PointCloud {
+    if !params.implicit {
+        return PointCloud::new();
+    }
+    let mut cloud = detect::implicit(hull_mesh, views);
+    cloud.iter_mut().for_each(|point| point.weight = params.merging.implicit_weight);
+    cloud
+}
+
+/// The mesh of the coarse pass, which guides the second; empty if `params` does without. `full` are all views.
+///
+/// # Errors
+/// [`crate::Error::NoSurface`] and [`crate::Error::Cancelled`].
+pub fn coarse(
+    full: &[Level],
+    frontier: &[Point],
+    hull: &VisualHull,
+    params: &Params,
+    executor: &impl Executor,
+    progress: &dyn Progress,
+) -> Result<Mesh> {
+    let Some(p) = &params.coarse else { return Ok(Mesh::default()) };
+    let half = executor.map(full.len(), |i| full[i].halved());
+    let detecting = Part { of: progress, stage: Stage::Coarse, part: 0, parts: 2 };
+    let meshing = Part { part: 1, ..detecting };
+    let found = executor.map(half.len(), |i| detect::detect(i, &half, hull, Guide::Hull, &p.detection, &detecting));
+    let mut cloud = frontier.to_vec();
+    for found in found {
+        cloud.extend(found?.0);
+    }
+    let voxel = p.voxel_pixels * hull.footprint();
+    Ok(mesh::mesh(&cloud, hull, voxel, &params.meshing, &meshing)?.mesh)
+}
+
+/// The cleaned points of one view (§4.1 to §4.3) and what was counted. `full` are all views, `coarse` is
+/// [`coarse`]'s result.
+///
+/// # Errors
+/// [`crate::Error::Cancelled`].
+pub fn detect(
+    view: usize,
+    full: &[Level],
+    hull: &VisualHull,
+    coarse: &Mesh,
+    params: &Params,
+    progress: &dyn Progress,
+) -> Result<(PointCloud, Counts)> {
+    let guide = if params.coarse.is_some() { Guide::Surface(coarse) } else { Guide::Hull };
+    detect::detect(view, full, hull, guide, &params.detection, progress)
+}
+
+/// The points of all stages so far as one cloud (§5).
+///
+/// # Errors
+/// [`crate::Error::Cancelled`].
+pub fn merge(
+    stages: &Stages,
+    views: &[View],
+    hull: &VisualHull,
+    params: &Params,
+    counts: &mut Counts,
+    progress: &dyn Progress,
+) -> Result<PointCloud> {
+    let cameras: Vec<Pinhole> = views.iter().map(|v| v.camera).collect();
+    let all = stages.frontier.iter().chain(stages.detected.iter().flatten()).chain(&stages.implicit).copied().collect();
+    let neighbours = params.detection.search.neighbours;
+    merge::merge(all, hull, &cameras, neighbours, &params.merging, counts, progress)
+}
+
+/// The mesh of the merged cloud (§6), without colours.
+///
+/// # Errors
+/// [`crate::Error::NoSurface`] and [`crate::Error::Cancelled`].
+pub fn mesh(merged: &[Point], hull: &VisualHull, params: &Params, progress: &dyn Progress) -> Result<Meshed> {
+    let voxel = params.meshing.voxel_pixels * hull.footprint();
+    mesh::mesh(merged, hull, voxel, &params.meshing, progress)
+}
