@@ -1,0 +1,18 @@
+//! The committed header is what the sources say. `PCMVS_WRITE_HEADER=1 cargo test -p pcmvs-ffi --test header` writes it.
+
+use std::{env, fs, path::Path};
+
+#[test]
+fn header_is_up_to_date() {
+    let package = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let config = cbindgen::Config::from_file(package.join("cbindgen.toml")).unwrap();
+    let bindings = cbindgen::Builder::new().with_crate(package).with_config(config).generate().unwrap();
+    let mut generated = Vec::new();
+    bindings.write(&mut generated);
+    let path = package.join("../include/pcmvs.h");
+    if env::var_os("PCMVS_WRITE_HEADER").is_some() {
+        fs::write(&path, &generated).unwrap();
+    }
+    let committed = fs::read_to_string(&path).unwrap();
+    assert!(committed.as_bytes() == generated, "include/pcmvs.h is not what the sources say: write it again");
+}
