@@ -7,8 +7,8 @@ use std::{
     sync::{Mutex, PoisonError},
 };
 
-/// Bytes of an error's message.
-const MESSAGE: usize = 480;
+/// Bytes of an error's message, with its final zero.
+pub const PCMVS_MESSAGE_SIZE: usize = 480;
 
 /// Why the last call on a handle that failed did so.
 #[repr(C)]
@@ -25,7 +25,7 @@ pub struct pcmvs_error {
     /// Number of the frame as in `pcmvs_options`; -1 for a rig.
     pub frame: i64,
     /// What is wrong and what to do, in English, UTF-8, ended by a zero.
-    pub message: [c_char; MESSAGE],
+    pub message: [c_char; PCMVS_MESSAGE_SIZE],
 }
 
 /// A failure on its way to the caller.
@@ -102,7 +102,8 @@ impl LastFailure {
 
     /// The failure as C sees it.
     pub fn get(&self) -> pcmvs_error {
-        let mut error = pcmvs_error { status: 0, stage: -1, camera: -1, reserved: 0, frame: -1, message: [0; MESSAGE] };
+        let mut error =
+            pcmvs_error { status: 0, stage: -1, camera: -1, reserved: 0, frame: -1, message: [0; PCMVS_MESSAGE_SIZE] };
         if let Some((failure, frame)) = &*self.0.lock().unwrap_or_else(PoisonError::into_inner) {
             error.status = failure.status as u32;
             error.stage = failure.stage.map_or(-1, |s| s as i32);
@@ -110,7 +111,8 @@ impl LastFailure {
             error.frame = frame.map_or(-1, i64::from);
             let place = frame.map_or_else(String::new, |f| format!("frame {f}: "));
             let text = format!("{place}{}", failure.message);
-            let end = (0..MESSAGE.min(text.len() + 1)).rev().find(|&i| text.is_char_boundary(i)).unwrap_or(0);
+            let end =
+                (0..PCMVS_MESSAGE_SIZE.min(text.len() + 1)).rev().find(|&i| text.is_char_boundary(i)).unwrap_or(0);
             for (to, from) in error.message.iter_mut().zip(&text.as_bytes()[..end]) {
                 *to = *from as c_char;
             }

@@ -7,19 +7,33 @@
 #![allow(clippy::missing_safety_doc, reason = "the header states once for all functions what a caller owes them")]
 
 mod boundary;
-pub mod camera;
-pub mod cloud;
-pub mod error;
 mod executor;
-pub mod export;
-pub mod frame;
-pub mod image;
-pub mod mesh;
-pub mod options;
 mod pipeline;
 mod progress;
-pub mod report;
-pub mod rig;
-pub mod status;
+
+// The header has them in this order: that in which a user meets them.
 pub mod version;
+
+pub mod status;
+
+pub mod error;
+
+pub mod camera;
+
+pub mod rig;
+
+pub mod image;
+
 pub mod view;
+
+pub mod options;
+
+pub mod frame;
+
+pub mod mesh;
+
+pub mod cloud;
+
+pub mod export;
+
+pub mod report;

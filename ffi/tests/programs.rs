@@ -1,0 +1,41 @@
+//! Programs in C, built and run as a user would.
+
+mod common;
+
+use common::{C99, Link, Sample, build, output, root};
+use std::{ffi::OsString, fs, sync::atomic::AtomicBool};
+
+#[test]
+fn api_keeps_its_promises() {
+    let source = fs::read_to_string(root().join("tests/c/api.c")).unwrap();
+    let header = fs::read_to_string(root().join("include/pcmvs.h")).unwrap();
+    let functions = header.lines().filter(|line| line.starts_with("pcmvs_status pcmvs_"));
+    for function in functions.filter_map(|line| line.split([' ', '(']).nth(1)) {
+        let null = [format!("NULL_POINTER({function}("), format!("OK({function}(NULL))")];
+        assert!(null.iter().any(|call| source.contains(call)), "{function} is not called with NULL");
+    }
+    let sample = Sample::new();
+    let program = build(sample.path(), C99, "tests/c/api.c", Link::Shared);
+    output(&program, [sample.plain()]);
+}
+
+#[test]
+fn glb_is_the_command_lines() {
+    let sample = Sample::new();
+    let out = sample.path().join("out");
+    let scene = sample.path().join("scene");
+    // The example does not know which way is up.
+    let file = scene.join("scene.json");
+    let text = fs::read_to_string(&file).unwrap();
+    fs::write(&file, text.replace("\"up\"", "\"was_up\"")).unwrap();
+    let arguments = ["pcmvs", "reconstruct"].map(OsString::from).into_iter();
+    let arguments = arguments.chain([scene.into(), "-o".into(), out.clone().into(), "--threads".into(), "1".into()]);
+    assert_eq!(pcmvs_cli::run(arguments, &AtomicBool::new(false)), 0);
+    let expected = fs::read(out.join("frame_0000.glb")).unwrap();
+    for link in [Link::Shared, Link::Static] {
+        let program = build(sample.path(), C99, "examples/c/reconstruct.c", link);
+        let result = sample.path().join("c.glb");
+        output(&program, [sample.plain(), result.clone()]);
+        assert!(fs::read(result).unwrap() == expected, "not the command line's bytes");
+    }
+}
