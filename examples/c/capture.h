@@ -87,9 +87,9 @@ static int capture_read(const char *folder, struct capture *capture) {
         }
         return 0;
     }
-    capture->cameras = calloc(n, sizeof *capture->cameras);
-    capture->pictures = calloc(2 * (size_t)n, sizeof *capture->pictures);
-    capture->views = calloc(n, sizeof *capture->views);
+    capture->cameras = (pcmvs_camera *)calloc(n, sizeof *capture->cameras);
+    capture->pictures = (pcmvs_image *)calloc(2 * (size_t)n, sizeof *capture->pictures);
+    capture->views = (pcmvs_view *)calloc(n, sizeof *capture->views);
     if (capture->cameras == NULL || capture->pictures == NULL || capture->views == NULL) {
         fclose(file);
         return 0;

@@ -2,7 +2,7 @@
 
 mod common;
 
-use common::{C99, Link, Sample, build, output, root};
+use common::{C99, CPP17, Link, Sample, build, output, root, run};
 use std::{ffi::OsString, fs, sync::atomic::AtomicBool};
 
 #[test]
@@ -37,5 +37,30 @@ fn glb_is_the_command_lines() {
         let result = sample.path().join("c.glb");
         output(&program, [sample.plain(), result.clone()]);
         assert!(fs::read(result).unwrap() == expected, "not the command line's bytes");
+    }
+}
+
+#[test]
+fn wrapper_keeps_its_promises() {
+    let sample = Sample::new();
+    let program = build(sample.path(), CPP17, "tests/cpp/wrapper.cpp", Link::Shared);
+    output(&program, [sample.plain()]);
+    // Also where exceptions are not allowed.
+    let mut command = std::process::Command::new("c++");
+    command.args(["-std=c++17", "-fno-exceptions", "-fsyntax-only", "-Wall", "-Wextra", "-Werror", "-x", "c++"]);
+    run(command.arg(root().join("include/pcmvs.hpp")).arg("-Wno-pragma-once-outside-header"));
+}
+
+#[test]
+fn threads_of_the_host_give_the_same_bytes() {
+    let sample = Sample::new();
+    let glb = |name: &str| sample.path().join(name);
+    let whole = build(sample.path(), C99, "examples/c/reconstruct.c", Link::Shared);
+    output(&whole, [sample.plain(), glb("whole.glb")]);
+    let live = build(sample.path(), CPP17, "examples/cpp/live.cpp", Link::Shared);
+    for threads in ["1", "3"] {
+        let arguments = [sample.plain().into(), "2".into(), threads.into(), glb("live.glb").into_os_string()];
+        output(&live, arguments);
+        assert!(fs::read(glb("live.glb")).unwrap() == fs::read(glb("whole.glb")).unwrap(), "{threads} threads");
     }
 }
