@@ -185,7 +185,7 @@ impl Pipeline {
 
     /// §5: all points to one cloud.
     pub fn merge(&mut self, progress: &HostProgress) -> Result<()> {
-        self.require(Stage::Coarse)?;
+        self.require(Stage::Coarse).map_err(|failure| failure.at(pcmvs_stage::Merge))?;
         if self.reached < Some(Stage::Detect) {
             if let Some(camera) = self.detected.iter_mut().position(|slot| slot_of(slot).is_none()) {
                 let problem = format!("camera {camera} has no detected points yet: call pcmvs_frame_detect for it");

@@ -25,7 +25,8 @@ const TOTAL: u32 = 1000;
 pub(crate) struct HostProgress {
     callback: pcmvs_progress_fn,
     user: *mut c_void,
-    caller: ThreadId,
+    /// The thread that called, if pieces of its work may run on others.
+    caller: Option<ThreadId>,
     cancelled: AtomicBool,
     /// Stage and thousandths told last.
     last: Mutex<(u32, u32)>,
@@ -40,10 +41,14 @@ impl HostProgress {
         Self {
             callback: options.progress,
             user: options.progress_user,
-            caller: thread::current().id(),
+            caller: options.parallel.map(|_| thread::current().id()),
             cancelled: AtomicBool::new(false),
             last: Mutex::new((0, 0)),
         }
+    }
+
+    fn on_callers_thread(&self) -> bool {
+        self.caller.is_none_or(|caller| caller == thread::current().id())
     }
 
     /// Says that a stage is done; false cancels.
@@ -57,7 +62,7 @@ impl Progress for HostProgress {
         if self.cancelled.load(Ordering::Relaxed) {
             return false;
         }
-        let Some(callback) = self.callback.filter(|_| thread::current().id() == self.caller) else { return true };
+        let Some(callback) = self.callback.filter(|_| self.on_callers_thread()) else { return true };
         let done = (u64::from(done) * u64::from(TOTAL) / u64::from(total.max(1))).min(u64::from(TOTAL)) as u32;
         let now = {
             let mut last = self.last.lock().unwrap_or_else(PoisonError::into_inner);

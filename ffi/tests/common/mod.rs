@@ -1,15 +1,14 @@
 //! A small capture, and programs in C and C++ built against the library under test.
 #![allow(dead_code, reason = "each test uses its part")]
 
+mod plain;
+
 use std::{
     env,
     ffi::OsStr,
-    fmt::Write as _,
-    fs,
     path::{Path, PathBuf},
     process::{Command, Output},
 };
-use studio::{Capture, Faults, Ring, Subject};
 use tempfile::TempDir;
 
 /// The repository.
@@ -100,27 +99,9 @@ impl Sample {
 
     pub fn sized(views: u32, width: u32, height: u32) -> Self {
         let folder = tempfile::tempdir().unwrap();
-        let distortion = [-0.05, 0.02, 1e-4, -2e-4, 0.0];
-        let cameras = Ring { count: views, distortion, ..Ring::default() }.sized(width, height).cameras();
-        let capture = Capture::still(Subject::Figure, &cameras, &Faults { gain: 0.05, ..Faults::default() });
+        let capture = plain::capture(views, width, height);
         capture.write(&folder.path().join("scene")).unwrap();
-        let plain = folder.path().join("plain");
-        fs::create_dir(&plain).unwrap();
-        let mut text = format!("{}\n", cameras.len());
-        for (i, c) in capture.cameras.iter().enumerate() {
-            let numbers = c.k.iter().flatten().chain(&c.distortion).chain(c.r.iter().flatten()).chain(&c.t);
-            let numbers: Vec<String> = numbers.map(f64::to_string).collect();
-            writeln!(text, "{} {} {}", c.width, c.height, numbers.join(" ")).unwrap();
-            let (image, mask) = (&capture.frames[0].images[i], capture.frames[0].masks[i].as_ref().unwrap());
-            let netpbm = |kind: &str, pixels: &[u8]| {
-                let mut file = format!("{kind} {} {} 255\n", c.width, c.height).into_bytes();
-                file.extend_from_slice(pixels);
-                file
-            };
-            fs::write(plain.join(format!("cam{i:02}.ppm")), netpbm("P6", &image.rgb)).unwrap();
-            fs::write(plain.join(format!("cam{i:02}.pgm")), netpbm("P5", mask)).unwrap();
-        }
-        fs::write(plain.join("cameras.txt"), text).unwrap();
+        plain::write(&capture, &folder.path().join("plain")).unwrap();
         Self { folder }
     }
 
