@@ -205,3 +205,93 @@ pub(crate) unsafe fn init<T: Versioned>(target: *mut T, size: usize, name: &str)
 }
 
 const _: () = assert!(offset_of!(Tagged<u64>, tag) >= 2 * size_of::<usize>());
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A struct as a first version had it, and as a second one has it.
+    #[repr(C)]
+    #[derive(Clone, Copy)]
+    struct First {
+        struct_size: u32,
+        a: u32,
+    }
+
+    #[repr(C)]
+    #[derive(Clone, Copy, Debug, PartialEq)]
+    struct Second {
+        struct_size: u32,
+        a: u32,
+        b: u32,
+    }
+
+    // SAFETY: numbers only, the size first, no padding.
+    unsafe impl Versioned for First {
+        const FIRST_SIZE: usize = 8;
+
+        fn defaults() -> Self {
+            Self { struct_size: 8, a: 1 }
+        }
+    }
+
+    // SAFETY: as above.
+    unsafe impl Versioned for Second {
+        const FIRST_SIZE: usize = 8;
+
+        fn defaults() -> Self {
+            Self { struct_size: 12, a: 1, b: 2 }
+        }
+    }
+
+    #[test]
+    fn structs_of_older_and_newer_versions_are_read() {
+        let old = First { struct_size: 8, a: 7 };
+        // SAFETY: the struct holds as many bytes as it says.
+        let read_old: Second = unsafe { read((&raw const old).cast(), "old") }.unwrap();
+        assert_eq!((read_old.a, read_old.b), (7, 2), "what the caller does not know has its default");
+
+        let mut new = Second { struct_size: 12, a: 7, b: 0 };
+        // SAFETY: as above.
+        let read_new: First = unsafe { read((&raw const new).cast(), "new") }.unwrap();
+        assert_eq!(read_new.a, 7);
+        new.b = 1;
+        // SAFETY: as above.
+        let refused = unsafe { read::<First>((&raw const new).cast(), "new") };
+        assert_eq!(refused.err().map(|f| f.status), Some(InvalidStruct), "what the library does not know must be zero");
+    }
+
+    #[test]
+    fn init_writes_no_more_than_the_caller_has() {
+        let mut old = [First { struct_size: 0, a: 0 }, First { struct_size: 9, a: 9 }];
+        // SAFETY: eight bytes are there.
+        assert_eq!(unsafe { init::<Second>((&raw mut old[0]).cast(), 8, "old") }, pcmvs_status::Ok);
+        assert_eq!((old[0].struct_size, old[0].a, old[1].struct_size, old[1].a), (8, 1, 9, 9));
+
+        let mut new = Second { struct_size: 9, a: 9, b: 9 };
+        // SAFETY: twelve bytes are there.
+        assert_eq!(unsafe { init::<First>((&raw mut new).cast(), 12, "new") }, pcmvs_status::Ok);
+        assert_eq!(new, Second { struct_size: 12, a: 1, b: 0 });
+    }
+
+    struct Opaque7;
+
+    impl Opaque for Opaque7 {
+        type Body = crate::error::LastFailure;
+        const TAG: u64 = 7;
+    }
+
+    #[test]
+    fn a_panic_is_a_failure_that_stays() {
+        let handle = into_handle::<Opaque7>(crate::error::LastFailure::default());
+        // SAFETY: the handle lives.
+        let failure = unsafe { body(handle.cast_const()) }.unwrap();
+        let result = catch(|| std::panic::resume_unwind(Box::new("broken")));
+        assert_eq!(failure.keep(result, None), pcmvs_status::Panic);
+        assert_eq!(failure.keep(Err(Failure::new(NullPointer, "later")), None), NullPointer);
+        assert_eq!(failure.check().map_err(|f| f.status), Err(pcmvs_status::Panic));
+        assert_eq!(failure.get().status, pcmvs_status::Panic as u32);
+        // SAFETY: nothing borrows it any more.
+        assert_eq!(unsafe { free(handle, |_| Ok(())) }, pcmvs_status::Ok);
+    }
+}
