@@ -61,6 +61,14 @@ impl Rig {
         &self.order
     }
 
+    /// Place in [`Self::order`] of a camera given by its index.
+    ///
+    /// # Panics
+    /// If there is no such camera.
+    pub fn place(&self, camera: usize) -> usize {
+        self.order.iter().position(|&i| i as usize == camera).expect("the rig has such a camera")
+    }
+
     /// The cameras without distortion, relative to the origin.
     pub fn pinholes(&self) -> &[Pinhole] {
         &self.pinholes

@@ -109,7 +109,6 @@ impl View {
         });
         let luma = rgb.chunks_exact(3).map(|p| luma([p[0], p[1], p[2]])).collect();
         let silhouette = silhouette.transpose()?;
-        let place = rig.order().iter().position(|&i| i as usize == index);
-        Ok(Self { index: place.unwrap_or(index) as u16, camera: rig.pinholes()[index], rgb, luma, silhouette })
+        Ok(Self { index: rig.place(index) as u16, camera: rig.pinholes()[index], rgb, luma, silhouette })
     }
 }

@@ -1,0 +1,114 @@
+//! What the C ABI costs over the Rust call, and how long a stage lets a host wait for its progress callback:
+//! measure VIEWS WIDTH HEIGHT ROUNDS. Times are the processor's, so that a busy machine does not matter (Linux only).
+#![allow(unsafe_code, reason = "it calls the C ABI as a host would")]
+
+#[path = "../tests/common/plain.rs"]
+#[allow(dead_code, reason = "nothing is written")]
+mod plain;
+
+use pcmvs::{
+    camera::{pcmvs_camera, pcmvs_camera_init},
+    frame::{pcmvs_frame_free, pcmvs_frame_new, pcmvs_frame_reconstruct},
+    image::{pcmvs_image, pcmvs_image_init, pcmvs_pixel_format},
+    options::{pcmvs_options, pcmvs_options_init},
+    rig::{pcmvs_rig_free, pcmvs_rig_new, pcmvs_rig_set_cameras},
+    status::{pcmvs_stage, pcmvs_status},
+    view::{pcmvs_view, pcmvs_view_init},
+};
+use pcmvs_core::{Mask, Params, Preset, Rig, Serial, Silent, Stage, ViewInput, reconstruct};
+use std::{
+    env,
+    ffi::{c_int, c_void},
+    fs,
+    mem::{size_of, zeroed},
+    ptr::{null, null_mut},
+    time::Duration,
+};
+
+/// Longest time without a call, of each stage.
+struct Gaps {
+    last: Duration,
+    longest: [Duration; Stage::ALL.len()],
+}
+
+unsafe extern "C" fn follow(gaps: *mut c_void, stage: pcmvs_stage, _: u32, _: u32) -> c_int {
+    // SAFETY: `measure` hands its own over.
+    let gaps = unsafe { &mut *gaps.cast::<Gaps>() };
+    let longest = &mut gaps.longest[stage as usize];
+    *longest = (*longest).max(now() - gaps.last);
+    gaps.last = now();
+    0
+}
+
+/// Time that this thread has spent on a processor.
+fn now() -> Duration {
+    let text = fs::read_to_string("/proc/thread-self/schedstat").expect("Linux");
+    Duration::from_nanos(text.split(' ').next().and_then(|n| n.parse().ok()).expect("nanoseconds"))
+}
+
+fn ok(status: pcmvs_status) {
+    assert_eq!(status, pcmvs_status::Ok);
+}
+
+fn main() {
+    let numbers: Vec<u32> = env::args().skip(1).map(|a| a.parse().expect("a number")).collect();
+    let &[views, width, height, rounds] = &numbers[..] else { panic!("usage: measure VIEWS WIDTH HEIGHT ROUNDS") };
+    let capture = plain::capture(views, width, height);
+    let frame = &capture.frames[0];
+    let inputs: Vec<ViewInput> = (0..views as usize)
+        .map(|i| ViewInput { image: frame.images[i].as_ref(), mask: frame.mask(i).map_or(Mask::Unknown, Mask::Given) })
+        .collect();
+    let core_rig = Rig::new(&capture.cameras).unwrap();
+    let params = Params::preset(Preset::Default);
+
+    // SAFETY: as a C program would, each struct is initialised by its function, and everything outlives the calls.
+    unsafe {
+        let mut cameras = vec![zeroed::<pcmvs_camera>(); views as usize];
+        for (c, camera) in cameras.iter_mut().zip(&capture.cameras) {
+            ok(pcmvs_camera_init(c, size_of::<pcmvs_camera>()));
+            (c.width, c.height, c.distortion, c.t) = (camera.width, camera.height, camera.distortion, camera.t);
+            c.k.copy_from_slice(camera.k.as_flattened());
+            c.r.copy_from_slice(camera.r.as_flattened());
+        }
+        let mut images = vec![zeroed::<pcmvs_image>(); 2 * views as usize];
+        let mut c_views = vec![zeroed::<pcmvs_view>(); views as usize];
+        for i in 0..views as usize {
+            let mask = frame.masks[i].as_ref().unwrap();
+            let formats = [pcmvs_pixel_format::Rgb8, pcmvs_pixel_format::Gray8];
+            for (k, data) in [frame.images[i].rgb.as_ptr(), mask.as_ptr()].into_iter().enumerate() {
+                let image = &mut images[2 * i + k];
+                ok(pcmvs_image_init(image, size_of::<pcmvs_image>()));
+                (image.width, image.height, image.data, image.format) = (width, height, data.cast(), formats[k] as u32);
+            }
+            ok(pcmvs_view_init(&mut c_views[i], size_of::<pcmvs_view>()));
+            (c_views[i].image, c_views[i].mask) = (&raw const images[2 * i], &raw const images[2 * i + 1]);
+        }
+        let (mut rig, mut handle) = (null_mut(), null_mut());
+        ok(pcmvs_rig_new(&mut rig));
+        ok(pcmvs_rig_set_cameras(rig, cameras.as_ptr(), cameras.len()));
+        ok(pcmvs_frame_new(rig, &mut handle));
+
+        let (mut rust, mut c) = (Duration::MAX, Duration::MAX);
+        let mut gaps = Gaps { last: now(), longest: [Duration::ZERO; Stage::ALL.len()] };
+        let mut options = zeroed::<pcmvs_options>();
+        ok(pcmvs_options_init(&mut options, size_of::<pcmvs_options>()));
+        options.progress = Some(follow);
+        options.progress_user = (&raw mut gaps).cast();
+        for _ in 0..rounds {
+            let start = now();
+            drop(reconstruct(&core_rig, &inputs, &params, &Serial, &Silent).unwrap());
+            rust = rust.min(now() - start);
+            let start = now();
+            ok(pcmvs_frame_reconstruct(handle, c_views.as_ptr(), c_views.len(), null()));
+            c = c.min(now() - start);
+        }
+        gaps.last = now();
+        ok(pcmvs_frame_reconstruct(handle, c_views.as_ptr(), c_views.len(), &options));
+        ok(pcmvs_frame_free(handle));
+        ok(pcmvs_rig_free(rig));
+        println!("Rust {rust:.3?}, C {c:.3?}: {:+.2} %", (c.as_secs_f64() / rust.as_secs_f64() - 1.0) * 100.0);
+        for stage in Stage::ALL {
+            println!("{:8} longest wait for the callback {:.1?}", stage.name(), gaps.longest[stage as usize]);
+        }
+    }
+}

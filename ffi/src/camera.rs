@@ -1,0 +1,65 @@
+//! Calibrated cameras.
+
+use crate::{
+    boundary::{Versioned, init},
+    status::pcmvs_status,
+};
+use pcmvs_core::Camera;
+use std::mem::size_of;
+
+/// A calibrated camera in OpenCV's convention. World to pixel is `x = K * distort(R X + t)`: x right, y down,
+/// z forward; the first pixel's centre is at (0, 0). Matrices are row after row.
+#[repr(C)]
+#[derive(Debug, Clone, Copy)]
+pub struct pcmvs_camera {
+    /// Set by `pcmvs_camera_init`.
+    pub struct_size: u32,
+    /// Pixels in a row of the camera's pictures.
+    pub width: u32,
+    /// Rows of the camera's pictures.
+    pub height: u32,
+    /// Zero.
+    pub reserved: u32,
+    /// Intrinsic matrix by rows; the last row is 0 0 1. Skew is allowed.
+    pub k: [f64; 9],
+    /// OpenCV's k1, k2, p1, p2, k3.
+    pub distortion: [f64; 5],
+    /// Rotation by rows, world to camera.
+    pub r: [f64; 9],
+    /// Translation, world to camera, in the scene's unit.
+    pub t: [f64; 3],
+}
+
+// SAFETY: numbers only, the size first, no padding.
+unsafe impl Versioned for pcmvs_camera {
+    const FIRST_SIZE: usize = 224;
+
+    fn defaults() -> Self {
+        let identity = [1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0];
+        Self {
+            struct_size: size_of::<Self>() as u32,
+            width: 0,
+            height: 0,
+            reserved: 0,
+            k: identity,
+            distortion: [0.0; 5],
+            r: identity,
+            t: [0.0; 3],
+        }
+    }
+}
+
+impl pcmvs_camera {
+    pub(crate) fn to_core(self) -> Camera {
+        let rows = |m: [f64; 9]| [0, 1, 2].map(|r| [m[3 * r], m[3 * r + 1], m[3 * r + 2]]);
+        let Self { width, height, k, distortion, r, t, .. } = self;
+        Camera { width, height, k: rows(k), distortion, r: rows(r), t }
+    }
+}
+
+/// Sets a camera to identity matrices without distortion. `size` is `sizeof *camera`.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn pcmvs_camera_init(camera: *mut pcmvs_camera, size: usize) -> pcmvs_status {
+    // SAFETY: the caller's promise.
+    unsafe { init(camera, size, "camera") }
+}

@@ -1,0 +1,93 @@
+//! The host's threads behind the core's trait.
+
+use pcmvs_core::Executor;
+use std::{
+    any::Any,
+    ffi::c_void,
+    panic::{AssertUnwindSafe, catch_unwind, resume_unwind},
+    sync::{Mutex, PoisonError},
+};
+
+/// A piece of work that the library hands out: call it with `job` and an index.
+pub type pcmvs_job_fn = Option<unsafe extern "C" fn(job: *mut c_void, index: u32)>;
+
+/// Runs pieces of work on the host's threads: calls `run(job, i)` once for every `i` below `count`, on any thread and in
+/// any order, and returns when all these calls have returned. Pieces left out are then run on the calling thread. The
+/// result does not depend on threads. It must not throw.
+pub type pcmvs_parallel_fn =
+    Option<unsafe extern "C" fn(user: *mut c_void, count: u32, run: pcmvs_job_fn, job: *mut c_void)>;
+
+/// Runs the core's pieces on the host's threads if it lends any.
+#[derive(Clone, Copy)]
+pub(crate) struct HostThreads {
+    pub parallel: pcmvs_parallel_fn,
+    pub user: *mut c_void,
+}
+
+// SAFETY: the core calls `map` on the thread that called it only; `user` is the host's.
+unsafe impl Sync for HostThreads {}
+
+/// Work of one `map`, shared with the host's threads.
+struct Batch<'a, T, F> {
+    job: &'a F,
+    results: Vec<Mutex<Slot<T>>>,
+}
+
+/// What has become of a piece.
+enum Slot<T> {
+    Waiting,
+    Running,
+    Done(T),
+    Panicked(Box<dyn Any + Send>),
+}
+
+impl<T: Send, F: Fn(usize) -> T + Sync> Batch<'_, T, F> {
+    fn run(&self, index: usize) {
+        let Some(slot) = self.results.get(index) else { return };
+        {
+            let mut slot = slot.lock().unwrap_or_else(PoisonError::into_inner);
+            if !matches!(*slot, Slot::Waiting) {
+                return;
+            }
+            *slot = Slot::Running;
+        }
+        let result = catch_unwind(AssertUnwindSafe(|| (self.job)(index)));
+        *slot.lock().unwrap_or_else(PoisonError::into_inner) = result.map_or_else(Slot::Panicked, Slot::Done);
+    }
+
+    /// # Safety
+    /// `batch` points to a batch that lives through the call.
+    unsafe extern "C" fn piece(batch: *mut c_void, index: u32) {
+        // SAFETY: the caller's promise; a batch may be shared between threads.
+        unsafe { &*batch.cast::<Self>() }.run(index as usize);
+    }
+}
+
+impl Executor for HostThreads {
+    fn map<T: Send>(&self, count: usize, job: impl Fn(usize) -> T + Sync) -> Vec<T> {
+        let Some(parallel) = self.parallel else { return (0..count).map(job).collect() };
+        let batch = Batch { job: &job, results: (0..count).map(|_| Mutex::new(Slot::Waiting)).collect() };
+        self.hand_out(parallel, &batch);
+        (0..count).for_each(|i| batch.run(i));
+        let results = batch.results.into_iter().map(|slot| slot.into_inner().unwrap_or_else(PoisonError::into_inner));
+        results
+            .map(|slot| match slot {
+                Slot::Done(result) => result,
+                Slot::Panicked(panic) => resume_unwind(panic),
+                Slot::Waiting | Slot::Running => panic!("the parallel callback returned before its pieces did"),
+            })
+            .collect()
+    }
+}
+
+impl HostThreads {
+    fn hand_out<T: Send, F: Fn(usize) -> T + Sync>(
+        &self,
+        parallel: unsafe extern "C" fn(*mut c_void, u32, pcmvs_job_fn, *mut c_void),
+        batch: &Batch<T, F>,
+    ) {
+        let job = (&raw const *batch).cast_mut().cast();
+        // SAFETY: the batch lives until the host returns, as it promises.
+        unsafe { parallel(self.user, batch.results.len() as u32, Some(Batch::<T, F>::piece), job) };
+    }
+}

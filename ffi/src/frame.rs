@@ -1,0 +1,271 @@
+//! The handle of a frame, and its stages.
+
+use crate::{
+    boundary::{Opaque, Result, Versioned, body, catch, free, into_handle, out, read, read_array, status, write},
+    error::{Failure, LastFailure, pcmvs_error},
+    options::pcmvs_options,
+    pipeline::Pipeline,
+    progress::HostProgress,
+    rig::pcmvs_rig,
+    status::{
+        pcmvs_stage,
+        pcmvs_status::{self, Busy, InvalidArgument},
+    },
+    view::{GivenView, pcmvs_view},
+};
+use pcmvs_core::Rig;
+use std::sync::{
+    Arc, RwLock, RwLockReadGuard,
+    atomic::{AtomicU32, Ordering},
+};
+
+/// One frame on its way from pictures to a mesh, and its results. Used again for frame after frame.
+pub struct pcmvs_frame {
+    _private: (),
+}
+
+/// A frame and its last failure.
+pub(crate) struct FrameBody {
+    rig: Arc<Rig>,
+    number: AtomicU32,
+    work: RwLock<Work>,
+    failure: LastFailure,
+}
+
+/// What the handle's lock protects.
+pub(crate) struct Work {
+    options: pcmvs_options,
+    pub pipeline: Pipeline,
+}
+
+// SAFETY: the raw pointers in `options` are the host's: it lets them be used on every thread on which it calls.
+unsafe impl Send for Work {}
+// SAFETY: as above.
+unsafe impl Sync for Work {}
+
+impl Opaque for pcmvs_frame {
+    type Body = FrameBody;
+    const TAG: u64 = u64::from_be_bytes(*b"pcmvsfrm");
+}
+
+const BUSY: &str = "the frame is in use by another call: wait until that has returned";
+
+impl FrameBody {
+    /// What is there, for reading, together with other readers and stages of single views.
+    pub fn shared(&self) -> Result<RwLockReadGuard<'_, Work>> {
+        self.failure.check()?;
+        self.work.try_read().map_err(|_| Failure::new(Busy, BUSY))
+    }
+
+    fn alone<T>(&self, work: impl FnOnce(&mut Work) -> Result<T>) -> Result<T> {
+        self.failure.check()?;
+        let mut guard = self.work.try_write().map_err(|_| Failure::new(Busy, BUSY))?;
+        catch(|| work(&mut guard))
+    }
+
+    fn keep(&self, result: Result<()>) -> pcmvs_status {
+        self.failure.keep(result, Some(self.number.load(Ordering::Relaxed)))
+    }
+}
+
+/// Runs a stage that needs the frame for itself.
+///
+/// # Safety
+/// As for [`body`].
+unsafe fn alone(frame: *mut pcmvs_frame, work: impl FnOnce(&mut Work, &HostProgress) -> Result<()>) -> pcmvs_status {
+    // SAFETY: the caller's promise.
+    match unsafe { body(frame.cast_const()) } {
+        Ok(frame) => frame.keep(frame.alone(|w| {
+            let progress = HostProgress::new(&w.options);
+            work(w, &progress)
+        })),
+        Err(failure) => failure.status,
+    }
+}
+
+/// Runs a stage of one view, together with those of other views.
+///
+/// # Safety
+/// As for [`body`].
+unsafe fn shared(frame: *mut pcmvs_frame, work: impl FnOnce(&Pipeline, &HostProgress) -> Result<()>) -> pcmvs_status {
+    // SAFETY: the caller's promise.
+    match unsafe { body(frame.cast_const()) } {
+        Ok(frame) => {
+            frame.keep(frame.shared().and_then(|w| catch(|| work(&w.pipeline, &HostProgress::new(&w.options)))))
+        }
+        Err(failure) => failure.status,
+    }
+}
+
+/// # Safety
+/// As for [`read`].
+unsafe fn begin(frame: &FrameBody, work: &mut Work, options: *const pcmvs_options) -> Result<()> {
+    let given = if options.is_null() {
+        pcmvs_options::defaults()
+    } else {
+        // SAFETY: the caller's promise.
+        unsafe { read(options, "options")? }
+    };
+    let params = given.params()?;
+    frame.number.store(given.frame, Ordering::Relaxed);
+    *work = Work { options: given, pipeline: Pipeline::new(Arc::clone(&frame.rig), params) };
+    Ok(())
+}
+
+/// Makes a frame of a rig that has its cameras. Free it with `pcmvs_frame_free`.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn pcmvs_frame_new(rig: *const pcmvs_rig, frame: *mut *mut pcmvs_frame) -> pcmvs_status {
+    status(catch(|| {
+        // SAFETY: the caller's promise.
+        let rig = unsafe { body(rig)? };
+        let frame = out(frame, "frame")?;
+        let rig = rig.get()?;
+        let options = pcmvs_options::defaults();
+        let work = Work { options, pipeline: Pipeline::new(Arc::clone(&rig), options.params()?) };
+        let made =
+            FrameBody { rig, number: AtomicU32::new(0), work: RwLock::new(work), failure: LastFailure::default() };
+        // SAFETY: the caller's promise.
+        unsafe { frame.write(into_handle(made)) };
+        Ok(())
+    }))
+}
+
+/// Frees a frame and all that points into it. NULL does nothing. Fails with `PCMVS_STATUS_BUSY` while a call is running.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn pcmvs_frame_free(frame: *mut pcmvs_frame) -> pcmvs_status {
+    let idle = |frame: &FrameBody| match frame.work.try_write() {
+        Err(std::sync::TryLockError::WouldBlock) => Err(Failure::new(Busy, BUSY)),
+        _ => Ok(()),
+    };
+    // SAFETY: the caller's promise.
+    unsafe { free(frame, idle) }
+}
+
+/// The whole job in one call: begins a frame and runs all its stages. `views` holds `count` views, one a camera, in the
+/// rig's order. `options` may be NULL. On failure no result is there, and the handle can be used again.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn pcmvs_frame_reconstruct(
+    frame: *mut pcmvs_frame,
+    views: *const pcmvs_view,
+    count: usize,
+    options: *const pcmvs_options,
+) -> pcmvs_status {
+    // SAFETY: the caller's promise.
+    let frame: &FrameBody = match unsafe { body(frame.cast_const()) } {
+        Ok(frame) => frame,
+        Err(failure) => return failure.status,
+    };
+    let result = frame.alone(|work| {
+        // SAFETY: the caller's promise.
+        unsafe { begin(frame, work, options)? };
+        if count != work.pipeline.cameras() {
+            let problem = format!("{count} views were given for {} cameras: give one each", work.pipeline.cameras());
+            return Err(Failure::new(InvalidArgument, problem));
+        }
+        let at = |failure: Failure| failure.at(pcmvs_stage::Views);
+        // SAFETY: the caller's promise.
+        let views = unsafe { read_array(views, count, "views") }.map_err(at)?;
+        // SAFETY: the caller's promise.
+        let given = |(i, view)| unsafe { GivenView::new(view) }.map_err(|f| at(f.of_camera(i as u32)));
+        let given = views.iter().enumerate().map(given).collect::<Result<Vec<_>>>()?;
+        let inputs: Vec<_> = given.iter().map(GivenView::input).collect();
+        let made = work.pipeline.run(&inputs, &work.options.threads(), &HostProgress::new(&work.options));
+        if made.is_err() {
+            // Nothing is kept of a frame that fails.
+            let params = work.options.params()?;
+            work.pipeline = Pipeline::new(Arc::clone(&frame.rig), params);
+        }
+        made
+    });
+    frame.keep(result)
+}
+
+/// Begins a frame to be made stage by stage, and drops the one before. `options` may be NULL.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn pcmvs_frame_begin(frame: *mut pcmvs_frame, options: *const pcmvs_options) -> pcmvs_status {
+    // SAFETY: the caller's promise.
+    match unsafe { body(frame.cast_const()) } {
+        // SAFETY: the caller's promise.
+        Ok(frame) => frame.keep(frame.alone(|work| unsafe { begin(frame, work, options) })),
+        Err(failure) => failure.status,
+    }
+}
+
+/// Reads a camera's picture and silhouette. Any number of threads may do this for views of their own.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn pcmvs_frame_view(
+    frame: *mut pcmvs_frame,
+    camera: u32,
+    view: *const pcmvs_view,
+) -> pcmvs_status {
+    // SAFETY: the caller's promise.
+    unsafe {
+        shared(frame, |pipeline, progress| {
+            let at = |failure: Failure| failure.of_camera(camera).at(pcmvs_stage::Views);
+            let given = read(view, "view").and_then(|view| GivenView::new(&view)).map_err(at)?;
+            pipeline.view(camera as usize, &given.input(), progress)
+        })
+    }
+}
+
+/// Carves the visual hull, once every camera has its view.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn pcmvs_frame_hull(frame: *mut pcmvs_frame) -> pcmvs_status {
+    // SAFETY: the caller's promise.
+    unsafe { alone(frame, |work, progress| work.pipeline.hull(progress)) }
+}
+
+/// Finds the points that the silhouettes alone give.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn pcmvs_frame_contours(frame: *mut pcmvs_frame) -> pcmvs_status {
+    // SAFETY: the caller's promise.
+    unsafe { alone(frame, |work, progress| work.pipeline.contours(&work.options.threads(), progress)) }
+}
+
+/// Detects and meshes at half the resolution.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn pcmvs_frame_coarse(frame: *mut pcmvs_frame) -> pcmvs_status {
+    // SAFETY: the caller's promise.
+    unsafe { alone(frame, |work, progress| work.pipeline.coarse(&work.options.threads(), progress)) }
+}
+
+/// Detects the points of one view by stereo with its neighbours. Any number of threads may do this for views of their
+/// own; the result does not depend on threads or order.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn pcmvs_frame_detect(frame: *mut pcmvs_frame, camera: u32) -> pcmvs_status {
+    // SAFETY: the caller's promise.
+    unsafe { shared(frame, |pipeline, progress| pipeline.detect(camera as usize, progress)) }
+}
+
+/// Merges all points to one cloud, once every view has been detected.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn pcmvs_frame_merge(frame: *mut pcmvs_frame) -> pcmvs_status {
+    // SAFETY: the caller's promise.
+    unsafe { alone(frame, |work, progress| work.pipeline.merge(progress)) }
+}
+
+/// Makes a closed mesh of the merged cloud.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn pcmvs_frame_mesh(frame: *mut pcmvs_frame) -> pcmvs_status {
+    // SAFETY: the caller's promise.
+    unsafe { alone(frame, |work, progress| work.pipeline.mesh(progress)) }
+}
+
+/// Colours the mesh.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn pcmvs_frame_colour(frame: *mut pcmvs_frame) -> pcmvs_status {
+    // SAFETY: the caller's promise.
+    unsafe { alone(frame, |work, progress| work.pipeline.colour(progress)) }
+}
+
+/// Why the last failed call on this frame failed; calls that only read results keep no detail. `size` is
+/// `sizeof *error`.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn pcmvs_frame_error(
+    frame: *const pcmvs_frame,
+    error: *mut pcmvs_error,
+    size: usize,
+) -> pcmvs_status {
+    // SAFETY: the caller's promise.
+    status(catch(|| unsafe { write(error, size, 8, &body(frame)?.failure.get(), "error") }))
+}

@@ -1,0 +1,176 @@
+//! Pictures by pointer.
+
+use crate::{
+    boundary::{Result, Versioned, init},
+    error::Failure,
+    status::pcmvs_status::{self, Image, InvalidArgument, NullPointer},
+};
+use pcmvs_core::{ImageRef, PixelFormat};
+use std::{ffi::c_void, mem::size_of, ptr::null, slice::from_raw_parts};
+
+/// Layout of a picture's bytes. Numbers never change.
+#[repr(u32)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum pcmvs_pixel_format {
+    /// One byte a pixel.
+    Gray8 = 0,
+    /// Red, green, blue.
+    Rgb8 = 1,
+    /// Blue, green, red.
+    Bgr8 = 2,
+    /// Red, green, blue, ignored.
+    Rgba8 = 3,
+    /// Blue, green, red, ignored.
+    Bgra8 = 4,
+    /// A plane of luma, then a half-size plane of interleaved Cb, Cr (BT.601, video range).
+    Nv12 = 5,
+    /// Two bytes a pixel, in the machine's order; 65535 is white.
+    Gray16 = 6,
+}
+
+/// A picture in the caller's memory. Read during the call only, never written.
+#[repr(C)]
+#[derive(Debug, Clone, Copy)]
+pub struct pcmvs_image {
+    /// Set by `pcmvs_image_init`.
+    pub struct_size: u32,
+    /// A `pcmvs_pixel_format`.
+    pub format: u32,
+    /// Pixels in a row.
+    pub width: u32,
+    /// Rows.
+    pub height: u32,
+    /// First byte of the topmost row.
+    pub data: *const c_void,
+    /// Bytes from a row to the one below it; negative if rows lie in memory from the bottom up. 0: no padding.
+    pub stride: isize,
+    /// NV12 only: first byte of the topmost row of the plane of Cb, Cr.
+    pub chroma: *const c_void,
+    /// NV12 only: bytes from a row of that plane to the one below it. 0: no padding.
+    pub chroma_stride: isize,
+}
+
+// SAFETY: numbers and raw pointers, the size first, no padding.
+unsafe impl Versioned for pcmvs_image {
+    const FIRST_SIZE: usize = 16 + 4 * size_of::<usize>();
+
+    fn defaults() -> Self {
+        Self {
+            struct_size: size_of::<Self>() as u32,
+            format: pcmvs_pixel_format::Rgb8 as u32,
+            width: 0,
+            height: 0,
+            data: null(),
+            stride: 0,
+            chroma: null(),
+            chroma_stride: 0,
+        }
+    }
+}
+
+/// Sets a picture to RGB without padding, its size and data to nothing. `size` is `sizeof *image`.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn pcmvs_image_init(image: *mut pcmvs_image, size: usize) -> pcmvs_status {
+    // SAFETY: the caller's promise.
+    unsafe { init(image, size, "image") }
+}
+
+/// Rows of bytes: the caller's where they run downwards, else a copy in that order.
+struct Plane<'a> {
+    borrowed: &'a [u8],
+    copied: Option<Vec<u8>>,
+    stride: usize,
+}
+
+impl Plane<'_> {
+    /// # Safety
+    /// `data` is NULL or points to the topmost of `rows` rows of `row` bytes that lie `stride` apart.
+    unsafe fn new(data: *const c_void, rows: usize, row: usize, stride: isize, name: &str) -> Result<Self> {
+        if data.is_null() {
+            return Err(Failure::new(NullPointer, format!("`{name}` is NULL")));
+        }
+        let stride = if stride == 0 { row as isize } else { stride };
+        let apart = stride.unsigned_abs();
+        if apart < row {
+            return Err(Failure::new(Image, format!("a stride of {stride} bytes is less than a row of {row}")));
+        }
+        let bytes =
+            apart.checked_mul(rows - 1).and_then(|b| b.checked_add(row)).filter(|&b| isize::try_from(b).is_ok());
+        let bytes = bytes.ok_or_else(|| Failure::new(Image, format!("{rows} rows of {row} bytes are too large")))?;
+        let data: *const u8 = data.cast();
+        // SAFETY: the caller's promise, and the sizes do not overflow.
+        Ok(unsafe {
+            if stride > 0 {
+                Self { borrowed: from_raw_parts(data, bytes), copied: None, stride: apart }
+            } else {
+                let rows = (0..rows).flat_map(|y| from_raw_parts(data.offset(stride * y as isize), row));
+                Self { borrowed: &[], copied: Some(rows.copied().collect()), stride: row }
+            }
+        })
+    }
+
+    fn bytes(&self) -> &[u8] {
+        self.copied.as_deref().unwrap_or(self.borrowed)
+    }
+}
+
+/// A picture that the core can borrow.
+pub(crate) struct Pixels<'a> {
+    width: u32,
+    height: u32,
+    format: PixelFormat,
+    plane: Plane<'a>,
+    chroma: Option<Plane<'a>>,
+}
+
+impl Pixels<'_> {
+    /// # Safety
+    /// The description is true.
+    pub unsafe fn new(image: &pcmvs_image, name: &str) -> Result<Self> {
+        const FORMATS: [(PixelFormat, usize); 7] = [
+            (PixelFormat::Gray8, 1),
+            (PixelFormat::Rgb8, 3),
+            (PixelFormat::Bgr8, 3),
+            (PixelFormat::Rgba8, 4),
+            (PixelFormat::Bgra8, 4),
+            (PixelFormat::Nv12, 1),
+            (PixelFormat::Gray8, 2),
+        ];
+        let (width, height) = (image.width as usize, image.height as usize);
+        let Some(&(format, pixel)) = FORMATS.get(image.format as usize) else {
+            return Err(Failure::new(InvalidArgument, format!("`{name}`: pixel format {} is not known", image.format)));
+        };
+        if width == 0 || height == 0 {
+            return Err(Failure::new(Image, format!("`{name}` is {width} x {height} pixels: it is empty")));
+        }
+        // SAFETY: the caller's promise.
+        let mut plane =
+            unsafe { Plane::new(image.data, height, width * pixel, image.stride, &format!("{name}.data"))? };
+        if image.format == pcmvs_pixel_format::Gray16 as u32 {
+            let rows = plane.bytes().chunks(plane.stride).map(|row| &row[..2 * width]);
+            let eight = |p: &[u8]| ((u32::from(u16::from_ne_bytes([p[0], p[1]])) * 255 + 32767) / 65535) as u8;
+            let copied = rows.flat_map(|row| row.chunks_exact(2).map(eight)).collect();
+            plane = Plane { borrowed: &[], copied: Some(copied), stride: width };
+        }
+        let chroma = if format == PixelFormat::Nv12 {
+            let (rows, row) = (height.div_ceil(2), width.div_ceil(2) * 2);
+            // SAFETY: the caller's promise.
+            Some(unsafe { Plane::new(image.chroma, rows, row, image.chroma_stride, &format!("{name}.chroma"))? })
+        } else {
+            None
+        };
+        Ok(Self { width: image.width, height: image.height, format, plane, chroma })
+    }
+
+    /// As the core takes it.
+    pub fn view(&self) -> ImageRef<'_> {
+        ImageRef {
+            data: self.plane.bytes(),
+            width: self.width,
+            height: self.height,
+            stride: self.plane.stride,
+            format: self.format,
+            chroma: self.chroma.as_ref().map(|plane| (plane.bytes(), plane.stride)),
+        }
+    }
+}

@@ -1,0 +1,340 @@
+//! A frame's way through the stages, in safe Rust: what is there, what may run next, what a failure leaves.
+//!
+//! Stages of single views ([`Pipeline::view`], [`Pipeline::detect`]) borrow the pipeline shared, so that a host may run
+//! them on several threads; all others borrow it alone.
+
+use crate::{
+    boundary::Result,
+    error::Failure,
+    executor::HostThreads,
+    progress::HostProgress,
+    status::{
+        pcmvs_stage,
+        pcmvs_status::{Cancelled, InvalidArgument, WrongOrder},
+    },
+};
+use pcmvs_core::{
+    Counts, Executor, Mesh, Params, PointCloud, Progress, Rig, Stage, Stages, View, ViewInput, colour, detect::Level,
+    hull::VisualHull, params::Method, stages,
+};
+use self_cell::self_cell;
+use std::{
+    sync::{Arc, Mutex, PoisonError},
+    time::Instant,
+};
+
+self_cell!(
+    /// The hull and the views that it looks up.
+    struct Carved {
+        owner: Vec<View>,
+        #[covariant]
+        dependent: VisualHull,
+    }
+);
+
+/// A frame, as far as it has been made.
+pub(crate) struct Pipeline {
+    pub rig: Arc<Rig>,
+    params: Params,
+    /// The last stage that is complete; detection counts as complete when merging has asked for it.
+    reached: Option<Stage>,
+    /// Views until the hull takes them.
+    views: Vec<Mutex<Option<View>>>,
+    carved: Option<Carved>,
+    levels: Vec<Level>,
+    detected: Vec<Mutex<Option<(PointCloud, Counts)>>>,
+    stages: Stages,
+    mesh: Mesh,
+    counts: Counts,
+    hashes: [u64; Stage::ALL.len()],
+    seconds: Mutex<[f64; Stage::ALL.len()]>,
+}
+
+impl Pipeline {
+    /// A frame of which nothing is there yet.
+    pub fn new(rig: Arc<Rig>, params: Params) -> Self {
+        let slots = rig.cameras().len();
+        Self {
+            rig,
+            params,
+            reached: None,
+            views: (0..slots).map(|_| Mutex::new(None)).collect(),
+            carved: None,
+            levels: Vec::new(),
+            detected: (0..slots).map(|_| Mutex::new(None)).collect(),
+            stages: Stages::default(),
+            mesh: Mesh::default(),
+            counts: Counts::default(),
+            hashes: [0; Stage::ALL.len()],
+            seconds: Mutex::default(),
+        }
+    }
+
+    /// Number of cameras.
+    pub fn cameras(&self) -> usize {
+        self.views.len()
+    }
+
+    /// Fails unless `stage` is complete.
+    pub fn require(&self, stage: Stage) -> Result<()> {
+        if self.reached >= Some(stage) {
+            return Ok(());
+        }
+        Err(Failure::new(WrongOrder, format!("this needs the stage `{}`, which has not run yet", stage.name())))
+    }
+
+    /// Reads a camera's picture and silhouette.
+    pub fn view(&self, camera: usize, input: &ViewInput, progress: &HostProgress) -> Result<()> {
+        self.timed(Stage::Views, || {
+            let slot = self.views.get(camera).ok_or_else(|| no_camera(camera, self.cameras()))?;
+            if self.reached.is_some() {
+                return Err(Failure::new(WrongOrder, "the hull has been made of all views: begin a new frame"));
+            }
+            step(progress, Stage::Views, camera, self.cameras())?;
+            let view = View::new(&self.rig, camera, input)?;
+            *slot.lock().unwrap_or_else(PoisonError::into_inner) = Some(view);
+            Ok(())
+        })
+    }
+
+    /// §0: carves the hull.
+    pub fn hull(&mut self, progress: &HostProgress) -> Result<()> {
+        self.alone(Stage::Hull, |this| {
+            let missing = this.views.iter_mut().position(|slot| slot_of(slot).is_none());
+            if this.carved.is_none()
+                && let Some(camera) = missing
+            {
+                let problem = format!("camera {camera} has no view yet: give every camera one");
+                return Err(Failure::new(WrongOrder, problem).of_camera(camera as u32));
+            }
+            let views = match this.carved.take() {
+                Some(carved) => carved.into_owner(),
+                None => {
+                    let order = this.rig.order().iter();
+                    order.filter_map(|&camera| slot_of(&mut this.views[camera as usize]).take()).collect()
+                }
+            };
+            match Carved::try_new_or_recover(views, |views| VisualHull::new(views, &this.params.hull, progress)) {
+                Ok(carved) => {
+                    (this.stages.hull, this.counts.components_dropped) =
+                        stages::hull_mesh(carved.borrow_dependent(), &this.params);
+                    this.carved = Some(carved);
+                    Ok(())
+                }
+                Err((views, error)) => {
+                    // As before the call, so that it can be made again.
+                    for (&camera, view) in this.rig.order().iter().zip(views) {
+                        *slot_of(&mut this.views[camera as usize]) = Some(view);
+                    }
+                    this.reached = None;
+                    Err(error.into())
+                }
+            }
+        })
+    }
+
+    /// §4.4: frontier and implicit points.
+    pub fn contours(&mut self, threads: &HostThreads, progress: &HostProgress) -> Result<()> {
+        self.alone(Stage::Contours, |this| {
+            if this.params.method == Method::Hull {
+                return Ok(());
+            }
+            let carved = carved(&this.carved)?;
+            let (views, hull) = (carved.borrow_owner(), carved.borrow_dependent());
+            this.levels = stages::levels(views, &this.params, threads);
+            let found = threads.map(views.len(), |i| {
+                step(progress, Stage::Contours, i, views.len())?;
+                Ok(stages::frontier(&views[i], hull, &this.params))
+            });
+            this.stages.frontier = found.into_iter().collect::<Result<Vec<_>>>()?.concat();
+            this.stages.implicit = stages::implicit(&this.stages.hull, views, &this.params);
+            this.counts.frontier = this.stages.frontier.len() as u32;
+            this.counts.implicit = this.stages.implicit.len() as u32;
+            Ok(())
+        })
+    }
+
+    /// §4.1 to §6 at half the resolution.
+    pub fn coarse(&mut self, threads: &HostThreads, progress: &HostProgress) -> Result<()> {
+        self.alone(Stage::Coarse, |this| {
+            if this.params.method != Method::Hull {
+                let carved = carved(&this.carved)?;
+                let (views, hull) = (carved.borrow_owner(), carved.borrow_dependent());
+                let Stages { hull: hull_mesh, frontier, .. } = &this.stages;
+                let coarse = stages::coarse(views, hull_mesh, frontier, hull, &this.params, threads, progress)?;
+                this.stages.coarse = coarse;
+            }
+            this.detected.iter_mut().for_each(|slot| *slot_of(slot) = None);
+            Ok(())
+        })
+    }
+
+    /// §4.1 to §4.3: the points of one view.
+    pub fn detect(&self, camera: usize, progress: &HostProgress) -> Result<()> {
+        self.timed(Stage::Detect, || {
+            let slot = self.detected.get(camera).ok_or_else(|| no_camera(camera, self.cameras()))?;
+            self.require(Stage::Coarse)?;
+            if self.reached > Some(Stage::Coarse) {
+                return Err(Failure::new(WrongOrder, "the points of all views have been merged already"));
+            }
+            let found = if self.params.method == Method::Hull {
+                (PointCloud::new(), Counts::default())
+            } else {
+                let hull = carved(&self.carved)?.borrow_dependent();
+                let Stages { hull: hull_mesh, coarse, .. } = &self.stages;
+                let place = self.rig.place(camera);
+                stages::detect(place, &self.levels, hull, hull_mesh, coarse, &self.params, progress)?
+            };
+            *slot.lock().unwrap_or_else(PoisonError::into_inner) = Some(found);
+            Ok(())
+        })
+    }
+
+    /// §5: all points to one cloud.
+    pub fn merge(&mut self, progress: &HostProgress) -> Result<()> {
+        self.require(Stage::Coarse).map_err(|failure| failure.at(pcmvs_stage::Merge))?;
+        if self.reached < Some(Stage::Detect) {
+            if let Some(camera) = self.detected.iter_mut().position(|slot| slot_of(slot).is_none()) {
+                let problem = format!("camera {camera} has no detected points yet: call pcmvs_frame_detect for it");
+                return Err(Failure::new(WrongOrder, problem).of_camera(camera as u32).at(pcmvs_stage::Merge));
+            }
+            self.stages.detected.clear();
+            for &camera in self.rig.order() {
+                let (cloud, found) = slot_of(&mut self.detected[camera as usize]).take().unwrap_or_default();
+                self.stages.detected.push(cloud);
+                self.counts.add_detection(&found);
+            }
+            self.reached = Some(Stage::Detect);
+        }
+        self.alone(Stage::Merge, |this| {
+            if this.params.method == Method::Hull {
+                return Ok(());
+            }
+            let carved = carved(&this.carved)?;
+            let (views, hull) = (carved.borrow_owner(), carved.borrow_dependent());
+            let mut counts = this.counts;
+            this.stages.merged = stages::merge(&this.stages, views, hull, &this.params, &mut counts, progress)?;
+            this.counts = counts;
+            Ok(())
+        })
+    }
+
+    /// §6: the cloud to a mesh.
+    pub fn mesh(&mut self, progress: &HostProgress) -> Result<()> {
+        self.alone(Stage::Mesh, |this| {
+            this.mesh = if this.params.method == Method::Hull {
+                this.stages.hull.clone()
+            } else {
+                let hull = carved(&this.carved)?.borrow_dependent();
+                let meshed = stages::mesh(&this.stages.merged, hull, &this.params, progress)?;
+                this.counts.components_dropped = meshed.components_dropped;
+                meshed.mesh
+            };
+            Ok(())
+        })
+    }
+
+    /// §7: the mesh's colours.
+    pub fn colour(&mut self, progress: &HostProgress) -> Result<()> {
+        self.alone(Stage::Colour, |this| {
+            let views = carved(&this.carved)?.borrow_owner();
+            let coloured = colour::colour(&mut this.mesh, views, &this.params.colour, progress);
+            let coloured = coloured.map_err(Failure::from).and_then(|()| {
+                if progress.finish(Stage::Colour) { Ok(()) } else { Err(Failure::new(Cancelled, "cancelled")) }
+            });
+            if coloured.is_err() {
+                this.mesh.colours.clear();
+                return coloured;
+            }
+            (this.counts.vertices, this.counts.faces) =
+                (this.mesh.positions.len() as u32, this.mesh.triangles.len() as u32);
+            this.hashes = this.stages.hashes(views, &this.mesh);
+            Ok(())
+        })
+    }
+
+    /// All stages.
+    pub fn run(&mut self, inputs: &[ViewInput], threads: &HostThreads, progress: &HostProgress) -> Result<()> {
+        let this = &*self;
+        let read = threads.map(inputs.len(), |camera| this.view(camera, &inputs[camera], progress));
+        read.into_iter().collect::<Result<()>>()?;
+        self.hull(progress)?;
+        self.contours(threads, progress)?;
+        self.coarse(threads, progress)?;
+        let this = &*self;
+        let found = threads.map(self.cameras(), |camera| this.detect(camera, progress));
+        found.into_iter().collect::<Result<()>>()?;
+        self.merge(progress)?;
+        self.mesh(progress)?;
+        self.colour(progress)
+    }
+
+    /// The final mesh, without colours as long as these are to come.
+    pub fn final_mesh(&self) -> Result<&Mesh> {
+        self.require(Stage::Mesh).map(|()| &self.mesh)
+    }
+
+    /// What the stages have passed on, if `stage` is complete.
+    pub fn stages(&self, stage: Stage) -> Result<&Stages> {
+        self.require(stage).map(|()| &self.stages)
+    }
+
+    /// A camera's view, once the hull is there.
+    pub fn carved_view(&self, camera: usize) -> Result<&View> {
+        self.require(Stage::Hull)?;
+        if camera >= self.cameras() {
+            return Err(no_camera(camera, self.cameras()));
+        }
+        Ok(&carved(&self.carved)?.borrow_owner()[self.rig.place(camera)])
+    }
+
+    /// Counts, hashes and seconds, once all stages are complete.
+    pub fn report(&self) -> Result<(&Counts, &[u64; Stage::ALL.len()], [f64; Stage::ALL.len()])> {
+        self.require(Stage::Colour)?;
+        Ok((&self.counts, &self.hashes, *self.seconds.lock().unwrap_or_else(PoisonError::into_inner)))
+    }
+
+    /// Runs a stage that needs the one before it; what came after it before is void.
+    fn alone(&mut self, stage: Stage, work: impl FnOnce(&mut Self) -> Result<()>) -> Result<()> {
+        let started = Instant::now();
+        let place = stage as usize;
+        let previous = (stage > Stage::Hull).then(|| Stage::ALL[place - 1]);
+        let result = previous.map_or(Ok(()), |previous| self.require(previous)).and_then(|()| {
+            self.reached = previous;
+            work(self)
+        });
+        if result.is_ok() {
+            self.reached = Some(stage);
+        }
+        self.add_time(stage, started);
+        result.map_err(|failure| failure.at(stage.into()))
+    }
+
+    fn timed(&self, stage: Stage, work: impl FnOnce() -> Result<()>) -> Result<()> {
+        let started = Instant::now();
+        let result = work();
+        self.add_time(stage, started);
+        result.map_err(|failure| failure.at(stage.into()))
+    }
+
+    fn add_time(&self, stage: Stage, started: Instant) {
+        let mut seconds = self.seconds.lock().unwrap_or_else(PoisonError::into_inner);
+        seconds[stage as usize] += started.elapsed().as_secs_f64();
+    }
+}
+
+fn carved(carved: &Option<Carved>) -> Result<&Carved> {
+    carved.as_ref().ok_or_else(|| Failure::new(WrongOrder, "there is no hull yet"))
+}
+
+fn slot_of<T>(slot: &mut Mutex<T>) -> &mut T {
+    slot.get_mut().unwrap_or_else(PoisonError::into_inner)
+}
+
+fn no_camera(camera: usize, cameras: usize) -> Failure {
+    Failure::new(InvalidArgument, format!("there is no camera {camera}: the rig has {cameras}"))
+}
+
+fn step(progress: &HostProgress, stage: Stage, done: usize, total: usize) -> Result<()> {
+    if progress.step(stage, done as u32, total as u32) { Ok(()) } else { Err(Failure::new(Cancelled, "cancelled")) }
+}

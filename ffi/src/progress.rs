@@ -1,0 +1,78 @@
+//! The host's progress callback behind the core's trait.
+
+use crate::{options::pcmvs_options, status::pcmvs_stage};
+use pcmvs_core::{Progress, Stage};
+use std::{
+    ffi::{c_int, c_void},
+    sync::{
+        Mutex, PoisonError,
+        atomic::{AtomicBool, Ordering},
+    },
+    thread::{self, ThreadId},
+};
+
+/// Told how far a call is: `done` of `total` in `stage`. Stages come in order and `done` never falls within one.
+/// Return 0 to go on, anything else to cancel: the call then ends with `PCMVS_STATUS_CANCELLED` as soon as it can, and
+/// the callback is not called again. Called on the thread that made the call, never on another. It must not
+/// throw, and calls on the same handle fail with `PCMVS_STATUS_BUSY`.
+pub type pcmvs_progress_fn =
+    Option<unsafe extern "C" fn(user: *mut c_void, stage: pcmvs_stage, done: u32, total: u32) -> c_int>;
+
+/// Every stage is told in thousandths, whatever its own steps are.
+const TOTAL: u32 = 1000;
+
+/// Calls back on one thread, never backwards.
+pub(crate) struct HostProgress {
+    callback: pcmvs_progress_fn,
+    user: *mut c_void,
+    /// The thread that called, if pieces of its work may run on others.
+    caller: Option<ThreadId>,
+    cancelled: AtomicBool,
+    /// Stage and thousandths told last.
+    last: Mutex<(u32, u32)>,
+}
+
+// SAFETY: `callback` and `user` are only used on the thread that called.
+unsafe impl Sync for HostProgress {}
+
+impl HostProgress {
+    /// For one call on the current thread.
+    pub fn new(options: &pcmvs_options) -> Self {
+        Self {
+            callback: options.progress,
+            user: options.progress_user,
+            caller: options.parallel.map(|_| thread::current().id()),
+            cancelled: AtomicBool::new(false),
+            last: Mutex::new((0, 0)),
+        }
+    }
+
+    fn on_callers_thread(&self) -> bool {
+        self.caller.is_none_or(|caller| caller == thread::current().id())
+    }
+
+    /// Says that a stage is done; false cancels.
+    pub fn finish(&self, stage: Stage) -> bool {
+        self.step(stage, 1, 1)
+    }
+}
+
+impl Progress for HostProgress {
+    fn step(&self, stage: Stage, done: u32, total: u32) -> bool {
+        if self.cancelled.load(Ordering::Relaxed) {
+            return false;
+        }
+        let Some(callback) = self.callback.filter(|_| self.on_callers_thread()) else { return true };
+        let done = (u64::from(done) * u64::from(TOTAL) / u64::from(total.max(1))).min(u64::from(TOTAL)) as u32;
+        let now = {
+            let mut last = self.last.lock().unwrap_or_else(PoisonError::into_inner);
+            *last = (*last).max((stage as u32, done));
+            *last
+        };
+        let told = Stage::ALL[now.0 as usize];
+        // SAFETY: the host keeps callback and user alive for the call.
+        let go_on = unsafe { callback(self.user, told.into(), now.1, TOTAL) } == 0;
+        self.cancelled.fetch_or(!go_on, Ordering::Relaxed);
+        go_on
+    }
+}

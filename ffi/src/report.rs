@@ -1,0 +1,86 @@
+//! What a frame took and counted.
+
+use crate::{
+    boundary::{body, catch, status, write},
+    frame::pcmvs_frame,
+    status::{PCMVS_STAGE_COUNT, pcmvs_status},
+};
+
+/// What a frame took and counted.
+#[repr(C)]
+#[derive(Debug, Clone, Copy)]
+pub struct pcmvs_report {
+    /// Seconds of each stage, over all threads.
+    pub seconds: [f64; PCMVS_STAGE_COUNT as usize],
+    /// A hash of each stage's result, the same on every machine.
+    pub hashes: [u64; PCMVS_STAGE_COUNT as usize],
+    /// Points found by stereo.
+    pub detected: u32,
+    /// Points put on the hull because stereo failed.
+    pub substituted: u32,
+    /// Points removed by the density constraint.
+    pub cleaned_density: u32,
+    /// Points removed by the flatness constraint.
+    pub cleaned_pca: u32,
+    /// Points removed by the normal constraint.
+    pub cleaned_normal: u32,
+    /// Frontier points.
+    pub frontier: u32,
+    /// Implicit points.
+    pub implicit: u32,
+    /// Points dropped in merging for their normals.
+    pub dropped_normal: u32,
+    /// Points dropped in merging for better neighbours.
+    pub dropped_fidelity: u32,
+    /// Conflicts removed in the cameras' views.
+    pub conflicts_cameras: u32,
+    /// Conflicts removed in virtual views.
+    pub conflicts_virtual: u32,
+    /// Implicit points removed because they hide a valid point.
+    pub implicit_removed: u32,
+    /// Points that reached meshing.
+    pub merged: u32,
+    /// Stray components dropped from the mesh.
+    pub components_dropped: u32,
+    /// Vertices of the mesh.
+    pub vertices: u32,
+    /// Triangles of the mesh.
+    pub faces: u32,
+}
+
+/// Tells what the frame took and counted, when all its stages have run. `size` is `sizeof *report`.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn pcmvs_frame_get_report(
+    frame: *const pcmvs_frame,
+    report: *mut pcmvs_report,
+    size: usize,
+) -> pcmvs_status {
+    status(catch(|| {
+        // SAFETY: the caller's promise.
+        let frame = unsafe { body(frame)? };
+        let work = frame.shared()?;
+        let (counts, hashes, seconds) = work.pipeline.report()?;
+        let found = pcmvs_report {
+            seconds,
+            hashes: *hashes,
+            detected: counts.detected,
+            substituted: counts.substituted,
+            cleaned_density: counts.cleaned_density,
+            cleaned_pca: counts.cleaned_pca,
+            cleaned_normal: counts.cleaned_normal,
+            frontier: counts.frontier,
+            implicit: counts.implicit,
+            dropped_normal: counts.dropped_normal,
+            dropped_fidelity: counts.dropped_fidelity,
+            conflicts_cameras: counts.conflicts_cameras,
+            conflicts_virtual: counts.conflicts_virtual,
+            implicit_removed: counts.implicit_removed,
+            merged: counts.merged,
+            components_dropped: counts.components_dropped,
+            vertices: counts.vertices,
+            faces: counts.faces,
+        };
+        // SAFETY: the caller's promise.
+        unsafe { write(report, size, size_of::<pcmvs_report>(), &found, "report") }
+    }))
+}

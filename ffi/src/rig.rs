@@ -1,0 +1,121 @@
+//! The handle of what does not change between frames.
+
+use crate::{
+    boundary::{Opaque, Result, body, catch, free, into_handle, out, read_array, status, write},
+    camera::pcmvs_camera,
+    error::{Failure, LastFailure, pcmvs_error},
+    status::pcmvs_status::{self, Busy, InvalidArgument, WrongOrder},
+};
+use pcmvs_core::{Camera, Rig};
+use std::sync::{Arc, PoisonError, RwLock};
+
+/// Most cameras of a rig.
+pub const PCMVS_MOST_CAMERAS: u32 = 1024;
+
+/// A calibrated set of cameras and what follows from it. Shared between any number of frames and threads; may be freed
+/// before its frames.
+pub struct pcmvs_rig {
+    _private: (),
+}
+
+/// A rig and its last failure.
+pub(crate) struct RigBody {
+    rig: RwLock<Option<Arc<Rig>>>,
+    failure: LastFailure,
+}
+
+impl Opaque for pcmvs_rig {
+    type Body = RigBody;
+    const TAG: u64 = u64::from_be_bytes(*b"pcmvsrig");
+}
+
+impl RigBody {
+    /// The rig, if cameras have been set.
+    pub fn get(&self) -> Result<Arc<Rig>> {
+        self.failure.check()?;
+        let rig = self.rig.read().unwrap_or_else(PoisonError::into_inner);
+        rig.clone().ok_or_else(|| Failure::new(WrongOrder, "the rig has no cameras yet: call pcmvs_rig_set_cameras"))
+    }
+}
+
+/// Makes a rig without cameras. Free it with `pcmvs_rig_free`.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn pcmvs_rig_new(rig: *mut *mut pcmvs_rig) -> pcmvs_status {
+    status(catch(|| {
+        let rig = out(rig, "rig")?;
+        // SAFETY: the caller's promise.
+        unsafe { rig.write(into_handle(RigBody { rig: RwLock::new(None), failure: LastFailure::default() })) };
+        Ok(())
+    }))
+}
+
+/// Frees a rig. NULL does nothing.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn pcmvs_rig_free(rig: *mut pcmvs_rig) -> pcmvs_status {
+    // SAFETY: the caller's promise.
+    unsafe { free(rig, |_| Ok(())) }
+}
+
+/// Gives a rig its cameras: at least three, whose order is that of the views of every frame. Prepares all that frames
+/// share. On failure the rig keeps the cameras it had. Frames made before keep their cameras.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn pcmvs_rig_set_cameras(
+    rig: *mut pcmvs_rig,
+    cameras: *const pcmvs_camera,
+    count: usize,
+) -> pcmvs_status {
+    // SAFETY: the caller's promise.
+    let rig: &RigBody = match unsafe { body(rig.cast_const()) } {
+        Ok(rig) => rig,
+        Err(failure) => return failure.status,
+    };
+    let result = rig.failure.check().and_then(|()| {
+        catch(|| {
+            if count > PCMVS_MOST_CAMERAS as usize {
+                let problem = format!("{count} cameras are more than the most, {PCMVS_MOST_CAMERAS}");
+                return Err(Failure::new(InvalidArgument, problem));
+            }
+            // SAFETY: the caller's promise.
+            let cameras = unsafe { read_array(cameras, count, "cameras")? };
+            let cameras: Vec<Camera> = cameras.into_iter().map(pcmvs_camera::to_core).collect();
+            let made = Rig::new(&cameras)?;
+            *rig.rig.try_write().map_err(|_| Failure::new(Busy, "the rig is in use"))? = Some(Arc::new(made));
+            Ok(())
+        })
+    });
+    rig.failure.keep(result, None)
+}
+
+/// Number of cameras; 0 before they are set.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn pcmvs_rig_camera_count(rig: *const pcmvs_rig, count: *mut u32) -> pcmvs_status {
+    status(catch(|| {
+        // SAFETY: the caller's promise.
+        let rig = unsafe { body(rig)? };
+        let count = out(count, "count")?;
+        let cameras = rig.rig.read().unwrap_or_else(PoisonError::into_inner).as_ref().map_or(0, |r| r.cameras().len());
+        // SAFETY: the caller's promise.
+        unsafe { count.write(cameras as u32) };
+        Ok(())
+    }))
+}
+
+/// World position (x, y, z) that is the origin of the positions in `pcmvs_mesh` and `pcmvs_point`.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn pcmvs_rig_origin(rig: *const pcmvs_rig, xyz: *mut f64) -> pcmvs_status {
+    status(catch(|| {
+        // SAFETY: the caller's promise.
+        let rig = unsafe { body(rig)? }.get()?;
+        let xyz: *mut [f64; 3] = out(xyz, "xyz")?.cast();
+        // SAFETY: the caller's promise.
+        unsafe { xyz.write(rig.origin().to_array()) };
+        Ok(())
+    }))
+}
+
+/// Why the last failed call on this rig failed. `size` is `sizeof *error`.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn pcmvs_rig_error(rig: *const pcmvs_rig, error: *mut pcmvs_error, size: usize) -> pcmvs_status {
+    // SAFETY: the caller's promise.
+    status(catch(|| unsafe { write(error, size, 8, &body(rig)?.failure.get(), "error") }))
+}

@@ -1,0 +1,115 @@
+//! A small capture, and programs in C and C++ built against the library under test.
+#![allow(dead_code, reason = "each test uses its part")]
+
+mod plain;
+
+use std::{
+    env,
+    ffi::OsStr,
+    path::{Path, PathBuf},
+    process::{Command, Output},
+};
+use tempfile::TempDir;
+
+/// The repository.
+pub fn root() -> &'static Path {
+    Path::new(env!("CARGO_MANIFEST_DIR")).parent().unwrap()
+}
+
+/// Where cargo has put the libraries under test.
+pub fn libraries() -> PathBuf {
+    env::current_exe().unwrap().parent().unwrap().to_owned()
+}
+
+/// Name by which programs ask for the shared library.
+pub fn soname() -> String {
+    format!("libpcmvs.so.{}.{}", env!("CARGO_PKG_VERSION_MAJOR"), env!("CARGO_PKG_VERSION_MINOR"))
+}
+
+/// Whether a program of the development machine is there. The set-up of `cargo xtask` installs all of them; a machine
+/// that says `PCMVS_ALL_TOOLS=1` must have them.
+pub fn has(program: &str) -> bool {
+    let found = Command::new(program).arg("--version").output().is_ok_and(|o| o.status.success());
+    assert!(found || env::var_os("PCMVS_ALL_TOOLS").is_none(), "{program} is not installed");
+    found
+}
+
+/// Runs a command that must succeed.
+pub fn run(command: &mut Command) -> Output {
+    let output = command.output().unwrap_or_else(|e| panic!("{command:?}: {e}"));
+    let text = |bytes: &[u8]| String::from_utf8_lossy(bytes).into_owned();
+    assert!(
+        output.status.success(),
+        "{command:?}: {}\n{}\n{}",
+        output.status,
+        text(&output.stdout),
+        text(&output.stderr)
+    );
+    output
+}
+
+/// How a program is linked.
+#[derive(Clone, Copy, PartialEq)]
+pub enum Link {
+    Shared,
+    Static,
+}
+
+pub const C99: &[&str] = &["cc", "-std=c99"];
+pub const CPP17: &[&str] = &["c++", "-std=c++17", "-pthread"];
+
+/// Builds a program in a folder: strict warnings are errors.
+pub fn build(folder: &Path, compiler: &[&str], source: &str, link: Link) -> PathBuf {
+    let source = root().join(source);
+    let program = folder.join(source.file_stem().unwrap());
+    let mut command = Command::new(compiler[0]);
+    command.args(&compiler[1..]).args(["-O1", "-g", "-Wall", "-Wextra", "-Wpedantic", "-Werror"]);
+    command.arg("-I").arg(root().join("include")).arg("-I").arg(root().join("examples/c")).arg("-I").arg(folder);
+    command.arg(&source).arg("-o").arg(&program);
+    match link {
+        Link::Shared => {
+            let shared = folder.join(soname());
+            if !shared.exists() {
+                std::os::unix::fs::symlink(libraries().join("libpcmvs.so"), &shared).unwrap();
+            }
+            command.arg(&shared).arg(format!("-Wl,-rpath,{}", folder.display()));
+        }
+        Link::Static => {
+            command.arg(libraries().join("libpcmvs.a")).args(["-lpthread", "-ldl", "-lm"]);
+        }
+    }
+    run(&mut command);
+    program
+}
+
+/// Output of a program that must succeed.
+pub fn output<A: AsRef<OsStr>>(program: &Path, arguments: impl IntoIterator<Item = A>) -> String {
+    String::from_utf8(run(Command::new(program).args(arguments)).stdout).unwrap()
+}
+
+/// A capture in both forms: a scene for the command line, and `plain` for the examples in C.
+pub struct Sample {
+    pub folder: TempDir,
+}
+
+impl Sample {
+    pub fn new() -> Self {
+        Self::sized(10, 160, 120)
+    }
+
+    pub fn sized(views: u32, width: u32, height: u32) -> Self {
+        let folder = tempfile::tempdir().unwrap();
+        let capture = plain::capture(views, width, height);
+        capture.write(&folder.path().join("scene")).unwrap();
+        plain::write(&capture, &folder.path().join("plain")).unwrap();
+        Self { folder }
+    }
+
+    pub fn path(&self) -> &Path {
+        self.folder.path()
+    }
+
+    pub fn plain(&self) -> PathBuf {
+        self.path().join("plain")
+    }
+}

@@ -1,0 +1,33 @@
+//! A capture as the plain files that the examples in C read (see examples/c/capture.h).
+
+use std::{fmt::Write as _, fs, io, path::Path};
+use studio::{Capture, Faults, Ring, Subject};
+
+/// The figure, its cameras with some lens distortion and gain.
+pub fn capture(views: u32, width: u32, height: u32) -> Capture {
+    let distortion = [-0.05, 0.02, 1e-4, -2e-4, 0.0];
+    let cameras = Ring { count: views, distortion, ..Ring::default() }.sized(width, height).cameras();
+    Capture::still(Subject::Figure, &cameras, &Faults { gain: 0.05, ..Faults::default() })
+}
+
+/// Writes cameras.txt, camNN.ppm and camNN.pgm.
+pub fn write(capture: &Capture, folder: &Path) -> io::Result<()> {
+    fs::create_dir_all(folder)?;
+    let mut text = format!("{}\n", capture.cameras.len());
+    for (i, c) in capture.cameras.iter().enumerate() {
+        let numbers = c.k.iter().flatten().chain(&c.distortion).chain(c.r.iter().flatten()).chain(&c.t);
+        let numbers: Vec<String> = numbers.map(f64::to_string).collect();
+        let _ = writeln!(text, "{} {} {}", c.width, c.height, numbers.join(" "));
+        let netpbm = |kind: &str, pixels: &[u8]| {
+            let mut file = format!("{kind} {} {} 255\n", c.width, c.height).into_bytes();
+            file.extend_from_slice(pixels);
+            file
+        };
+        let frame = &capture.frames[0];
+        fs::write(folder.join(format!("cam{i:02}.ppm")), netpbm("P6", &frame.images[i].rgb))?;
+        if let Some(mask) = &frame.masks[i] {
+            fs::write(folder.join(format!("cam{i:02}.pgm")), netpbm("P5", mask))?;
+        }
+    }
+    fs::write(folder.join("cameras.txt"), text)
+}

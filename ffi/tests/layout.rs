@@ -1,0 +1,202 @@
+//! C's view of every enum value, size, offset and version is Rust's.
+
+mod common;
+
+use common::{C99, Link, build, output};
+use pcmvs::{
+    camera::pcmvs_camera,
+    cloud::{pcmvs_cloud_kind, pcmvs_point, pcmvs_rank, pcmvs_silhouette},
+    error::pcmvs_error,
+    export::{pcmvs_export_options, pcmvs_file_format},
+    image::{pcmvs_image, pcmvs_pixel_format},
+    mesh::{pcmvs_attribute, pcmvs_mesh, pcmvs_mesh_kind},
+    options::{pcmvs_options, pcmvs_preset},
+    report::pcmvs_report,
+    status::{pcmvs_stage, pcmvs_status},
+    view::{pcmvs_chroma_key, pcmvs_view},
+};
+use std::{fs, mem::offset_of};
+
+#[derive(Default)]
+struct Facts {
+    /// Statements in C that print the facts.
+    code: String,
+    /// What they must print.
+    expected: String,
+}
+
+macro_rules! values {
+    ($facts:expr, $prefix:literal, $($name:literal = $value:expr),* $(,)?) => {$(
+        $facts.code += concat!("VALUE(", $prefix, $name, ");\n");
+        $facts.expected += &format!("{} {}\n", concat!($prefix, $name), $value as u64);
+    )*};
+}
+
+macro_rules! layout {
+    ($facts:expr, $type:ident { $($member:ident),* $(,)? }) => {
+        $facts.code += concat!("SIZE(", stringify!($type), ");\n");
+        $facts.expected += &format!("sizeof {} {}\n", stringify!($type), size_of::<$type>());
+        $(
+            $facts.code += concat!("OFFSET(", stringify!($type), ", ", stringify!($member), ");\n");
+            $facts.expected +=
+                &format!("offsetof {} {} {}\n", stringify!($type), stringify!($member), offset_of!($type, $member));
+        )*
+        // Every member is named above.
+        let _ = |v: &$type| { let $type { $($member: _),* } = v; };
+    };
+}
+
+#[test]
+fn c_and_rust_agree() {
+    use pcmvs_status as S;
+    let mut facts = Facts::default();
+    values!(
+        facts,
+        "PCMVS_STATUS_",
+        "OK" = S::Ok,
+        "NULL_POINTER" = S::NullPointer,
+        "INVALID_HANDLE" = S::InvalidHandle,
+        "INVALID_STRUCT" = S::InvalidStruct,
+        "INVALID_ARGUMENT" = S::InvalidArgument,
+        "BUSY" = S::Busy,
+        "WRONG_ORDER" = S::WrongOrder,
+        "CANCELLED" = S::Cancelled,
+        "CAMERA" = S::Camera,
+        "IMAGE" = S::Image,
+        "SILHOUETTE" = S::Silhouette,
+        "DUPLICATE_CAMERA" = S::DuplicateCamera,
+        "TOO_FEW_VIEWS" = S::TooFewViews,
+        "EMPTY_HULL" = S::EmptyHull,
+        "NO_SURFACE" = S::NoSurface,
+        "OUT_OF_MEMORY" = S::OutOfMemory,
+        "BUFFER_TOO_SMALL" = S::BufferTooSmall,
+        "WRITE_FAILED" = S::WriteFailed,
+        "PANIC" = S::Panic,
+        "OTHER" = S::Other,
+    );
+    use pcmvs_stage as G;
+    values!(
+        facts,
+        "PCMVS_STAGE_",
+        "VIEWS" = G::Views,
+        "HULL" = G::Hull,
+        "CONTOURS" = G::Contours,
+        "COARSE" = G::Coarse,
+        "DETECT" = G::Detect,
+        "MERGE" = G::Merge,
+        "MESH" = G::Mesh,
+        "COLOUR" = G::Colour,
+        "COUNT" = pcmvs::status::PCMVS_STAGE_COUNT,
+    );
+    use pcmvs_pixel_format as F;
+    values!(
+        facts,
+        "PCMVS_PIXEL_FORMAT_",
+        "GRAY8" = F::Gray8,
+        "RGB8" = F::Rgb8,
+        "BGR8" = F::Bgr8,
+        "RGBA8" = F::Rgba8,
+        "BGRA8" = F::Bgra8,
+        "NV12" = F::Nv12,
+        "GRAY16" = F::Gray16,
+    );
+    use pcmvs_preset as P;
+    values!(
+        facts,
+        "PCMVS_PRESET_",
+        "DEFAULT" = P::Default,
+        "PAPER" = P::Paper,
+        "HULL" = P::Hull,
+        "PREVIEW" = P::Preview,
+    );
+    use pcmvs_mesh_kind as M;
+    values!(facts, "PCMVS_MESH_KIND_", "FINAL" = M::Final, "HULL" = M::Hull, "COARSE" = M::Coarse);
+    use pcmvs_attribute as A;
+    values!(
+        facts,
+        "PCMVS_ATTRIBUTE_",
+        "POSITION" = A::Position,
+        "NORMAL" = A::Normal,
+        "COLOUR" = A::Colour,
+        "TRIANGLE" = A::Triangle,
+    );
+    use pcmvs_cloud_kind as C;
+    values!(
+        facts,
+        "PCMVS_CLOUD_KIND_",
+        "FRONTIER" = C::Frontier,
+        "IMPLICIT" = C::Implicit,
+        "DETECTED" = C::Detected,
+        "MERGED" = C::Merged,
+    );
+    use pcmvs_rank as R;
+    values!(
+        facts,
+        "PCMVS_RANK_",
+        "IMPLICIT" = R::Implicit,
+        "SUBSTITUTED" = R::Substituted,
+        "DETECTED" = R::Detected,
+        "FRONTIER" = R::Frontier,
+    );
+    values!(facts, "PCMVS_FILE_FORMAT_", "GLB" = pcmvs_file_format::Glb, "PLY" = pcmvs_file_format::Ply);
+    values!(
+        facts,
+        "PCMVS_",
+        "MESSAGE_SIZE" = pcmvs::error::PCMVS_MESSAGE_SIZE,
+        "MOST_CAMERAS" = pcmvs::rig::PCMVS_MOST_CAMERAS,
+        "VERSION" = pcmvs::version::PCMVS_VERSION,
+    );
+
+    layout!(facts, pcmvs_error { status, stage, camera, reserved, frame, message });
+    layout!(facts, pcmvs_camera { struct_size, width, height, reserved, k, distortion, r, t });
+    layout!(facts, pcmvs_image { struct_size, format, width, height, data, stride, chroma, chroma_stride });
+    layout!(facts, pcmvs_chroma_key { struct_size, rgb, tolerance, darkest_shadow, smallest_part, smallest_hole });
+    layout!(facts, pcmvs_view { struct_size, reserved, image, mask, clean_plate, chroma_key });
+    layout!(
+        facts,
+        pcmvs_options { struct_size, preset, frame, voxel_pixels, progress, progress_user, parallel, parallel_user }
+    );
+    layout!(facts, pcmvs_mesh { vertex_count, triangle_count, positions, normals, colours, triangles, origin });
+    layout!(facts, pcmvs_point { position, normal, fidelity, weight, camera, rank });
+    layout!(facts, pcmvs_silhouette { width, height, distances });
+    layout!(facts, pcmvs_export_options { struct_size, format, normals, has_up, up });
+    layout!(
+        facts,
+        pcmvs_report {
+            seconds,
+            hashes,
+            detected,
+            substituted,
+            cleaned_density,
+            cleaned_pca,
+            cleaned_normal,
+            frontier,
+            implicit,
+            dropped_normal,
+            dropped_fidelity,
+            conflicts_cameras,
+            conflicts_virtual,
+            implicit_removed,
+            merged,
+            components_dropped,
+            vertices,
+            faces,
+        }
+    );
+    facts.expected += "composed 1\n";
+    facts.expected += &format!("library {} {}\n", pcmvs::version::PCMVS_VERSION, env!("CARGO_PKG_VERSION"));
+
+    // Every value of every enum of the header is checked above.
+    let header = fs::read_to_string(common::root().join("include/pcmvs.h")).unwrap();
+    let listed = header.lines().filter_map(|line| line.strip_prefix("  PCMVS_")?.split_once(" = "));
+    for (name, _) in listed {
+        assert!(facts.code.contains(&format!("VALUE(PCMVS_{name})")), "PCMVS_{name} is not checked");
+    }
+
+    let folder = tempfile::tempdir().unwrap();
+    fs::write(folder.path().join("abi.inc"), &facts.code).unwrap();
+    for link in [Link::Shared, Link::Static] {
+        let program = build(folder.path(), C99, "tests/c/abi.c", link);
+        assert_eq!(output(&program, [""; 0]), facts.expected);
+    }
+}

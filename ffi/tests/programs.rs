@@ -1,0 +1,117 @@
+//! Programs in C, built and run as a user would.
+
+mod common;
+
+use common::{C99, CPP17, Link, Sample, build, has, libraries, output, root, run};
+use std::{ffi::OsString, fs, process::Command, sync::atomic::AtomicBool};
+
+#[test]
+fn api_keeps_its_promises() {
+    let source = fs::read_to_string(root().join("tests/c/api.c")).unwrap();
+    let header = fs::read_to_string(root().join("include/pcmvs.h")).unwrap();
+    let functions = header.lines().filter(|line| line.starts_with("pcmvs_status pcmvs_"));
+    for function in functions.filter_map(|line| line.split([' ', '(']).nth(1)) {
+        let null = [format!("NULL_POINTER({function}("), format!("OK({function}(NULL))")];
+        assert!(null.iter().any(|call| source.contains(call)), "{function} is not called with NULL");
+    }
+    let sample = Sample::new();
+    let program = build(sample.path(), C99, "tests/c/api.c", Link::Shared);
+    output(&program, [sample.plain()]);
+}
+
+#[test]
+fn glb_is_the_command_lines() {
+    let sample = Sample::new();
+    let out = sample.path().join("out");
+    let scene = sample.path().join("scene");
+    // The example does not know which way is up.
+    let file = scene.join("scene.json");
+    let text = fs::read_to_string(&file).unwrap();
+    fs::write(&file, text.replace("\"up\"", "\"was_up\"")).unwrap();
+    let arguments = ["pcmvs", "reconstruct"].map(OsString::from).into_iter();
+    let arguments = arguments.chain([scene.into(), "-o".into(), out.clone().into(), "--threads".into(), "1".into()]);
+    assert_eq!(pcmvs_cli::run(arguments, &AtomicBool::new(false)), 0);
+    let expected = fs::read(out.join("frame_0000.glb")).unwrap();
+    for link in [Link::Shared, Link::Static] {
+        let program = build(sample.path(), C99, "examples/c/reconstruct.c", link);
+        let result = sample.path().join("c.glb");
+        output(&program, [sample.plain(), result.clone()]);
+        assert!(fs::read(result).unwrap() == expected, "not the command line's bytes");
+    }
+}
+
+#[test]
+fn wrapper_keeps_its_promises() {
+    let sample = Sample::new();
+    let program = build(sample.path(), CPP17, "tests/cpp/wrapper.cpp", Link::Shared);
+    output(&program, [sample.plain()]);
+    // Also where exceptions are not allowed.
+    let mut command = Command::new("c++");
+    command.args(["-std=c++17", "-fno-exceptions", "-fsyntax-only", "-Wall", "-Wextra", "-Werror", "-x", "c++"]);
+    run(command.arg(root().join("include/pcmvs.hpp")).arg("-Wno-pragma-once-outside-header"));
+}
+
+#[test]
+fn threads_of_the_host_give_the_same_bytes() {
+    let sample = Sample::new();
+    let glb = |name: &str| sample.path().join(name);
+    let whole = build(sample.path(), C99, "examples/c/reconstruct.c", Link::Shared);
+    output(&whole, [sample.plain(), glb("whole.glb")]);
+    let live = build(sample.path(), CPP17, "examples/cpp/live.cpp", Link::Shared);
+    for threads in ["1", "3"] {
+        let arguments = [sample.plain().into(), "2".into(), threads.into(), glb("live.glb").into_os_string()];
+        output(&live, arguments);
+        assert!(fs::read(glb("live.glb")).unwrap() == fs::read(glb("whole.glb")).unwrap(), "{threads} threads");
+    }
+}
+
+#[test]
+fn opencv_and_python_make_the_same_bytes() {
+    let sample = Sample::new();
+    let whole = build(sample.path(), C99, "examples/c/reconstruct.c", Link::Shared);
+    let expected = sample.path().join("whole.glb");
+    output(&whole, [sample.plain(), expected.clone()]);
+    let expected = fs::read(expected).unwrap();
+    let result = sample.path().join("other.glb");
+
+    if has("python3") {
+        let mut python = Command::new("python3");
+        python.arg(root().join("examples/python/smoke.py")).arg(libraries().join("libpcmvs.so"));
+        let printed = run(python.arg(sample.plain()).arg(&result)).stdout;
+        assert_eq!(String::from_utf8(printed).unwrap().trim(), env!("CARGO_PKG_VERSION"));
+        assert!(fs::read(&result).unwrap() == expected, "Python's bytes differ");
+    }
+
+    let opencv = Command::new("pkg-config").args(["--cflags", "opencv4"]).output();
+    let Some(opencv) = opencv.ok().filter(|o| o.status.success()) else {
+        assert!(std::env::var_os("PCMVS_ALL_TOOLS").is_none(), "OpenCV is not installed");
+        return;
+    };
+    // The scene's calibration as cv::FileStorage writes it.
+    let text = fs::read_to_string(sample.plain().join("cameras.txt")).unwrap();
+    let mut yaml = String::from("%YAML:1.0\n---\ncameras:\n");
+    for (i, line) in text.lines().skip(1).enumerate() {
+        let numbers: Vec<&str> = line.split(' ').skip(2).collect();
+        yaml += &format!("   - {{ image: \"cam{i:02}_0000.png\", mask: \"../masks/cam{i:02}_0000.png\",\n");
+        for (name, range, rows) in [("K", 0..9, 3), ("distortion", 9..14, 1), ("R", 14..23, 3), ("t", 23..26, 3)] {
+            // Numbers without a point would be read as integers.
+            let data: Vec<String> =
+                numbers[range].iter().map(|n| if n.contains('.') { n.to_string() } else { format!("{n}.") }).collect();
+            let end = if name == "t" { " }" } else { "," };
+            yaml += &format!(
+                "       {name}: !!opencv-matrix {{ rows: {rows}, cols: {}, dt: d, data: [{}] }}{end}\n",
+                data.len() / rows,
+                data.join(", ")
+            );
+        }
+    }
+    let calibration = sample.path().join("calibration.yml");
+    fs::write(&calibration, yaml).unwrap();
+    let flags = String::from_utf8(opencv.stdout).unwrap();
+    // OpenCV's own headers are not warning-free.
+    let flags = flags.trim().replace("-I", "-isystem");
+    let compiler = [CPP17, &["-Wl,--no-as-needed", flags.as_str(), "-lopencv_imgcodecs", "-lopencv_core"]].concat();
+    let program = build(sample.path(), &compiler, "examples/cpp/opencv.cpp", Link::Shared);
+    output(&program, [calibration, sample.path().join("scene/images"), result.clone()]);
+    assert!(fs::read(&result).unwrap() == expected, "OpenCV's bytes differ");
+}

@@ -1,0 +1,328 @@
+// libpcmvs in C++17: the same as pcmvs.h, with owners, spans and exceptions. Header-only.
+//
+// Every function that can fail comes twice: `f` throws pcmvs::Error, `try_f` returns a pcmvs_status and throws nothing.
+// Without exceptions (-fno-exceptions) only the latter are there. What pcmvs.h says about threads, lifetimes and order
+// holds here too. A handle that has been moved from is empty: its functions fail with PCMVS_STATUS_NULL_POINTER.
+#ifndef PCMVS_HPP
+#define PCMVS_HPP
+
+#include "pcmvs.h"
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <type_traits>
+#include <utility>
+#include <vector>
+
+#if defined(__cpp_exceptions)
+#include <exception>
+#include <stdexcept>
+#endif
+
+namespace pcmvs {
+
+/// Elements in someone else's memory.
+template <typename T> class Span {
+public:
+    constexpr Span() noexcept = default;
+    constexpr Span(const T *data, std::size_t size) noexcept : data_(data), size_(size) {}
+    Span(const std::vector<T> &elements) noexcept : data_(elements.data()), size_(elements.size()) {}
+    constexpr const T *data() const noexcept { return data_; }
+    constexpr std::size_t size() const noexcept { return size_; }
+    constexpr bool empty() const noexcept { return size_ == 0; }
+    constexpr const T *begin() const noexcept { return data_; }
+    constexpr const T *end() const noexcept { return data_ + size_; }
+    constexpr const T &operator[](std::size_t i) const noexcept { return data_[i]; }
+
+private:
+    const T *data_ = nullptr;
+    std::size_t size_ = 0;
+};
+
+/// A struct of pcmvs.h with its defaults: `auto camera = pcmvs::make<pcmvs_camera>();`
+template <typename T> T make() noexcept {
+    T value;
+    if constexpr (std::is_same_v<T, pcmvs_camera>) {
+        pcmvs_camera_init(&value, sizeof value);
+    } else if constexpr (std::is_same_v<T, pcmvs_image>) {
+        pcmvs_image_init(&value, sizeof value);
+    } else if constexpr (std::is_same_v<T, pcmvs_chroma_key>) {
+        pcmvs_chroma_key_init(&value, sizeof value);
+    } else if constexpr (std::is_same_v<T, pcmvs_view>) {
+        pcmvs_view_init(&value, sizeof value);
+    } else if constexpr (std::is_same_v<T, pcmvs_options>) {
+        pcmvs_options_init(&value, sizeof value);
+    } else {
+        static_assert(std::is_same_v<T, pcmvs_export_options>, "this struct has no defaults");
+        pcmvs_export_options_init(&value, sizeof value);
+    }
+    return value;
+}
+
+/// A picture without padding between its rows.
+inline pcmvs_image image(const void *data, std::uint32_t width, std::uint32_t height, pcmvs_pixel_format format,
+                         std::ptrdiff_t stride = 0) noexcept {
+    auto image = make<pcmvs_image>();
+    image.data = data;
+    image.width = width;
+    image.height = height;
+    image.format = format;
+    image.stride = stride;
+    return image;
+}
+
+#if defined(__cpp_exceptions)
+/// What a failed call has to say.
+class Error : public std::runtime_error {
+public:
+    explicit Error(const pcmvs_error &detail)
+        : std::runtime_error(detail.message[0] != '\0' ? detail.message : pcmvs_status_name(detail.status)),
+          detail_(std::make_shared<pcmvs_error>(detail)) {}
+    pcmvs_status status() const noexcept { return static_cast<pcmvs_status>(detail_->status); }
+    /// Index of the camera that is to blame; -1 if none.
+    std::int32_t camera() const noexcept { return detail_->camera; }
+    /// The stage in which it failed; -1 if none.
+    std::int32_t stage() const noexcept { return detail_->stage; }
+    /// Number of the frame; -1 for a rig.
+    std::int64_t frame() const noexcept { return detail_->frame; }
+
+private:
+    std::shared_ptr<pcmvs_error> detail_;
+};
+#endif
+
+namespace detail {
+
+#if defined(__cpp_exceptions)
+/// For calls that keep no detail on their handle.
+inline void check(pcmvs_status status) {
+    if (status != PCMVS_STATUS_OK) {
+        pcmvs_error error{};
+        error.status = status;
+        error.stage = error.camera = -1;
+        error.frame = -1;
+        throw Error(error);
+    }
+}
+
+/// For calls that do.
+template <typename Handle, typename Get> void check(pcmvs_status status, const Handle *handle, Get get) {
+    if (status != PCMVS_STATUS_OK) {
+        pcmvs_error error{};
+        if (get(handle, &error, sizeof error) == PCMVS_STATUS_OK && error.status == status) {
+            throw Error(error);
+        }
+        check(status);
+    }
+}
+#endif
+
+struct FreeRig {
+    void operator()(pcmvs_rig *rig) const noexcept { pcmvs_rig_free(rig); }
+};
+
+struct FreeFrame {
+    void operator()(pcmvs_frame *frame) const noexcept { pcmvs_frame_free(frame); }
+};
+
+/// A callback that neither throws through C nor loses what was thrown.
+template <typename F> struct Guarded {
+    F &call;
+#if defined(__cpp_exceptions)
+    std::exception_ptr thrown{};
+    void rethrow() const {
+        if (thrown) {
+            std::rethrow_exception(thrown);
+        }
+    }
+#endif
+
+    static int write(void *self, const void *data, std::size_t size) noexcept {
+        auto &guarded = *static_cast<Guarded *>(self);
+#if defined(__cpp_exceptions)
+        try {
+            guarded.call(Span<std::byte>(static_cast<const std::byte *>(data), size));
+            return 0;
+        } catch (...) {
+            guarded.thrown = std::current_exception();
+            return 1;
+        }
+#else
+        guarded.call(Span<std::byte>(static_cast<const std::byte *>(data), size));
+        return 0;
+#endif
+    }
+};
+
+} // namespace detail
+
+/// A mesh in a frame's memory.
+struct Mesh {
+    Span<float> positions;         ///< x, y, z of each vertex, relative to `origin`
+    Span<float> normals;           ///< unit normal of each vertex
+    Span<std::uint8_t> colours;    ///< red, green, blue of each vertex; empty before colouring
+    Span<std::uint32_t> triangles; ///< three vertices each
+    double origin[3] = {0, 0, 0};  ///< world position of the positions' origin
+};
+
+/// Calibrated cameras; see pcmvs_rig.
+class Rig {
+public:
+    /// An empty handle, or none if memory is short.
+    Rig() noexcept {
+        pcmvs_rig *made = nullptr;
+        pcmvs_rig_new(&made);
+        rig_.reset(made);
+    }
+
+    pcmvs_status try_set_cameras(Span<pcmvs_camera> cameras) noexcept {
+        return pcmvs_rig_set_cameras(rig_.get(), cameras.data(), cameras.size());
+    }
+
+    std::uint32_t camera_count() const noexcept {
+        std::uint32_t count = 0;
+        pcmvs_rig_camera_count(rig_.get(), &count);
+        return count;
+    }
+
+    /// Why the last failed call failed.
+    pcmvs_error error() const noexcept {
+        pcmvs_error error{};
+        pcmvs_rig_error(rig_.get(), &error, sizeof error);
+        return error;
+    }
+
+    pcmvs_rig *get() noexcept { return rig_.get(); }
+    const pcmvs_rig *get() const noexcept { return rig_.get(); }
+
+#if defined(__cpp_exceptions)
+    explicit Rig(Span<pcmvs_camera> cameras) : Rig() { set_cameras(cameras); }
+
+    void set_cameras(Span<pcmvs_camera> cameras) { detail::check(try_set_cameras(cameras), get(), pcmvs_rig_error); }
+#endif
+
+private:
+    std::unique_ptr<pcmvs_rig, detail::FreeRig> rig_;
+};
+
+/// One frame after another; see pcmvs_frame.
+class Frame {
+public:
+    Frame() noexcept = default;
+
+    /// Makes `frame` a frame of a rig.
+    static pcmvs_status try_make(const Rig &rig, Frame &frame) noexcept {
+        pcmvs_frame *made = nullptr;
+        const pcmvs_status status = pcmvs_frame_new(rig.get(), &made);
+        if (status == PCMVS_STATUS_OK) {
+            frame.frame_.reset(made);
+        }
+        return status;
+    }
+
+    pcmvs_status try_reconstruct(Span<pcmvs_view> views, const pcmvs_options *options = nullptr) noexcept {
+        return pcmvs_frame_reconstruct(get(), views.data(), views.size(), options);
+    }
+    pcmvs_status try_begin(const pcmvs_options *options = nullptr) noexcept { return pcmvs_frame_begin(get(), options); }
+    pcmvs_status try_view(std::uint32_t camera, const pcmvs_view &view) noexcept {
+        return pcmvs_frame_view(get(), camera, &view);
+    }
+    pcmvs_status try_hull() noexcept { return pcmvs_frame_hull(get()); }
+    pcmvs_status try_contours() noexcept { return pcmvs_frame_contours(get()); }
+    pcmvs_status try_coarse() noexcept { return pcmvs_frame_coarse(get()); }
+    pcmvs_status try_detect(std::uint32_t camera) noexcept { return pcmvs_frame_detect(get(), camera); }
+    pcmvs_status try_merge() noexcept { return pcmvs_frame_merge(get()); }
+    pcmvs_status try_mesh() noexcept { return pcmvs_frame_mesh(get()); }
+    pcmvs_status try_colour() noexcept { return pcmvs_frame_colour(get()); }
+
+    pcmvs_status try_get_mesh(Mesh &mesh, pcmvs_mesh_kind kind = PCMVS_MESH_KIND_FINAL) const noexcept {
+        pcmvs_mesh c;
+        const pcmvs_status status = pcmvs_frame_get_mesh(get(), kind, &c, sizeof c);
+        if (status == PCMVS_STATUS_OK) {
+            const std::size_t numbers = std::size_t{3} * c.vertex_count;
+            mesh.positions = {c.positions, numbers};
+            mesh.normals = {c.normals, numbers};
+            mesh.colours = {c.colours, c.colours != nullptr ? numbers : 0};
+            mesh.triangles = {c.triangles, std::size_t{3} * c.triangle_count};
+            mesh.origin[0] = c.origin[0];
+            mesh.origin[1] = c.origin[1];
+            mesh.origin[2] = c.origin[2];
+        }
+        return status;
+    }
+
+    pcmvs_status try_get_report(pcmvs_report &report) const noexcept {
+        return pcmvs_frame_get_report(get(), &report, sizeof report);
+    }
+
+    /// Hands the mesh as a file's bytes to `write(Span<std::byte>)`. What that throws ends the call with
+    /// PCMVS_STATUS_WRITE_FAILED.
+    template <typename F>
+    pcmvs_status try_export_mesh(F &&write, const pcmvs_export_options *options = nullptr,
+                                 pcmvs_mesh_kind kind = PCMVS_MESH_KIND_FINAL) const noexcept {
+        detail::Guarded<std::remove_reference_t<F>> guarded{write};
+        return pcmvs_frame_export_mesh(get(), kind, options, guarded.write, &guarded);
+    }
+
+    /// Why the last failed call failed.
+    pcmvs_error error() const noexcept {
+        pcmvs_error error{};
+        pcmvs_frame_error(get(), &error, sizeof error);
+        return error;
+    }
+
+    pcmvs_frame *get() noexcept { return frame_.get(); }
+    const pcmvs_frame *get() const noexcept { return frame_.get(); }
+
+#if defined(__cpp_exceptions)
+    explicit Frame(const Rig &rig) { detail::check(try_make(rig, *this)); }
+
+    void reconstruct(Span<pcmvs_view> views, const pcmvs_options *options = nullptr) {
+        check(try_reconstruct(views, options));
+    }
+    void begin(const pcmvs_options *options = nullptr) { check(try_begin(options)); }
+    void view(std::uint32_t camera, const pcmvs_view &view) { check(try_view(camera, view)); }
+    void hull() { check(try_hull()); }
+    void contours() { check(try_contours()); }
+    void coarse() { check(try_coarse()); }
+    void detect(std::uint32_t camera) { check(try_detect(camera)); }
+    void merge() { check(try_merge()); }
+    void mesh() { check(try_mesh()); }
+    void colour() { check(try_colour()); }
+
+    Mesh get_mesh(pcmvs_mesh_kind kind = PCMVS_MESH_KIND_FINAL) const {
+        Mesh mesh;
+        detail::check(try_get_mesh(mesh, kind));
+        return mesh;
+    }
+
+    pcmvs_report get_report() const {
+        pcmvs_report report;
+        detail::check(try_get_report(report));
+        return report;
+    }
+
+    /// As try_export_mesh; what `write` throws is thrown on.
+    template <typename F>
+    void export_mesh(F &&write, const pcmvs_export_options *options = nullptr,
+                     pcmvs_mesh_kind kind = PCMVS_MESH_KIND_FINAL) const {
+        detail::Guarded<std::remove_reference_t<F>> guarded{write};
+        const pcmvs_status status = pcmvs_frame_export_mesh(get(), kind, options, guarded.write, &guarded);
+        guarded.rethrow();
+        detail::check(status);
+    }
+#endif
+
+private:
+#if defined(__cpp_exceptions)
+    void check(pcmvs_status status) const { detail::check(status, get(), pcmvs_frame_error); }
+#endif
+
+    std::unique_ptr<pcmvs_frame, detail::FreeFrame> frame_;
+};
+
+} // namespace pcmvs
+
+#endif

@@ -1,0 +1,87 @@
+// What pcmvs.hpp adds to pcmvs.h: owners, exceptions, error values. wrapper FOLDER (see capture.h)
+#include "capture.h"
+
+#include <iostream>
+#include <pcmvs.hpp>
+
+static_assert(!std::is_copy_constructible_v<pcmvs::Rig> && std::is_nothrow_move_constructible_v<pcmvs::Rig>);
+static_assert(!std::is_copy_constructible_v<pcmvs::Frame> && std::is_nothrow_move_constructible_v<pcmvs::Frame>);
+static_assert(sizeof(pcmvs::Frame) == sizeof(void *));
+
+namespace {
+
+int failures = 0;
+
+void check(bool holds, const char *what) {
+    if (!holds) {
+        std::cout << what << '\n';
+        failures++;
+    }
+}
+
+template <typename F> pcmvs_status status_of(F call) {
+    try {
+        call();
+        return PCMVS_STATUS_OK;
+    } catch (const pcmvs::Error &error) {
+        return error.status();
+    }
+}
+
+} // namespace
+
+int main(int argc, char **argv) {
+    capture capture;
+    if (argc != 2 || !capture_read(argv[1], &capture)) {
+        return 2;
+    }
+    const pcmvs::Span<pcmvs_camera> cameras(capture.cameras, capture.count);
+    const pcmvs::Span<pcmvs_view> views(capture.views, capture.count);
+
+    check(status_of([&] { pcmvs::Rig few(pcmvs::Span<pcmvs_camera>(capture.cameras, 2)); }) ==
+              PCMVS_STATUS_TOO_FEW_VIEWS, "two cameras are too few");
+    pcmvs::Rig rig(cameras);
+    check(rig.camera_count() == capture.count, "the rig has its cameras");
+
+    pcmvs::Frame frame(rig);
+    auto options = pcmvs::make<pcmvs_options>();
+    options.preset = PCMVS_PRESET_HULL;
+    options.frame = 5;
+    frame.begin(&options);
+    try {
+        frame.colour();
+        check(false, "colour comes last");
+    } catch (const pcmvs::Error &error) {
+        check(error.status() == PCMVS_STATUS_WRONG_ORDER, "the status says so");
+        check(error.stage() == PCMVS_STAGE_COLOUR && error.frame() == 5 && error.camera() == -1, "and the fields");
+    }
+    check(frame.try_merge() == PCMVS_STATUS_WRONG_ORDER, "the same as a value");
+    check(frame.error().stage == PCMVS_STAGE_MERGE, "with its detail");
+
+    frame.reconstruct(views, &options);
+    const pcmvs::Mesh mesh = frame.get_mesh();
+    const pcmvs::Mesh hull = frame.get_mesh(PCMVS_MESH_KIND_HULL);
+    check(mesh.positions.size() == hull.positions.size() && !mesh.positions.empty(), "preset hull gives the hull");
+    check(mesh.colours.size() == mesh.positions.size() && hull.colours.empty(), "with colours");
+    check(frame.get_report().vertices * 3 == mesh.positions.size(), "and a report");
+
+    std::size_t size = 0;
+    frame.export_mesh([&](pcmvs::Span<std::byte> bytes) { size += bytes.size(); });
+    check(size > mesh.positions.size() * 4, "files have bytes");
+    try {
+        frame.export_mesh([](pcmvs::Span<std::byte>) { throw std::out_of_range("full"); });
+        check(false, "exceptions pass");
+    } catch (const std::out_of_range &) {
+    }
+    const auto full = [](pcmvs::Span<std::byte>) { throw std::out_of_range("full"); };
+    check(frame.try_export_mesh(full) == PCMVS_STATUS_WRITE_FAILED, "or become a value");
+
+    pcmvs::Frame moved = std::move(frame);
+    check(moved.get_mesh().positions.data() == mesh.positions.data(), "moving a frame moves nothing else");
+    check(frame.try_hull() == PCMVS_STATUS_NULL_POINTER, "what was moved from is empty");
+    check(status_of([&] { frame.hull(); }) == PCMVS_STATUS_NULL_POINTER, "and says so");
+    rig = pcmvs::Rig();
+    check(moved.try_reconstruct(views, &options) == PCMVS_STATUS_OK, "a frame outlives its rig");
+    capture_free(&capture);
+    return failures;
+}
