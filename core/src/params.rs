@@ -162,10 +162,9 @@ impl Params {
                 search: SearchParams {
                     window_radius: 3,
                     step_pixels: 0.6,
-                    vote: VoteParams { agreement_radius: 3, ..vote },
+                    vote: VoteParams { agreement_radius: 0, ..vote },
                     ..search
                 },
-                substitute_below: 0.22,
                 clean: CleanParams { radius_pixels: 2.5, ..clean },
                 ..detection
             },
