@@ -45,6 +45,10 @@ pub struct Reconstruct {
     /// Set of parameters
     #[arg(long, value_enum, default_value_t = PresetName::Default)]
     pub preset: PresetName,
+    /// A parameter that differs from the preset's: its path in the library's `Params` and its value as JSON. Not part of
+    /// the stable command line: the parameters may change with any version
+    #[arg(long = "set", value_name = "KEY=VALUE", hide = true)]
+    pub overrides: Vec<String>,
     /// Where silhouettes come from: mask files, or the backdrop's colour in scene.json
     #[arg(long, value_enum, default_value_t = MaskSource::File)]
     pub masks: MaskSource,

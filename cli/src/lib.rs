@@ -8,6 +8,7 @@ mod fingerprint;
 mod frame;
 mod import;
 mod output;
+mod overrides;
 mod pictures;
 mod progress;
 mod reconstruct;

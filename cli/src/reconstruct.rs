@@ -6,7 +6,7 @@ use crate::{
     failure::Failure,
     fingerprint::Fingerprint,
     frame::Job,
-    output,
+    output, overrides,
     progress::Console,
     report::{self, FrameFailure, FrameReport, Report, earlier_frames, peak_memory},
     scene::Scene,
@@ -37,7 +37,10 @@ pub fn run(options: &Reconstruct, cancelled: &AtomicBool) -> Result<(), Failure>
     }
     let cameras = cameras(&scene)?;
     let rig = Rig::new(&cameras).map_err(|error| scene.explain(&error, None))?;
-    let params = Params::preset(options.preset.preset());
+    let mut params = Params::preset(options.preset.preset());
+    for assignment in &options.overrides {
+        params = overrides::set(&params, assignment).map_err(Failure::Input)?;
+    }
     let key = chroma_key(options.masks, &scene)?;
     let settings = settings(options.format, &params, &cameras, key.as_ref())?;
     let threads = match options.threads {

@@ -1,5 +1,6 @@
 //! Eigenvectors of symmetric 3 x 3 matrices: local surface normals by PCA.
 
+use crate::math::inverse_sqrt;
 use glam::Vec3;
 
 /// Eigenvalues, largest first, and the unit eigenvector of the smallest, by cyclic Jacobi rotations. The matrix is
@@ -7,8 +8,8 @@ use glam::Vec3;
 pub fn principal([xx, xy, xz, yy, yz, zz]: [f32; 6]) -> ([f32; 3], Vec3) {
     let mut a = [[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]];
     let mut v = [[1.0f32, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
-    // Four sweeps reach single precision.
-    for _ in 0..4 {
+    // Three sweeps reach single precision: convergence is quadratic.
+    for _ in 0..3 {
         for (p, q) in [(0, 1), (0, 2), (1, 2)] {
             if a[p][q] == 0.0 {
                 continue;
@@ -16,7 +17,7 @@ pub fn principal([xx, xy, xz, yy, yz, zz]: [f32; 6]) -> ([f32; 3], Vec3) {
             let theta = (a[q][q] - a[p][p]) / (2.0 * a[p][q]);
             let t = 1.0 / (theta.abs() + libm::sqrtf(theta * theta + 1.0));
             let t = if theta < 0.0 { -t } else { t };
-            let c = 1.0 / libm::sqrtf(t * t + 1.0);
+            let c = inverse_sqrt(t * t + 1.0);
             let s = t * c;
             let r = 3 - p - q;
             let (apq, apr, aqr) = (a[p][q], a[p][r], a[q][r]);

@@ -46,6 +46,14 @@ pub enum Error {
         /// Views needed.
         needed: u32,
     },
+    /// The number of pictures is not the number of cameras.
+    #[error("{given} pictures given for {cameras} cameras: give one a camera, in the same order")]
+    ViewCount {
+        /// Pictures given.
+        given: u32,
+        /// Cameras in the rig.
+        cameras: u32,
+    },
     /// No point of space projects into all silhouettes that see it.
     #[error(
         "the visual hull is empty: the silhouettes do not meet in space. \

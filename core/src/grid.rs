@@ -1,5 +1,6 @@
 //! A uniform grid of which only some blocks are stored: what hull, Poisson solver and marching cubes share.
 
+use crate::math::floor;
 use alloc::{vec, vec::Vec};
 use glam::Vec3;
 
@@ -96,7 +97,6 @@ impl SparseGrid {
     #[inline]
     pub fn interpolate(&self, values: &[f32], p: Vec3, outside: f32, inside: f32) -> f32 {
         let q = (p - self.origin) / self.voxel;
-        let floor = |v: f32| libm::floorf(v) as i32;
         let (x, y, z) = (floor(q.x), floor(q.y), floor(q.z));
         let (fx, fy, fz) = (q.x - x as f32, q.y - y as f32, q.z - z as f32);
         let lerp = |a: f32, b: f32, t: f32| a + (b - a) * t;

@@ -13,6 +13,7 @@ pub mod grid;
 pub mod hash;
 pub mod hull;
 pub mod image;
+mod math;
 pub mod merge;
 pub mod mesh;
 pub mod params;
@@ -27,7 +28,6 @@ mod undistort;
 pub mod view;
 
 use alloc::vec::Vec;
-use detect::Level;
 use hull::VisualHull;
 use params::Method;
 
@@ -56,7 +56,7 @@ pub struct Reconstruction {
     pub stages: Stages,
 }
 
-/// Reconstructs one frame: one input a camera of the rig, in the rig's order.
+/// Reconstructs one frame from one input a camera, in the order in which the cameras were given to [`Rig::new`].
 ///
 /// # Errors
 /// Every [`Error`]; nothing is kept of a frame that fails.
@@ -67,6 +67,9 @@ pub fn reconstruct(
     executor: &impl Executor,
     progress: &dyn Progress,
 ) -> Result<Reconstruction> {
+    if inputs.len() != rig.cameras().len() {
+        return Err(Error::ViewCount { given: inputs.len() as u32, cameras: rig.cameras().len() as u32 });
+    }
     let mut counts = Counts::default();
     let views = timed(progress, Stage::Views, || views(rig, inputs, executor, progress))?;
 
@@ -97,8 +100,6 @@ fn pcmvs(
     executor: &impl Executor,
     progress: &dyn Progress,
 ) -> Result<Mesh> {
-    let full = executor.map(views.len(), |i| Level::full(&views[i]));
-
     // §4.4: points that the silhouettes alone give.
     timed(progress, Stage::Contours, || {
         let found = executor.map(views.len(), |i| {
@@ -116,12 +117,13 @@ fn pcmvs(
     // §4.1 to §4.3, coarse to fine.
     if params.coarse.is_some() {
         stages.coarse = timed(progress, Stage::Coarse, || {
-            stages::coarse(&full, &stages.frontier, hull, params, executor, progress)
+            stages::coarse(views, &stages.hull, &stages.frontier, hull, params, executor, progress)
         })?;
     }
     timed(progress, Stage::Detect, || {
-        let detect = |i| stages::detect(i, &full, hull, &stages.coarse, params, progress);
-        for found in executor.map(full.len(), detect) {
+        let levels = stages::levels(views, params, executor);
+        let detect = |i| stages::detect(i, &levels, hull, &stages.hull, &stages.coarse, params, progress);
+        for found in executor.map(views.len(), detect) {
             let (cloud, found) = found?;
             stages.detected.push(cloud);
             counts.add_detection(&found);
@@ -141,7 +143,8 @@ fn pcmvs(
 fn views(rig: &Rig, inputs: &[ViewInput], executor: &impl Executor, progress: &dyn Progress) -> Result<Vec<View>> {
     let views = executor.map(inputs.len(), |i| {
         progress::step(progress, Stage::Views, i as u32, inputs.len() as u32)?;
-        View::new(rig, i, &inputs[i])
+        let given = rig.order()[i] as usize;
+        View::new(rig, given, &inputs[given])
     });
     views.into_iter().collect()
 }
@@ -153,3 +156,8 @@ fn timed<T>(progress: &dyn Progress, stage: Stage, work: impl FnOnce() -> Result
     progress.mark(stage, false);
     result
 }
+
+/// The README's example compiles.
+#[cfg(doctest)]
+#[doc = include_str!("../../README.md")]
+struct Readme;

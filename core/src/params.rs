@@ -11,6 +11,7 @@ use crate::{
 
 /// All parameters of a reconstruction.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Deserialize), serde(deny_unknown_fields))]
 #[non_exhaustive]
 pub struct Params {
     /// Which steps run.
@@ -35,6 +36,7 @@ pub struct Params {
 
 /// Which result is made.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Deserialize))]
 #[non_exhaustive]
 pub enum Method {
     /// The visual hull's own mesh, the baseline.
@@ -45,6 +47,7 @@ pub enum Method {
 
 /// Visual hull (§0).
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Deserialize), serde(deny_unknown_fields))]
 pub struct HullParams {
     /// Distance of the grid's nodes in pixels of footprint at the object.
     pub voxel_pixels: f32,
@@ -52,8 +55,9 @@ pub struct HullParams {
 
 /// A pass of detection and meshing whose result guides the next.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Deserialize), serde(deny_unknown_fields))]
 pub struct CoarseParams {
-    /// How it detects, in pictures of half the resolution.
+    /// How it detects.
     pub detection: DetectionParams,
     /// Distance of its mesh's grid nodes in pixels of footprint.
     pub voxel_pixels: f32,
@@ -61,7 +65,10 @@ pub struct CoarseParams {
 
 /// Point cloud detection (§4).
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Deserialize), serde(deny_unknown_fields))]
 pub struct DetectionParams {
+    /// In pictures of half the resolution.
+    pub halved: bool,
     /// §4.1.
     pub search: SearchParams,
     /// How far round a guiding mesh the search runs, in pixels of footprint along the ray.
@@ -78,6 +85,7 @@ pub struct DetectionParams {
 
 /// Merging (§5).
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Deserialize), serde(deny_unknown_fields))]
 pub struct MergingParams {
     /// §5.1, if it runs.
     pub downsample: Option<DownsampleParams>,
@@ -87,10 +95,13 @@ pub struct MergingParams {
     pub frontier_weight: f32,
     /// Weight in meshing of an implicit point.
     pub implicit_weight: f32,
+    /// Points weigh as much as they are trusted (eq. 3, §6.1); off, only for ablation, all weigh the same.
+    pub fidelity_weights: bool,
 }
 
 /// Meshing (§6).
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Deserialize), serde(deny_unknown_fields))]
 pub struct MeshingParams {
     /// Distance of the grid's nodes in pixels of footprint at the object.
     pub voxel_pixels: f32,
@@ -107,6 +118,7 @@ pub struct MeshingParams {
 
 /// Colours (§7).
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Deserialize), serde(deny_unknown_fields))]
 pub struct ColourParams {
     /// Solve one gain per camera and channel from overlapping views.
     pub gains: bool,
@@ -131,11 +143,12 @@ pub enum Preset {
 impl Params {
     /// The parameters of a preset.
     pub fn preset(preset: Preset) -> Self {
-        let clean = CleanParams { radius_pixels: 3.0, density: 0.5, flatness: 0.5, facing: 0.3 };
-        let vote = VoteParams { smoothing: 0.8, local_maximum: true, spread: 1.0 };
+        let clean = CleanParams { radius_pixels: 4.0, density: 0.5, flatness: 0.5, facing: 0.3 };
+        let vote = VoteParams { smoothing: 0.8, local_maximum: true, spread: 1.0, agreement_radius: 2 };
         let search =
-            SearchParams { neighbours: 4, window_radius: 3, step_pixels: 0.5, follow_guide: true, vote, refine: true };
+            SearchParams { neighbours: 4, window_radius: 2, step_pixels: 0.5, follow_guide: true, vote, refine: true };
         let detection = DetectionParams {
+            halved: false,
             search,
             band_pixels: 6.0,
             substitute_below: 0.25,
@@ -145,7 +158,14 @@ impl Params {
         };
         let coarse = CoarseParams {
             detection: DetectionParams {
-                search: SearchParams { step_pixels: 0.6, ..search },
+                halved: true,
+                search: SearchParams {
+                    window_radius: 3,
+                    step_pixels: 0.6,
+                    vote: VoteParams { agreement_radius: 3, ..vote },
+                    ..search
+                },
+                substitute_below: 0.22,
                 clean: CleanParams { radius_pixels: 2.5, ..clean },
                 ..detection
             },
@@ -156,12 +176,18 @@ impl Params {
             hull: HullParams { voxel_pixels: 1.5 },
             coarse: Some(coarse),
             detection,
-            frontier: Some(FrontierParams { longest_pixels: 20.0 }),
+            frontier: Some(FrontierParams { longest_pixels: 40.0 }),
             implicit: true,
-            merging: MergingParams { downsample: None, conflicts: None, frontier_weight: 8.0, implicit_weight: 0.1 },
+            merging: MergingParams {
+                downsample: None,
+                conflicts: None,
+                frontier_weight: 16.0,
+                implicit_weight: 0.1,
+                fidelity_weights: true,
+            },
             meshing: MeshingParams {
-                voxel_pixels: 1.25,
-                screening: 1.0,
+                voxel_pixels: 1.5,
+                screening: 0.5,
                 envelope: true,
                 space_constraint: true,
                 smallest_component: 0.01,
@@ -175,9 +201,10 @@ impl Params {
                 coarse: None,
                 detection: DetectionParams {
                     search: SearchParams {
+                        window_radius: 3,
                         follow_guide: false,
                         refine: false,
-                        vote: VoteParams { spread: 0.0, ..vote },
+                        vote: VoteParams { spread: 0.0, agreement_radius: 0, ..vote },
                         ..search
                     },
                     substituted_weight: 0.25,
@@ -192,9 +219,11 @@ impl Params {
                 colour: ColourParams { gains: false, blended_views: 1 },
                 ..default
             },
+            // The coarse pass alone.
             Preset::Preview => Self {
                 hull: HullParams { voxel_pixels: 2.5 },
                 coarse: None,
+                detection: coarse.detection,
                 meshing: MeshingParams { voxel_pixels: 2.5, ..default.meshing },
                 ..default
             },

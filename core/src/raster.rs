@@ -40,28 +40,98 @@ impl Raster {
         self.inverse[y as usize * self.width + x as usize] * (pixel.z - tolerance) <= 1.0
     }
 
-    /// Rasterises a triangle if it faces the camera: pixels whose centres it holds, 1/depth being linear in the image.
+    /// Keeps a triangle's depths where it is the nearest front.
     fn fill(&mut self, corners: [Vec3; 3]) {
-        let [a, b, c] = corners;
-        let area = (b.x - a.x) * (c.y - a.y) - (c.x - a.x) * (b.y - a.y);
-        // With y down a triangle that is counter-clockwise seen from the camera has negative area.
-        if !(area < 0.0) || a.z <= 0.0 || b.z <= 0.0 || c.z <= 0.0 {
-            return;
+        let (width, inverse) = (self.width, &mut self.inverse);
+        cover(corners, self.width, self.height, |x, y, z, front| {
+            if front {
+                let nearest = &mut inverse[y * width + x];
+                *nearest = nearest.max(z);
+            }
+        });
+    }
+}
+
+/// Every crossing of a camera's pixel rays with a mesh.
+#[derive(Debug, Default)]
+pub struct Crossings {
+    /// Per pixel the first of its crossings, then one end.
+    starts: Vec<u32>,
+    /// Inverse depth, and whether the ray enters the mesh there.
+    crossings: Vec<(f32, bool)>,
+}
+
+impl Crossings {
+    /// Finds the crossings of all pixels' rays.
+    pub fn new(mesh: &Mesh, camera: &Pinhole) -> Self {
+        let projected: Vec<Vec3> = mesh.positions.iter().map(|&p| camera.project(p)).collect();
+        let (w, h) = (camera.width as usize, camera.height as usize);
+        let each = |f: &mut dyn FnMut(usize, f32, bool)| {
+            for triangle in &mesh.triangles {
+                cover(triangle.map(|i| projected[i as usize]), w, h, |x, y, z, front| f(y * w + x, z, front));
+            }
+        };
+        let mut starts = alloc::vec![0u32; w * h + 1];
+        each(&mut |pixel, _, _| starts[pixel + 1] += 1);
+        for i in 1..starts.len() {
+            starts[i] += starts[i - 1];
         }
-        let low = |a: f32, b: f32, c: f32| libm::ceilf(a.min(b).min(c)).max(0.0) as usize;
-        let high =
-            |a: f32, b: f32, c: f32, n: usize| (libm::floorf(a.max(b).max(c)) + 1.0).clamp(0.0, n as f32) as usize;
-        let inverse = [1.0 / a.z, 1.0 / b.z, 1.0 / c.z];
-        for y in low(a.y, b.y, c.y)..high(a.y, b.y, c.y, self.height) {
-            for x in low(a.x, b.x, c.x)..high(a.x, b.x, c.x, self.width) {
-                let (u, v) = (x as f32, y as f32);
-                let edge = |p: Vec3, q: Vec3| (q.x - p.x) * (v - p.y) - (u - p.x) * (q.y - p.y);
-                let (wa, wb, wc) = (edge(b, c), edge(c, a), edge(a, b));
-                if wa <= 0.0 && wb <= 0.0 && wc <= 0.0 {
-                    let depth = (wa * inverse[0] + wb * inverse[1] + wc * inverse[2]) / area;
-                    let i = y * self.width + x;
-                    self.inverse[i] = self.inverse[i].max(depth);
+        let mut next = starts.clone();
+        let mut crossings = alloc::vec![(0.0, false); starts[w * h] as usize];
+        each(&mut |pixel, z, front| {
+            crossings[next[pixel] as usize] = (z, front);
+            next[pixel] += 1;
+        });
+        Self { starts, crossings }
+    }
+
+    /// Depths at which a pixel's ray enters and leaves the mesh, nearest first.
+    pub fn intervals(&mut self, pixel: usize, mut f: impl FnMut(f32, f32)) {
+        let crossings = &mut self.crossings[self.starts[pixel] as usize..self.starts[pixel + 1] as usize];
+        crossings.sort_unstable_by(|a, b| b.0.total_cmp(&a.0).then(b.1.cmp(&a.1)));
+        // A ray through an edge may cross both its triangles, or neither: only changes of side count.
+        let mut entered = None;
+        for &(z, front) in crossings.iter() {
+            match (front, entered) {
+                (true, None) => entered = Some(1.0 / z),
+                (false, Some(near)) => {
+                    f(near, 1.0 / z);
+                    entered = None;
                 }
+                _ => {}
+            }
+        }
+    }
+}
+
+/// Calls `f` with the pixels whose centres a triangle covers, its inverse depth there (which is linear in the image)
+/// and whether it faces the camera.
+#[inline]
+fn cover([a, b, c]: [Vec3; 3], width: usize, height: usize, mut f: impl FnMut(usize, usize, f32, bool)) {
+    let area = (b.x - a.x) * (c.y - a.y) - (c.x - a.x) * (b.y - a.y);
+    if area == 0.0 || !area.is_finite() || a.z <= 0.0 || b.z <= 0.0 || c.z <= 0.0 {
+        return;
+    }
+    // Truncation is floor here: negative values are clamped first.
+    let high = |a: f32, b: f32, c: f32, n: usize| ((a.max(b).max(c) + 1.0).max(0.0) as usize).min(n);
+    let low = |a: f32, b: f32, c: f32| {
+        let v = a.min(b).min(c).max(0.0);
+        let floor = v as usize;
+        floor + usize::from(floor as f32 != v)
+    };
+    let (y0, y1) = (low(a.y, b.y, c.y), high(a.y, b.y, c.y, height));
+    let (x0, x1) = (low(a.x, b.x, c.x), high(a.x, b.x, c.x, width));
+    let inverse = [1.0 / a.z / area, 1.0 / b.z / area, 1.0 / c.z / area];
+    // With y down a triangle that is counter-clockwise seen from the camera has negative area.
+    let front = area < 0.0;
+    for y in y0..y1 {
+        for x in x0..x1 {
+            let (u, v) = (x as f32, y as f32);
+            let edge = |p: Vec3, q: Vec3| (q.x - p.x) * (v - p.y) - (u - p.x) * (q.y - p.y);
+            let (wa, wb, wc) = (edge(b, c), edge(c, a), edge(a, b));
+            let inside = if front { wa.max(wb).max(wc) <= 0.0 } else { wa.min(wb).min(wc) >= 0.0 };
+            if inside {
+                f(x, y, wa * inverse[0] + wb * inverse[1] + wc * inverse[2], front);
             }
         }
     }

@@ -17,6 +17,7 @@ pub struct Rig {
     cameras: Vec<Camera>,
     pinholes: Vec<Pinhole>,
     undistortions: Vec<Option<Undistortion>>,
+    order: Vec<u32>,
     origin: DVec3,
     radius: f32,
 }
@@ -33,7 +34,8 @@ impl Rig {
         for (i, camera) in cameras.iter().enumerate() {
             camera.check().map_err(|problem| Error::Camera { camera: i as u32, problem })?;
         }
-        let origin = meeting_point(cameras);
+        let order = canonical_order(cameras);
+        let origin = meeting_point(order.iter().map(|&i| &cameras[i as usize]));
         let radius = cameras.iter().map(|c| (c.centre() - origin).length()).fold(0.0, f64::max);
         for (j, b) in cameras.iter().enumerate() {
             for (i, a) in cameras[..j].iter().enumerate() {
@@ -45,12 +47,18 @@ impl Rig {
         }
         let pinholes = cameras.iter().map(|c| Pinhole::new(c, origin)).collect();
         let undistortions = cameras.iter().map(Undistortion::new).collect();
-        Ok(Self { cameras: cameras.to_vec(), pinholes, undistortions, origin, radius: radius as f32 })
+        Ok(Self { cameras: cameras.to_vec(), pinholes, undistortions, order, origin, radius: radius as f32 })
     }
 
     /// The cameras as given.
     pub fn cameras(&self) -> &[Camera] {
         &self.cameras
+    }
+
+    /// The order in which the stages take the views: `order()[k]` is the index, as given, of the k-th camera. It
+    /// depends on the cameras only, so that a result does not depend on how they were numbered.
+    pub fn order(&self) -> &[u32] {
+        &self.order
     }
 
     /// The cameras without distortion, relative to the origin.
@@ -74,9 +82,25 @@ impl Rig {
     }
 }
 
+/// Indices of the cameras sorted by where they are and where they look, so that results do not depend on the order
+/// in which a host numbers them.
+fn canonical_order(cameras: &[Camera]) -> Vec<u32> {
+    let key = |i: u32| {
+        let camera = &cameras[i as usize];
+        let (c, d) = (camera.centre(), camera.direction());
+        [c.x, c.y, c.z, d.x, d.y, d.z, camera.k[0][0], camera.k[0][2], camera.k[1][2]]
+    };
+    let mut order: Vec<u32> = (0..cameras.len() as u32).collect();
+    order.sort_by(|&a, &b| {
+        let unequal = key(a).into_iter().zip(key(b)).map(|(a, b)| a.total_cmp(&b)).find(|o| o.is_ne());
+        unequal.unwrap_or(core::cmp::Ordering::Equal)
+    });
+    order
+}
+
 /// The point nearest to all optical axes; slightly drawn to the cameras' mean so that parallel axes have one too.
-fn meeting_point(cameras: &[Camera]) -> DVec3 {
-    let mean = cameras.iter().map(Camera::centre).sum::<DVec3>() / cameras.len() as f64;
+fn meeting_point<'a>(cameras: impl ExactSizeIterator<Item = &'a Camera> + Clone) -> DVec3 {
+    let mean = cameras.clone().map(Camera::centre).sum::<DVec3>() / cameras.len() as f64;
     let (mut a, mut b) = (DMat3::IDENTITY * 1e-9, mean * 1e-9);
     for camera in cameras {
         let d = camera.direction();

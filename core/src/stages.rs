@@ -75,12 +75,13 @@ pub fn implicit(hull_mesh: &Mesh, views: &[View], params: &Params) -> PointCloud
     cloud
 }
 
-/// The mesh of the coarse pass, which guides the second; empty if `params` does without. `full` are all views.
+/// The mesh of the coarse pass, which guides the second; empty if `params` does without.
 ///
 /// # Errors
 /// [`crate::Error::NoSurface`] and [`crate::Error::Cancelled`].
 pub fn coarse(
-    full: &[Level],
+    views: &[View],
+    hull_mesh: &Mesh,
     frontier: &[Point],
     hull: &VisualHull,
     params: &Params,
@@ -88,10 +89,11 @@ pub fn coarse(
     progress: &dyn Progress,
 ) -> Result<Mesh> {
     let Some(p) = &params.coarse else { return Ok(Mesh::default()) };
-    let half = executor.map(full.len(), |i| full[i].halved());
+    let levels = executor.map(views.len(), |i| Level::new(&views[i], p.detection.halved));
     let detecting = Part { of: progress, stage: Stage::Coarse, part: 0, parts: 2 };
     let meshing = Part { part: 1, ..detecting };
-    let found = executor.map(half.len(), |i| detect::detect(i, &half, hull, Guide::Hull, &p.detection, &detecting));
+    let guide = Guide::Hull(hull_mesh);
+    let found = executor.map(levels.len(), |i| detect::detect(i, &levels, hull, guide, &p.detection, &detecting));
     let mut cloud = frontier.to_vec();
     for found in found {
         cloud.extend(found?.0);
@@ -100,21 +102,27 @@ pub fn coarse(
     Ok(mesh::mesh(&cloud, hull, voxel, &params.meshing, &meshing)?.mesh)
 }
 
-/// The cleaned points of one view (§4.1 to §4.3) and what was counted. `full` are all views, `coarse` is
-/// [`coarse`]'s result.
+/// All views at the resolution at which `params` detects.
+pub fn levels(views: &[View], params: &Params, executor: &impl Executor) -> Vec<Level> {
+    executor.map(views.len(), |i| Level::new(&views[i], params.detection.halved))
+}
+
+/// The cleaned points of one view (§4.1 to §4.3) and what was counted. `levels` are all views
+/// at the resolution of `params.detection` ([`levels`]), `hull_mesh` and `coarse` the results of [`hull_mesh`] and [`coarse`].
 ///
 /// # Errors
 /// [`crate::Error::Cancelled`].
 pub fn detect(
     view: usize,
-    full: &[Level],
+    levels: &[Level],
     hull: &VisualHull,
+    hull_mesh: &Mesh,
     coarse: &Mesh,
     params: &Params,
     progress: &dyn Progress,
 ) -> Result<(PointCloud, Counts)> {
-    let guide = if params.coarse.is_some() { Guide::Surface(coarse) } else { Guide::Hull };
-    detect::detect(view, full, hull, guide, &params.detection, progress)
+    let guide = if params.coarse.is_some() { Guide::Surface(coarse) } else { Guide::Hull(hull_mesh) };
+    detect::detect(view, levels, hull, guide, &params.detection, progress)
 }
 
 /// The points of all stages so far as one cloud (§5).

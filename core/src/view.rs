@@ -36,7 +36,7 @@ pub struct ViewInput<'a> {
 /// A camera's picture and silhouette, resampled to the camera without distortion.
 #[derive(Debug, Clone)]
 pub struct View {
-    /// Index of the camera in the rig.
+    /// Place of the camera in [`Rig::order`].
     pub index: u16,
     /// The camera.
     pub camera: Pinhole,
@@ -60,7 +60,7 @@ impl View {
         hash
     }
 
-    /// Reads a camera's picture and silhouette.
+    /// Reads the picture and silhouette of a camera, given by its index in the rig.
     ///
     /// # Errors
     /// [`Error::Image`] and [`Error::Silhouette`] name the camera and what does not fit.
@@ -109,6 +109,7 @@ impl View {
         });
         let luma = rgb.chunks_exact(3).map(|p| luma([p[0], p[1], p[2]])).collect();
         let silhouette = silhouette.transpose()?;
-        Ok(Self { index: index as u16, camera: rig.pinholes()[index], rgb, luma, silhouette })
+        let place = rig.order().iter().position(|&i| i as usize == index);
+        Ok(Self { index: place.unwrap_or(index) as u16, camera: rig.pinholes()[index], rgb, luma, silhouette })
     }
 }

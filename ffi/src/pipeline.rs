@@ -38,7 +38,7 @@ pub(crate) struct Pipeline {
     params: Params,
     /// The last stage that is complete; detection counts as complete when merging has asked for it.
     reached: Option<Stage>,
-    /// Views until the hull takes them.
+    /// Views in the order of the stages, until the hull takes them.
     views: Vec<Mutex<Option<View>>>,
     carved: Option<Carved>,
     levels: Vec<Level>,
@@ -75,6 +75,14 @@ impl Pipeline {
         self.views.len()
     }
 
+    /// The stages' place of a camera that is numbered as given.
+    pub fn place(&self, camera: usize) -> Result<usize> {
+        let place = self.rig.order().iter().position(|&i| i as usize == camera);
+        place.ok_or_else(|| {
+            Failure::new(InvalidArgument, format!("there is no camera {camera}: the rig has {}", self.cameras()))
+        })
+    }
+
     /// Fails unless `stage` is complete.
     pub fn require(&self, stage: Stage) -> Result<()> {
         if self.reached >= Some(stage) {
@@ -86,7 +94,7 @@ impl Pipeline {
     /// Reads a camera's picture and silhouette.
     pub fn view(&self, camera: usize, input: &ViewInput, progress: &HostProgress) -> Result<()> {
         self.timed(Stage::Views, || {
-            let slot = self.views.get(camera).ok_or_else(|| no_camera(camera, self.cameras()))?;
+            let slot = &self.views[self.place(camera)?];
             if self.reached.is_some() {
                 return Err(Failure::new(WrongOrder, "the hull has been made of all views: begin a new frame"));
             }
@@ -100,12 +108,12 @@ impl Pipeline {
     /// §0: carves the hull.
     pub fn hull(&mut self, progress: &HostProgress) -> Result<()> {
         self.alone(Stage::Hull, |this| {
-            let missing = this.views.iter_mut().position(|slot| slot_of(slot).is_none());
+            let missing = first_missing(&this.rig, &mut this.views);
             if this.carved.is_none()
                 && let Some(camera) = missing
             {
                 let problem = format!("camera {camera} has no view yet: give every camera one");
-                return Err(Failure::new(WrongOrder, problem).of_camera(camera as u32));
+                return Err(Failure::new(WrongOrder, problem).of_camera(camera));
             }
             let views = match this.carved.take() {
                 Some(carved) => carved.into_owner(),
@@ -138,7 +146,6 @@ impl Pipeline {
             }
             let carved = carved(&this.carved)?;
             let (views, hull) = (carved.borrow_owner(), carved.borrow_dependent());
-            this.levels = threads.map(views.len(), |i| Level::full(&views[i]));
             let found = threads.map(views.len(), |i| {
                 step(progress, Stage::Contours, i, views.len())?;
                 Ok(stages::frontier(&views[i], hull, &this.params))
@@ -155,9 +162,11 @@ impl Pipeline {
     pub fn coarse(&mut self, threads: &HostThreads, progress: &HostProgress) -> Result<()> {
         self.alone(Stage::Coarse, |this| {
             if this.params.method != Method::Hull {
-                let hull = carved(&this.carved)?.borrow_dependent();
-                let (levels, frontier) = (&this.levels, &this.stages.frontier);
-                this.stages.coarse = stages::coarse(levels, frontier, hull, &this.params, threads, progress)?;
+                let carved = carved(&this.carved)?;
+                let (views, hull) = (carved.borrow_owner(), carved.borrow_dependent());
+                let (mesh, frontier) = (&this.stages.hull, &this.stages.frontier);
+                this.stages.coarse = stages::coarse(views, mesh, frontier, hull, &this.params, threads, progress)?;
+                this.levels = stages::levels(views, &this.params, threads);
             }
             this.detected.iter_mut().for_each(|slot| *slot_of(slot) = None);
             Ok(())
@@ -167,7 +176,7 @@ impl Pipeline {
     /// §4.1 to §4.3: the points of one view.
     pub fn detect(&self, camera: usize, progress: &HostProgress) -> Result<()> {
         self.timed(Stage::Detect, || {
-            let slot = self.detected.get(camera).ok_or_else(|| no_camera(camera, self.cameras()))?;
+            let place = self.place(camera)?;
             self.require(Stage::Coarse)?;
             if self.reached > Some(Stage::Coarse) {
                 return Err(Failure::new(WrongOrder, "the points of all views have been merged already"));
@@ -176,9 +185,10 @@ impl Pipeline {
                 (PointCloud::new(), Counts::default())
             } else {
                 let hull = carved(&self.carved)?.borrow_dependent();
-                stages::detect(camera, &self.levels, hull, &self.stages.coarse, &self.params, progress)?
+                let Stages { hull: mesh, coarse, .. } = &self.stages;
+                stages::detect(place, &self.levels, hull, mesh, coarse, &self.params, progress)?
             };
-            *slot.lock().unwrap_or_else(PoisonError::into_inner) = Some(found);
+            *self.detected[place].lock().unwrap_or_else(PoisonError::into_inner) = Some(found);
             Ok(())
         })
     }
@@ -187,9 +197,9 @@ impl Pipeline {
     pub fn merge(&mut self, progress: &HostProgress) -> Result<()> {
         self.require(Stage::Coarse).map_err(|failure| failure.at(pcmvs_stage::Merge))?;
         if self.reached < Some(Stage::Detect) {
-            if let Some(camera) = self.detected.iter_mut().position(|slot| slot_of(slot).is_none()) {
+            if let Some(camera) = first_missing(&self.rig, &mut self.detected) {
                 let problem = format!("camera {camera} has no detected points yet: call pcmvs_frame_detect for it");
-                return Err(Failure::new(WrongOrder, problem).of_camera(camera as u32).at(pcmvs_stage::Merge));
+                return Err(Failure::new(WrongOrder, problem).of_camera(camera).at(pcmvs_stage::Merge));
             }
             self.stages.detected.clear();
             for slot in &mut self.detected {
@@ -317,12 +327,14 @@ fn carved(carved: &Option<Carved>) -> Result<&Carved> {
     carved.as_ref().ok_or_else(|| Failure::new(WrongOrder, "there is no hull yet"))
 }
 
-fn slot_of<T>(slot: &mut Mutex<T>) -> &mut T {
-    slot.get_mut().unwrap_or_else(PoisonError::into_inner)
+/// The first camera, numbered as given, whose slot is empty.
+fn first_missing<T>(rig: &Rig, slots: &mut [Mutex<Option<T>>]) -> Option<u32> {
+    let missing = slots.iter_mut().zip(rig.order()).filter(|(slot, _)| slot_of(slot).is_none());
+    missing.map(|(_, &camera)| camera).min()
 }
 
-fn no_camera(camera: usize, cameras: usize) -> Failure {
-    Failure::new(InvalidArgument, format!("there is no camera {camera}: the rig has {cameras}"))
+fn slot_of<T>(slot: &mut Mutex<T>) -> &mut T {
+    slot.get_mut().unwrap_or_else(PoisonError::into_inner)
 }
 
 fn step(progress: &HostProgress, stage: Stage, done: usize, total: usize) -> Result<()> {

@@ -1,2 +1,64 @@
-//! Set-up and checks.
-fn main() {}
+//! Set-up and checks: `cargo xtask demo | test | bench`.
+
+mod bench;
+mod captured;
+mod demo;
+mod measure;
+mod no_std;
+mod process;
+mod steps;
+mod tables;
+mod test;
+
+use clap::{Parser, Subcommand};
+use std::process::ExitCode;
+
+/// Why a task ended early, for a person.
+type Result<T> = std::result::Result<T, String>;
+
+#[derive(Debug, Parser)]
+#[command(name = "cargo xtask")]
+struct Arguments {
+    #[command(subcommand)]
+    task: Task,
+}
+
+#[derive(Debug, Subcommand)]
+enum Task {
+    /// Reconstruct a sample capture, made on the spot, into out/demo
+    Demo {
+        /// Do not open the page that plays the result (there is none yet)
+        #[arg(long)]
+        no_serve: bool,
+    },
+    /// Set up what is missing and check everything
+    Test {
+        /// Also the captured scenes: PCMVS_DATA names their folder, PCMVS_SCORE the tool that scores them
+        #[arg(long)]
+        all: bool,
+    },
+    /// Measure on the captured scenes and renew the tables of BENCHMARKS.md
+    Bench {
+        /// One scene only, and the tables go to the terminal
+        #[arg(long)]
+        quick: bool,
+        /// One table only: scores, ablations-default, configurations or ablations-paper
+        #[arg(long)]
+        part: Option<String>,
+    },
+}
+
+fn main() -> ExitCode {
+    let result = match Arguments::parse().task {
+        Task::Demo { no_serve: _ } => demo::run(),
+        Task::Test { all } => test::run(all),
+        Task::Bench { quick, part } => bench::run(quick, part.as_deref()),
+    };
+    match result {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(message) => {
+            eprintln!("error: {message}");
+            ExitCode::FAILURE
+        }
+    }
+}

@@ -11,6 +11,7 @@ use glam::Vec3;
 
 /// The constraints of §4.3.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Deserialize), serde(deny_unknown_fields))]
 pub struct CleanParams {
     /// Radius of a point's neighbourhood in pixels of footprint.
     pub radius_pixels: f32,
@@ -21,6 +22,9 @@ pub struct CleanParams {
     /// A point goes if |n·c| is smaller, c the direction to the camera; 0 switches it off.
     pub facing: f32,
 }
+
+/// Windows of at least this reach in pixels are sampled more sparsely.
+const WIDE: usize = 4;
 
 /// A view's points with normals: what is left of a depth map. `rank` tells per pixel how its depth came about.
 pub fn clean(
@@ -36,6 +40,9 @@ pub fn clean(
         (0..w * h).map(|i| level.camera.unproject((i % w) as f32, (i / w) as f32, map.depth[i])).collect();
     // Points of one view lie on a pixel each, so a ball's points are within a window of pixels.
     let reach = libm::ceilf(params.radius_pixels) as usize;
+    // A wide window is read at every second pixel.
+    let stride = if reach < WIDE { 1 } else { 2 };
+    let window = |v: usize, n: usize| (v - (v.min(reach) / stride) * stride..(v + reach + 1).min(n)).step_by(stride);
     let mut fits: Vec<Option<([f32; 3], Vec3)>> = vec![None; w * h];
     let mut neighbours = vec![0u16; w * h];
     let (mut total, mut points) = (0u64, 0u64);
@@ -47,8 +54,8 @@ pub fn clean(
             }
             let radius = params.radius_pixels * level.camera.footprint(map.depth[i]);
             let mut moments = Moments::default();
-            for ny in y.saturating_sub(reach)..(y + reach + 1).min(h) {
-                for nx in x.saturating_sub(reach)..(x + reach + 1).min(w) {
+            for ny in window(y, h) {
+                for nx in window(x, w) {
                     let j = ny * w + nx;
                     let offset = positions[j] - positions[i];
                     if map.depth[j] > 0.0 && offset.length_squared() <= radius * radius {

@@ -3,7 +3,7 @@
 use super::{
     level::Level,
     range::SearchRange,
-    sweep::{TILE, Tile},
+    sweep::{TILE, TILE_PIXELS, Tile},
     vote::{Curves, VoteParams},
 };
 use crate::error::Result;
@@ -12,6 +12,7 @@ use glam::Vec3;
 
 /// How one pass of detection searches.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Deserialize), serde(deny_unknown_fields))]
 pub struct SearchParams {
     /// J: how many neighbouring views vote.
     pub neighbours: u32,
@@ -120,6 +121,13 @@ fn sweep_tile(
         }
     }
     curves.vote(neighbours.len(), &params.vote);
+    if params.vote.agreement_radius > 0 {
+        let mut own = [false; TILE_PIXELS];
+        for (x, y) in searched.clone() {
+            own[(y - y0) * TILE + x - x0] = true;
+        }
+        curves.agree(params.vote.agreement_radius as usize, &own);
+    }
     for (x, y) in searched {
         let pixel = y * w + x;
         let guide = guide[pixel];

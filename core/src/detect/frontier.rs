@@ -10,6 +10,7 @@ use glam::{Vec2, Vec3};
 
 /// Frontier points of §4.4.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Deserialize), serde(deny_unknown_fields))]
 pub struct FrontierParams {
     /// τ: a contour pixel's ray may run this long inside the other views' hull, in pixels of footprint.
     pub longest_pixels: f32,
@@ -78,7 +79,7 @@ fn contour(silhouette: &Silhouette, mut f: impl FnMut(Vec2, Vec2)) {
 /// it is short. Rays that just miss the hull by the contours' uncertainty touch it where they come nearest.
 fn touch(hull: &VisualHull, view: &View, ray: Vec3, longest: f32) -> Option<(f32, f32)> {
     let unit = 1.0 / ray.length();
-    let fine = 0.5 * hull.footprint() * unit;
+    let fine = hull.footprint() * unit;
     let (mut t, end) = hull.span(view.camera.centre, ray)?;
     let mut inside = None;
     let mut piece: Option<(f32, f32)> = None;

@@ -16,7 +16,7 @@ pub struct Level {
 
 impl Level {
     /// The view as it is.
-    pub fn full(view: &View) -> Self {
+    fn full(view: &View) -> Self {
         let inside = match &view.silhouette {
             Some(s) => s.distances().to_vec(),
             None => alloc::vec![i16::MAX; view.luma.len()],
@@ -24,8 +24,14 @@ impl Level {
         Self { camera: view.camera, luma: view.luma.clone(), inside }
     }
 
+    /// The view at the resolution that a pass asks for.
+    pub fn new(view: &View, halved: bool) -> Self {
+        let full = Self::full(view);
+        if halved { full.halved() } else { full }
+    }
+
     /// Half the resolution, means of 2 x 2 pixels.
-    pub fn halved(&self) -> Self {
+    fn halved(&self) -> Self {
         let camera = self.camera.halved();
         let (w, h, full) = (camera.width as usize, camera.height as usize, self.camera.width as usize);
         let (mut luma, mut inside) = (Vec::with_capacity(w * h), Vec::with_capacity(w * h));

@@ -32,8 +32,8 @@ use range::SearchRange;
 /// The surface that a search starts from.
 #[derive(Clone, Copy)]
 pub enum Guide<'a> {
-    /// The hull: the search runs through all of it.
-    Hull,
+    /// The hull's mesh: the search runs through all of it.
+    Hull(&'a Mesh),
     /// A mesh found before: the search stays near it.
     Surface(&'a Mesh),
 }
@@ -58,7 +58,7 @@ pub fn detect(
     let chosen = neighbours::neighbours(&cameras, view, (lower + upper) * 0.5, params.search.neighbours as usize);
     let chosen: Vec<&Level> = chosen.iter().map(|&j| &levels[j as usize]).collect();
     let range = match guide {
-        Guide::Hull => SearchRange::in_hull(level, hull),
+        Guide::Hull(mesh) => SearchRange::in_hull(level, mesh),
         Guide::Surface(mesh) => {
             let mut raster = Raster::default();
             raster.render(mesh, &level.camera);

@@ -1,7 +1,7 @@
 //! Where each pixel's search runs (§4.1): inside the hull, or in a band round a surface found before.
 
 use super::level::Level;
-use crate::hull::{Interval, VisualHull};
+use crate::{hull::Interval, point_cloud::Mesh, raster::Crossings};
 use alloc::{vec, vec::Vec};
 
 /// Depth intervals of a view's pixels and the surface that the windows follow.
@@ -15,21 +15,18 @@ pub struct SearchRange {
 }
 
 impl SearchRange {
-    /// The hull's intervals along the rays of the silhouette's pixels; the guide is the hull's front.
-    pub fn in_hull(level: &Level, hull: &VisualHull) -> Self {
-        let (w, h) = (level.camera.width, level.camera.height);
-        let mut range = Self { starts: vec![0], ..Self::default() };
-        let mut found = Vec::new();
-        for y in 0..h {
-            for x in 0..w {
-                found.clear();
-                if level.inside[(y * w + x) as usize] > 0 {
-                    hull.intervals(level.camera.centre, level.camera.ray(x as f32, y as f32), &mut found);
-                    range.intervals.extend_from_slice(&found);
-                }
-                range.guide.push(found.first().map_or(0.0, |i| i.near));
-                range.starts.push(range.intervals.len() as u32);
+    /// The pieces of the silhouette pixels' rays inside the hull, given by its mesh; the guide is the hull's front.
+    pub fn in_hull(level: &Level, hull: &Mesh) -> Self {
+        let pixels = level.inside.len();
+        let mut crossings = Crossings::new(hull, &level.camera);
+        let mut range = Self { starts: vec![0], intervals: Vec::new(), guide: vec![0.0; pixels] };
+        for pixel in 0..pixels {
+            if level.inside[pixel] > 0 {
+                crossings.intervals(pixel, |near, far| range.intervals.push(Interval { near, far }));
+                let first = range.starts[pixel] as usize;
+                range.guide[pixel] = range.intervals.get(first).map_or(0.0, |i| i.near);
             }
+            range.starts.push(range.intervals.len() as u32);
         }
         range
     }

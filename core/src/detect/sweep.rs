@@ -6,6 +6,7 @@
 //! from sheet to sheet that only moves by `Δ e`. A window is warped once a sheet, its sums are shared by all pixels.
 
 use super::level::Level;
+use crate::math::inverse_sqrt;
 use glam::Vec3;
 
 /// Pixels along a tile's edge.
@@ -19,7 +20,7 @@ const PADDED: usize = TILE + 2 * MAX_RADIUS;
 const PADDED_PIXELS: usize = PADDED * PADDED;
 
 /// Added to the variances in grey levels squared: windows whose contrast is no more than noise do not correlate.
-const NOISE_VARIANCE: f32 = 3.0;
+const NOISE_VARIANCE: f32 = 1.0;
 
 /// Buffers and plane-independent moments of one tile of the target view.
 pub struct Tile {
@@ -42,6 +43,8 @@ pub struct Tile {
     inverse_count: [f32; TILE_PIXELS],
     sum: [f32; TILE_PIXELS],
     inverse_sigma: [f32; TILE_PIXELS],
+    /// Per pixel: what the noise adds to Σ (b - b̄)².
+    noise: [f32; TILE_PIXELS],
     /// Vertical sums of b, b², ab.
     columns: [[f32; PADDED]; 3],
 }
@@ -60,6 +63,7 @@ impl Default for Tile {
             inverse_count: [0.0; TILE_PIXELS],
             sum: [0.0; TILE_PIXELS],
             inverse_sigma: [0.0; TILE_PIXELS],
+            noise: [0.0; TILE_PIXELS],
             columns: [[0.0; PADDED]; 3],
         }
     }
@@ -115,8 +119,10 @@ impl Tile {
                 let i = y * TILE + x;
                 self.inverse_count[i] = if n > 0.0 { 1.0 / n } else { 0.0 };
                 self.sum[i] = a;
+                // At least one pixel's noise, so that empty windows score 0.
+                self.noise[i] = NOISE_VARIANCE * n.max(1.0);
                 self.inverse_sigma[i] =
-                    if n > 0.0 { 1.0 / libm::sqrtf((aa - a * a / n).max(0.0) + NOISE_VARIANCE * n) } else { 0.0 };
+                    if n > 0.0 { inverse_sqrt((aa - a * a / n).max(0.0) + self.noise[i]) } else { 0.0 };
             }
         }
     }
@@ -164,21 +170,29 @@ impl Tile {
         let size = TILE + 2 * self.radius;
         let limit = (w as f32 - 1.001, height as f32 - 1.001);
         let mut visible = false;
+        let (mut us, mut vs) = ([0.0f32; PADDED], [0.0f32; PADDED]);
         for y in 0..size {
-            for k in y * PADDED..y * PADDED + size {
-                let inverse = 1.0 / (self.seen[2][k] - shift.z);
-                let (u, v) = ((self.seen[0][k] - shift.x) * inverse, (self.seen[1][k] - shift.y) * inverse);
+            let row = y * PADDED;
+            let [seen_u, seen_v, seen_w] = &self.seen;
+            let (seen_u, seen_v, seen_w) =
+                (&seen_u[row..row + PADDED], &seen_v[row..row + PADDED], &seen_w[row..row + PADDED]);
+            for x in 0..PADDED {
+                let inverse = 1.0 / (seen_w[x] - shift.z);
+                us[x] = (seen_u[x] - shift.x) * inverse;
+                vs[x] = (seen_v[x] - shift.y) * inverse;
+            }
+            for x in 0..size {
+                let (u, v) = (us[x], vs[x]);
                 visible |= u >= 0.0 && v >= 0.0 && u <= limit.0 && v <= limit.1;
                 // max before min: NaN becomes 0.
                 let (u, v) = (u.max(0.0).min(limit.0), v.max(0.0).min(limit.1));
-                let (px, py) = (u as usize, v as usize);
+                let (px, py) = (u as u32 as usize, v as u32 as usize);
                 let (fx, fy) = (u - px as f32, v - py as f32);
-                let i = py * w + px;
-                let texel = |i: usize| f32::from(neighbour.luma[i]);
-                let (top, bottom) = (texel(i), texel(i + w));
-                let top = top + (texel(i + 1) - top) * fx;
-                let bottom = bottom + (texel(i + w + 1) - bottom) * fx;
-                self.warped[k] = (top + (bottom - top) * fy - self.mean) * self.weight[k];
+                let square = &neighbour.luma[py * w + px..][..w + 2];
+                let (top, bottom) = (f32::from(square[0]), f32::from(square[w]));
+                let top = top + (f32::from(square[1]) - top) * fx;
+                let bottom = bottom + (f32::from(square[w + 1]) - bottom) * fx;
+                self.warped[row + x] = (top + (bottom - top) * fy - self.mean) * self.weight[row + x];
             }
         }
         visible
@@ -221,8 +235,7 @@ impl Tile {
             let b = windows[0][x];
             let covariance = windows[2][x] - self.sum[i] * b * inverse;
             let variance = (windows[1][x] - b * b * inverse).max(0.0);
-            let damped = if inverse > 0.0 { variance + NOISE_VARIANCE / inverse } else { 1.0 };
-            out[x] = covariance * self.inverse_sigma[i] / libm::sqrtf(damped);
+            out[x] = covariance * self.inverse_sigma[i] * inverse_sqrt(variance + self.noise[i]);
         }
     }
 }

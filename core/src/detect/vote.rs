@@ -1,10 +1,11 @@
 //! Eq. 1: the sample on a pixel's ray that most neighbouring views support with a peak of their own curve.
 
-use super::sweep::TILE_PIXELS;
+use super::sweep::{TILE, TILE_PIXELS};
 use alloc::{vec, vec::Vec};
 
 /// How curves of scores become one depth.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Deserialize), serde(deny_unknown_fields))]
 pub struct VoteParams {
     /// Standard deviation, in samples, of the Gaussian that smooths each view's curve (§4.1); 0 for none.
     pub smoothing: f32,
@@ -13,6 +14,9 @@ pub struct VoteParams {
     /// Standard deviation, in samples, of the kernel that spreads a peak to its neighbourhood (Parzen window);
     /// 0 is eq. 1 as printed, where peaks one sample apart do not support each other.
     pub spread: f32,
+    /// Pixels add the votes of their neighbours up to this far on the same sheet to their own, so that what one
+    /// window leaves open its surroundings decide; 0 for none, as in eq. 1.
+    pub agreement_radius: u32,
 }
 
 /// Scores of a tile: for every neighbour and plane, one score a pixel.
@@ -55,6 +59,21 @@ impl Curves {
                         *v += c;
                     }
                 }
+            }
+        }
+    }
+
+    /// Replaces every pixel's votes by the mean over the searched pixels round it, within the tile.
+    pub fn agree(&mut self, radius: usize, searched: &[bool; TILE_PIXELS]) {
+        let weight = searched.map(|s| if s { 1.0 } else { 0.0 });
+        let counts = box_sum(&weight, radius);
+        for votes in &mut self.votes {
+            for (v, w) in votes.iter_mut().zip(&weight) {
+                *v *= w;
+            }
+            *votes = box_sum(votes, radius);
+            for (v, n) in votes.iter_mut().zip(&counts) {
+                *v /= n.max(1.0);
             }
         }
     }
@@ -102,6 +121,25 @@ fn smooth(curve: &[[f32; TILE_PIXELS]], kernel: &[f32], out: &mut [[f32; TILE_PI
             }
         }
     }
+}
+
+/// Sums over a square of pixels, cut at the tile's edges.
+fn box_sum(values: &[f32; TILE_PIXELS], radius: usize) -> [f32; TILE_PIXELS] {
+    let (mut rows, mut out) = ([0.0; TILE_PIXELS], [0.0; TILE_PIXELS]);
+    for y in 0..TILE {
+        for from in y.saturating_sub(radius)..(y + radius + 1).min(TILE) {
+            for x in 0..TILE {
+                rows[y * TILE + x] += values[from * TILE + x];
+            }
+        }
+    }
+    for row in 0..TILE {
+        for x in 0..TILE {
+            let (from, to) = (x.saturating_sub(radius), (x + radius + 1).min(TILE));
+            out[row * TILE + x] = rows[row * TILE + from..row * TILE + to].iter().fold(0.0, |s: f32, v| s + v);
+        }
+    }
+    out
 }
 
 /// Adds every positive peak of a curve to the votes, spread by the kernel round its sub-sample position.

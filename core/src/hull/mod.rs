@@ -14,6 +14,7 @@ use crate::{
     camera::Pinhole,
     error::Result,
     grid::{BLOCK, BLOCK_NODES, SparseGrid},
+    math::floor,
     mesh::{Envelope, marching_cubes},
     params::HullParams,
     point_cloud::Mesh,
@@ -85,9 +86,7 @@ impl<'a> VisualHull<'a> {
 
     /// As [`Self::signed_distance`], over all views but one.
     pub fn signed_distance_without(&self, p: Vec3, view: u16) -> f32 {
-        let q = (p - self.grid.origin) / (self.grid.voxel * BLOCK as f32);
-        let floor = |v: f32| libm::floorf(v) as i32;
-        let slot = self.grid.slot(floor(q.x), floor(q.y), floor(q.z));
+        let slot = self.slot(p);
         if slot < SparseGrid::INSIDE {
             let list = self.block_carvers(slot as usize);
             least(list.iter().map(|&c| &self.carvers[c as usize]), p, view, self.grid.voxel, self.needed[slot as usize])
@@ -131,6 +130,12 @@ impl<'a> VisualHull<'a> {
         marching_cubes(&self.grid, &self.values, 0.0, self.grid.voxel, -self.grid.voxel)
     }
 
+    /// The grid's block at a point.
+    fn slot(&self, p: Vec3) -> u32 {
+        let q = (p - self.grid.origin) / (self.grid.voxel * BLOCK as f32);
+        self.grid.slot(floor(q.x), floor(q.y), floor(q.z))
+    }
+
     fn block_carvers(&self, slot: usize) -> &[u16] {
         &self.carver_lists[self.list_starts[slot] as usize..self.list_starts[slot + 1] as usize]
     }
@@ -147,8 +152,9 @@ impl Envelope for VisualHull<'_> {
         self.bounds()
     }
 
+    /// From the grid near the surface: meshing asks for it at every node.
     fn signed_distance(&self, p: Vec3) -> f32 {
-        self.signed_distance(p)
+        if self.slot(p) < SparseGrid::INSIDE { self.coarse(p) } else { self.signed_distance(p) }
     }
 }
 
@@ -162,11 +168,11 @@ fn least<'c, 'a: 'c>(
 ) -> f32 {
     let (mut nearest, mut seen) = (FAR * voxel, 0);
     for carver in carvers {
-        if carver.index != without {
-            if let Some(d) = carver.distance(p) {
-                nearest = nearest.min(d);
-                seen += 1;
-            }
+        if carver.index != without
+            && let Some(d) = carver.distance(p)
+        {
+            nearest = nearest.min(d);
+            seen += 1;
         }
     }
     if seen < needed { nearest.min(-voxel) } else { nearest }

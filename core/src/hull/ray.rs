@@ -1,6 +1,7 @@
 //! Where a ray runs inside the hull (§4.1: the depth range of the search).
 
 use super::{BLOCK, SparseGrid, VisualHull};
+use crate::math::floor;
 use alloc::vec::Vec;
 use glam::Vec3;
 
@@ -32,7 +33,6 @@ impl VisualHull<'_> {
         while t < end {
             let p = start + direction * t;
             let q = (p - self.grid.origin) / edge;
-            let floor = |v: f32| libm::floorf(v) as i32;
             let cell = [floor(q.x), floor(q.y), floor(q.z)];
             let slot = self.grid.slot(cell[0], cell[1], cell[2]);
             let (now, step) = if slot >= SparseGrid::INSIDE {

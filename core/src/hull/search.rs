@@ -71,7 +71,7 @@ fn support(carvers: &[Carver], half: f32, progress: &dyn Progress) -> Result<Vec
     let mut visited = 0u32;
     while let Some((corner, cells)) = stack.pop() {
         visited += 1;
-        if visited % 4096 == 0 {
+        if visited.is_multiple_of(4096) {
             progress::step(progress, Stage::Hull, 0, 1)?;
         }
         let edge = 2.0 * half * cells as f32 / CELLS as f32;

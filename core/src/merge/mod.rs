@@ -57,6 +57,9 @@ pub fn merge(
             progress::step(progress, Stage::Merge, done as u32, total)
         })?;
     }
+    if !params.fidelity_weights {
+        cloud.iter_mut().for_each(|p| p.weight = 1.0);
+    }
     counts.merged = cloud.len() as u32;
     Ok(cloud)
 }

@@ -9,6 +9,7 @@ pub mod backdrop;
 pub mod capture;
 pub mod faults;
 mod figure;
+pub mod look;
 pub mod material;
 pub mod mesh;
 pub mod noise;

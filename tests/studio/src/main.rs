@@ -1,7 +1,15 @@
 //! The command `studio`: renders a synthetic capture into a scene folder.
 
 use clap::Parser;
-use std::{io, path::PathBuf, process::ExitCode};
+use std::{
+    fs, io,
+    num::NonZeroUsize,
+    panic::resume_unwind,
+    path::PathBuf,
+    process::ExitCode,
+    sync::atomic::{AtomicUsize, Ordering},
+    thread,
+};
 use studio::{Capture, Faults, Ring, Subject, capture::record, polygonise::polygonise};
 
 /// Renders a synthetic capture: scene.json, images, masks and, if asked for, ground truth meshes.
@@ -114,18 +122,40 @@ fn run(a: &Arguments) -> io::Result<()> {
         seed: a.seed,
     };
     let capture = Capture::empty(&ring.cameras(), &faults);
-    let mut entries = Vec::new();
-    for i in 0..a.frames as usize {
-        eprint!("\rstudio: frame {} of {}", i + 1, a.frames);
+    let one = |i: usize| {
         let frame = record(a.scene, &capture.true_cameras, i, i as f64 / a.fps, &faults);
-        entries.push(capture.write_frame(&a.output, i, &frame)?);
         if let Some(millimetres) = a.truth {
             let folder = a.output.join("gt");
-            std::fs::create_dir_all(&folder)?;
+            fs::create_dir_all(&folder)?;
             let mesh = polygonise(&frame.scene, millimetres / 1000.0);
-            std::fs::write(folder.join(format!("frame_{i:04}.ply")), mesh.to_ply())?;
+            fs::write(folder.join(format!("frame_{i:04}.ply")), mesh.to_ply())?;
         }
-    }
-    eprintln!();
-    capture.write_scene_file(&a.output, entries)
+        let entry = capture.write_frame(&a.output, i, &frame)?;
+        eprintln!("studio: frame {i} of {}", a.frames);
+        Ok(entry)
+    };
+    capture.write_scene_file(&a.output, on_all_cores(a.frames as usize, one)?)
+}
+
+/// The results of a job for 0, 1, … in that order.
+fn on_all_cores<T: Send>(count: usize, job: impl Fn(usize) -> io::Result<T> + Sync) -> io::Result<Vec<T>> {
+    let next = AtomicUsize::new(0);
+    let work = || {
+        let mut done = Vec::new();
+        loop {
+            let i = next.fetch_add(1, Ordering::Relaxed);
+            if i >= count {
+                return Ok(done);
+            }
+            done.push((i, job(i)?));
+        }
+    };
+    let cores = thread::available_parallelism().map_or(1, NonZeroUsize::get).min(count);
+    let done: io::Result<Vec<Vec<(usize, T)>>> = thread::scope(|scope| {
+        let threads: Vec<_> = (0..cores).map(|_| scope.spawn(work)).collect();
+        threads.into_iter().map(|t| t.join().unwrap_or_else(|panic| resume_unwind(panic))).collect()
+    });
+    let mut done: Vec<(usize, T)> = done?.into_iter().flatten().collect();
+    done.sort_by_key(|&(i, _)| i);
+    Ok(done.into_iter().map(|(_, result)| result).collect())
 }

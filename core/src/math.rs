@@ -1,0 +1,45 @@
+//! Roundings and roots in basic arithmetic, that compilers can turn into vector code and that give the same bits
+//! everywhere.
+
+/// Largest integer not above `v`; saturates, NaN is 0.
+#[inline]
+pub fn floor(v: f32) -> i32 {
+    let t = v as i32;
+    t - i32::from(v < t as f32)
+}
+
+/// 1/√x for normal positive x, to within 3 units in the last place: the exponent halved as an integer, then three of
+/// Newton's steps.
+#[inline]
+pub fn inverse_sqrt(x: f32) -> f32 {
+    let mut y = f32::from_bits(0x5f37_5a86 - (x.to_bits() >> 1));
+    let half = 0.5 * x;
+    y *= 1.5 - half * y * y;
+    y *= 1.5 - half * y * y;
+    y * (1.5 - half * y * y)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn inverse_roots_are_right_over_all_exponents() {
+        for exponent in 1..254u32 {
+            for mantissa in [0, 1, 0x20_0000, 0x35_04f3, 0x40_0000, 0x7f_ffff] {
+                let x = f32::from_bits(exponent << 23 | mantissa);
+                let exact = 1.0 / libm::sqrt(f64::from(x));
+                assert!((f64::from(inverse_sqrt(x)) / exact - 1.0).abs() < 3.6e-7, "{x:e}");
+            }
+        }
+    }
+
+    #[test]
+    fn floors_agree_with_the_library() {
+        for v in [0.0, -0.0, 0.5, -0.5, 1.0, -1.0, 1e-30, -1e-30, 2.999_999_8, -2.999_999_8, 8_388_607.5, -8_388_607.5]
+        {
+            assert_eq!(floor(v), libm::floorf(v) as i32, "{v}");
+        }
+        assert_eq!(floor(f32::NAN), 0);
+    }
+}

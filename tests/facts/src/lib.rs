@@ -1,0 +1,11 @@
+//! Facts of the whole method on scenes whose truth is known: what the tests of this package share.
+
+pub mod errors;
+pub mod outline;
+pub mod shot;
+pub mod threads;
+pub mod topology;
+
+pub use errors::Errors;
+pub use shot::Shot;
+pub use threads::Threads;

@@ -1,0 +1,139 @@
+//! Analytic scenes at 20 views of 640 x 480: how near the truth the default preset comes.
+
+use facts::{
+    Errors, Shot, Threads,
+    errors::quantile,
+    topology::{assert_sound, components},
+};
+use glam::DVec3;
+use pcmvs_core::{
+    Params, Point, Preset, Reconstruction, Silent, View,
+    detect::{FrontierParams, frontier},
+    hull::VisualHull,
+};
+use std::sync::LazyLock;
+use studio::{Faults, Ring, Subject};
+
+/// A scene and what the default preset makes of it.
+struct Case {
+    name: &'static str,
+    shot: Shot,
+    result: Reconstruction,
+}
+
+impl Case {
+    fn new(name: &'static str, subject: Subject) -> Self {
+        let shot = Shot::new(subject, &Ring::default().sized(640, 480).cameras(), &Faults::default());
+        let result = shot.reconstruct_with(&Params::preset(Preset::Default), &Threads(2), &Silent);
+        Self { name, shot, result: result.expect("an analytic scene can be reconstructed") }
+    }
+
+    /// What issues call an analytic scene's bound: 90 % of the surface within 0.6 footprints, both ways, no vertex
+    /// more than half a footprint outside the hull; and one closed surface a body.
+    fn assert_good(&self, bodies: usize) {
+        let (name, mesh) = (self.name, &self.result.mesh);
+        assert_sound(mesh, name);
+        assert_eq!(components(mesh).len(), bodies, "{name}");
+        Errors::new(&self.shot, mesh).assert_within(0.9, 0.6, name);
+        let views = self.views();
+        let hull = carve(&views);
+        let outside = mesh.positions.iter().map(|p| -hull.signed_distance(*p) / hull.footprint()).fold(0.0, f32::max);
+        println!("{name}: at most {outside:.3} footprints outside the hull");
+        assert!(outside <= 0.5, "{name}: {outside}");
+    }
+
+    fn views(&self) -> Vec<View> {
+        self.shot.views(&self.shot.rig())
+    }
+
+    fn in_world(&self, point: &Point) -> DVec3 {
+        point.position.as_dvec3() + self.shot.rig().origin()
+    }
+
+    /// Frontier points whose rays run only a short way inside the hull lie on the surface, with its normals.
+    fn assert_frontier(&self) {
+        let (scene, name) = (self.shot.scene(), self.name);
+        let footprint = self.shot.footprint(self.shot.rig().origin());
+        let views = self.views();
+        let hull = carve(&views);
+        let short = FrontierParams { longest_pixels: 8.0 };
+        let points: Vec<Point> = views.iter().flat_map(|view| frontier(view, &hull, &short)).collect();
+        assert!(points.len() > 4000, "{name}: {}", points.len());
+        let off = |p: &Point| scene.distance(self.in_world(p)).abs() / footprint;
+        let turned = |p: &Point| scene.normal(self.in_world(p)).angle_between(p.normal.as_dvec3()).to_degrees();
+        let mut off: Vec<f64> = points.iter().map(off).collect();
+        let mut turned: Vec<f64> = points.iter().map(turned).collect();
+        off.sort_by(f64::total_cmp);
+        turned.sort_by(f64::total_cmp);
+        let (off, turned) = (quantile(&off, 0.99), quantile(&turned, 0.95));
+        println!(
+            "{name}: 0.99 of frontier points within {off:.3} footprints, 0.95 of normals within {turned:.2} degrees"
+        );
+        assert!(off < 1.0, "{name}: {off} footprints");
+        assert!(turned < 5.0, "{name}: {turned} degrees");
+    }
+
+    /// No camera sees an implicit point: the hull is in front, or it projects onto the contour.
+    fn assert_implicit(&self) {
+        let views = self.views();
+        let hull = carve(&views);
+        let points = &self.result.stages.implicit;
+        assert!(points.len() > 500, "{}: {}", self.name, points.len());
+        let mut intervals = Vec::new();
+        let mut sees = |view: &View, p: &Point| {
+            let pixel = view.camera.project(p.position);
+            let silhouette = view.silhouette.as_ref().expect("all have masks");
+            if silhouette.sample(pixel.x, pixel.y).is_none_or(|inside| inside < 2.0) {
+                return false;
+            }
+            // Of a pixel at an edge of what hides the point it cannot be told what it sees.
+            [(0.0, 0.0), (-0.7, 0.0), (0.7, 0.0), (0.0, -0.7), (0.0, 0.7)].iter().all(|(dx, dy)| {
+                let ray = view.camera.ray(pixel.x + dx, pixel.y + dy);
+                hull.intervals(view.camera.centre, ray, &mut intervals);
+                intervals.first().is_none_or(|i| pixel.z < i.near + 2.0 * view.camera.footprint(pixel.z))
+            })
+        };
+        let seen = points.iter().filter(|&p| views.iter().any(|v| sees(v, p))).count();
+        println!("{}: {seen} of {} implicit points are seen", self.name, points.len());
+        assert!(seen * 100 <= points.len(), "{}: {seen} of {} are seen", self.name, points.len());
+    }
+}
+
+fn carve(views: &[View]) -> VisualHull<'_> {
+    VisualHull::new(views, &Params::preset(Preset::Default).hull, &Silent).expect("there is a hull")
+}
+
+static SPHERE: LazyLock<Case> = LazyLock::new(|| Case::new("sphere", Subject::Sphere));
+static TORUS: LazyLock<Case> = LazyLock::new(|| Case::new("torus", Subject::Torus));
+
+#[test]
+fn sphere() {
+    SPHERE.assert_good(1);
+}
+
+#[test]
+fn torus() {
+    TORUS.assert_good(1);
+}
+
+#[test]
+fn cuboid() {
+    Case::new("box", Subject::Box).assert_good(1);
+}
+
+#[test]
+fn two_bodies_that_hide_each_other() {
+    Case::new("two bodies", Subject::TwoBodies).assert_good(2);
+}
+
+#[test]
+fn frontier_points_lie_on_the_surface() {
+    SPHERE.assert_frontier();
+    TORUS.assert_frontier();
+}
+
+#[test]
+fn implicit_points_are_invisible() {
+    SPHERE.assert_implicit();
+    TORUS.assert_implicit();
+}

@@ -1,0 +1,103 @@
+//! Progress can be followed, and the host can stop at any of its steps.
+
+use facts::{Shot, Threads};
+use pcmvs_core::{Error, Params, Preset, Progress, Serial, Silent, Stage};
+use std::sync::{
+    LazyLock, Mutex,
+    atomic::{AtomicU32, Ordering},
+};
+use studio::{Faults, Ring, Subject};
+
+static SHOT: LazyLock<Shot> = LazyLock::new(|| {
+    let cameras = Ring { count: 6, ..Ring::default() }.sized(120, 90).cameras();
+    Shot::new(Subject::Torus, &cameras, &Faults::default())
+});
+
+/// Refuses one step, and only that one.
+struct StopAt {
+    step: u32,
+    steps: AtomicU32,
+}
+
+impl StopAt {
+    fn new(step: u32) -> Self {
+        Self { step, steps: AtomicU32::new(0) }
+    }
+}
+
+impl Progress for StopAt {
+    fn step(&self, _: Stage, _: u32, _: u32) -> bool {
+        self.steps.fetch_add(1, Ordering::Relaxed) != self.step
+    }
+}
+
+/// Whichever step is refused, the answer is that it was cancelled; afterwards all is as before.
+#[test]
+fn every_step_can_cancel() {
+    for preset in [Preset::Default, Preset::Paper, Preset::Hull] {
+        let params = Params::preset(preset);
+        let counting = StopAt::new(u32::MAX);
+        let before = SHOT.reconstruct_with(&params, &Serial, &counting).expect("nothing stops it");
+        let steps = counting.steps.into_inner();
+        let stride = (steps / 25).max(1) as usize;
+        for step in (0..steps).step_by(stride).chain([steps - 1]) {
+            let stopped = SHOT.reconstruct_with(&params, &Serial, &StopAt::new(step));
+            assert_eq!(stopped.err(), Some(Error::Cancelled), "{preset:?}: step {step} of {steps}");
+        }
+        let stopped = SHOT.reconstruct_with(&params, &Threads(2), &StopAt::new(steps / 2));
+        assert_eq!(stopped.err(), Some(Error::Cancelled), "{preset:?}");
+        let after = SHOT.reconstruct_with(&params, &Serial, &Silent).expect("nothing stops it");
+        assert_eq!(before.hashes, after.hashes);
+    }
+}
+
+#[derive(Default)]
+struct Log(Mutex<Vec<Event>>);
+
+#[derive(Debug, Clone, Copy)]
+enum Event {
+    Mark(Stage, bool),
+    Step(Stage, u32, u32),
+}
+
+impl Progress for Log {
+    fn mark(&self, stage: Stage, begin: bool) {
+        self.0.lock().unwrap().push(Event::Mark(stage, begin));
+    }
+
+    fn step(&self, stage: Stage, done: u32, total: u32) -> bool {
+        self.0.lock().unwrap().push(Event::Step(stage, done, total));
+        true
+    }
+}
+
+/// Stages follow each other in their order; within one, progress never goes back nor beyond its total.
+#[test]
+fn progress_goes_forward() {
+    for preset in [Preset::Default, Preset::Paper, Preset::Hull] {
+        let log = Log::default();
+        SHOT.reconstruct_with(&Params::preset(preset), &Serial, &log).expect("nothing stops it");
+        let (mut running, mut last, mut share) = (None, None, 0.0);
+        for event in log.0.into_inner().unwrap() {
+            match event {
+                Event::Mark(stage, true) => {
+                    assert_eq!(running, None, "{preset:?}: {stage:?} begins inside another");
+                    assert!(last < Some(stage), "{preset:?}: {stage:?} after {last:?}");
+                    (running, last, share) = (Some(stage), Some(stage), 0.0);
+                }
+                Event::Mark(stage, false) => {
+                    assert_eq!(running, Some(stage), "{preset:?}");
+                    running = None;
+                }
+                Event::Step(stage, done, total) => {
+                    assert_eq!(running, Some(stage), "{preset:?}: a step of {stage:?}");
+                    assert!(total > 0 && done <= total, "{preset:?}: {stage:?} {done} of {total}");
+                    let now = f64::from(done) / f64::from(total);
+                    assert!(now >= share, "{preset:?}: {stage:?} goes back from {share} to {done} of {total}");
+                    share = now;
+                }
+            }
+        }
+        assert_eq!((running, last), (None, Some(Stage::Colour)), "{preset:?}");
+    }
+}

@@ -1,0 +1,88 @@
+//! What cannot be reconstructed is refused with an error that names the culprit.
+
+use facts::Shot;
+use pcmvs_core::{Camera, Error, ImageRef, Mask, Params, PixelFormat, Preset, Rig, Serial, Silent, reconstruct};
+use std::sync::LazyLock;
+use studio::Subject;
+
+static SHOT: LazyLock<Shot> = LazyLock::new(|| Shot::small(Subject::Sphere, 5));
+
+fn refusal(change: impl FnOnce(&mut Shot)) -> Error {
+    let chosen: Vec<usize> = (0..SHOT.cameras.len()).collect();
+    let mut shot = SHOT.of_cameras(&chosen);
+    change(&mut shot);
+    let error = Rig::new(&shot.cameras).and_then(|_| shot.reconstruct(&Params::preset(Preset::Default)).map(|_| ()));
+    error.expect_err("this cannot be reconstructed")
+}
+
+#[test]
+fn too_few_views() {
+    let error = refusal(|shot| *shot = SHOT.of_cameras(&[0, 2]));
+    assert_eq!(error, Error::TooFewViews { given: 2, needed: 3 });
+    let error = refusal(|shot| shot.frame.masks.iter_mut().skip(2).for_each(|m| *m = None));
+    assert_eq!(error, Error::TooFewViews { given: 2, needed: 3 });
+}
+
+#[test]
+fn the_same_camera_twice() {
+    let error = refusal(|shot| *shot = SHOT.of_cameras(&[0, 1, 2, 3, 1]));
+    assert_eq!(error, Error::DuplicateCamera { first: 1, second: 4 });
+}
+
+#[test]
+fn calibration_that_is_none() {
+    let broken: [fn(&mut Camera); 7] = [
+        |c| c.k[0][0] = f64::NAN,
+        |c| c.t[1] = f64::INFINITY,
+        |c| c.k[1][1] = 0.0,
+        |c| c.k[2][2] = 2.0,
+        |c| c.r[0].iter_mut().for_each(|v| *v = -*v),
+        |c| c.r[0][0] += 0.1,
+        |c| c.height = 0,
+    ];
+    for change in broken {
+        let error = refusal(|shot| change(&mut shot.cameras[3]));
+        assert!(matches!(error, Error::Camera { camera: 3, .. }), "{error}");
+    }
+}
+
+#[test]
+fn pictures_that_do_not_fit() {
+    let error = refusal(|shot| shot.frame.images[2].width = 319);
+    assert!(matches!(error, Error::Image { camera: 2, .. }), "{error}");
+    let error = refusal(|shot| shot.frame.images[4].rgb.truncate(1000));
+    assert!(matches!(error, Error::Image { camera: 4, .. }), "{error}");
+    let error = refusal(|shot| shot.frame.images[1] = studio::Picture::default());
+    assert!(matches!(error, Error::Image { camera: 1, .. }), "{error}");
+
+    let (rig, mut inputs) = (SHOT.rig(), SHOT.inputs());
+    let half = vec![255; 160 * 120];
+    inputs[1].mask = Mask::Given(ImageRef::packed(&half, 160, 120, PixelFormat::Gray8));
+    let error = reconstruct(&rig, &inputs, &Params::preset(Preset::Default), &Serial, &Silent).unwrap_err();
+    assert!(matches!(error, Error::Silhouette { camera: 1, .. }), "{error}");
+}
+
+#[test]
+fn masks_without_a_contour() {
+    for value in [0, 255] {
+        let error = refusal(|shot| shot.frame.masks[2].iter_mut().flatten().for_each(|v| *v = value));
+        assert!(matches!(error, Error::Silhouette { camera: 2, .. }), "{error}");
+    }
+}
+
+/// Silhouettes of which no two meet in space.
+#[test]
+fn an_empty_hull() {
+    let error = refusal(|shot| {
+        for (i, mask) in shot.frame.masks.iter_mut().enumerate() {
+            // A spot in a corner of every picture, upper and lower ones by turns.
+            let (x0, y0) = (10 + 280 * (i % 2), 10 + 200 * (i % 2));
+            let mask = mask.as_mut().expect("all have masks");
+            for (j, v) in mask.iter_mut().enumerate() {
+                let (x, y) = (j % 320, j / 320);
+                *v = if (x0..x0 + 20).contains(&x) && (y0..y0 + 20).contains(&y) { 255 } else { 0 };
+            }
+        }
+    });
+    assert_eq!(error, Error::EmptyHull);
+}

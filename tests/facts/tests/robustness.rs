@@ -1,0 +1,91 @@
+//! Captures with faults: whatever is wrong with them, the result is sound and its errors are bounded.
+
+use facts::{
+    Errors, Shot,
+    topology::{assert_sound, components},
+};
+use pcmvs_core::{Params, Preset};
+use std::sync::LazyLock;
+use studio::{Capture, Faults, Ring, Subject};
+
+static RING: LazyLock<Ring> = LazyLock::new(|| Ring { count: 12, ..Ring::default() }.sized(320, 240));
+
+/// Errors of the default preset, whose result must be sound and of as many pieces as there are bodies.
+fn errors(shot: &Shot, bodies: usize, what: &str) -> Errors {
+    let result = shot.reconstruct(&Params::preset(Preset::Default)).expect("faults are no errors");
+    assert_sound(&result.mesh, what);
+    assert_eq!(components(&result.mesh).len(), bodies, "{what}");
+    Errors::new(shot, &result.mesh)
+}
+
+fn torus(faults: &Faults) -> Shot {
+    Shot::new(Subject::Torus, &RING.cameras(), faults)
+}
+
+#[test]
+fn no_fault() {
+    errors(&torus(&Faults::default()), 1, "no fault").assert_within(0.9, 0.7, "no fault");
+}
+
+/// Masks a pixel or two too wide make the hull too wide by no more than that.
+#[test]
+fn wide_masks() {
+    let faults = Faults { coarse_masks: 2, ..Faults::default() };
+    errors(&torus(&faults), 1, "wide masks").assert_within(0.9, 2.0, "wide masks");
+}
+
+#[test]
+fn a_view_without_mask() {
+    let faults = Faults { unmasked: vec![3], ..Faults::default() };
+    errors(&torus(&faults), 1, "one mask missing").assert_within(0.9, 0.9, "one mask missing");
+}
+
+#[test]
+fn noise_gains_and_blur() {
+    let noise = Faults { noise: 4.0, ..Faults::default() };
+    errors(&torus(&noise), 1, "noise").assert_within(0.9, 0.8, "noise");
+    let gain = Faults { gain: 0.2, ..Faults::default() };
+    errors(&torus(&gain), 1, "gains").assert_within(0.9, 0.8, "gains");
+    let blur = Faults { blur: 0.8, jpeg: Some(85), ..Faults::default() };
+    errors(&torus(&blur), 1, "blur").assert_within(0.9, 0.8, "blur");
+}
+
+/// A calibration that is half a pixel off costs about as much.
+#[test]
+fn calibration_errors() {
+    let faults = Faults { calibration: 0.5, ..Faults::default() };
+    errors(&torus(&faults), 1, "calibration").assert_within(0.9, 1.2, "calibration");
+}
+
+/// One camera is a twentieth of a second late while a person dances.
+#[test]
+fn a_view_out_of_step() {
+    let cameras = RING.cameras();
+    let mut capture = Capture::new(Subject::Figure, &cameras, &[0.0, 0.05], &Faults::default());
+    let late = capture.frames.remove(1);
+    let mut frame = capture.frames.remove(0);
+    frame.images[5] = late.images[5].clone();
+    frame.masks[5] = late.masks[5].clone();
+    errors(&Shot { cameras, frame }, 1, "out of step").assert_within(0.9, 2.0, "out of step");
+}
+
+/// Bodies apart stay apart.
+#[test]
+fn two_bodies() {
+    let shot = Shot::new(Subject::TwoBodies, &RING.cameras(), &Faults { noise: 2.0, ..Faults::default() });
+    errors(&shot, 2, "two bodies").assert_within(0.9, 1.0, "two bodies");
+}
+
+/// Every preset gives a sound mesh, of thin things too.
+#[test]
+fn every_preset_is_sound() {
+    for subject in [Subject::Plate, Subject::Figure] {
+        let shot = Shot::new(subject, &RING.cameras(), &Faults::default());
+        for preset in [Preset::Default, Preset::Paper, Preset::Hull, Preset::Preview] {
+            let what = format!("{subject:?} {preset:?}");
+            let result = shot.reconstruct(&Params::preset(preset)).expect(&what);
+            assert_sound(&result.mesh, &what);
+            assert_eq!(components(&result.mesh).len(), 1, "{what}");
+        }
+    }
+}

@@ -1,0 +1,158 @@
+//! A contact sheet of a result: photograph, shape and colours side by side, as the same camera sees them.
+
+use crate::{capture::Picture, write::SceneFile};
+use glam::{DVec2, DVec3};
+use pcmvs_core::Camera;
+use std::{error::Error, path::Path};
+
+const BACKGROUND: DVec3 = DVec3::ONE;
+/// Of the shaded surface.
+const CLAY: DVec3 = DVec3::new(0.75, 0.82, 0.95);
+/// Pixels left free around the subject.
+const MARGIN: u32 = 10;
+
+/// A coloured mesh, read from a GLB.
+#[derive(Debug, Clone, Default)]
+pub struct ColouredMesh {
+    /// In the scene's frame and unit.
+    pub positions: Vec<DVec3>,
+    /// Unit normals, one a vertex.
+    pub normals: Vec<DVec3>,
+    /// sRGB in 0..1, one a vertex.
+    pub colours: Vec<DVec3>,
+    /// Counter-clockwise seen from outside.
+    pub faces: Vec<[u32; 3]>,
+}
+
+impl ColouredMesh {
+    /// Reads a GLB whose only mesh has normals and vertex colours.
+    ///
+    /// # Errors
+    /// The file cannot be read, or something of that is missing.
+    pub fn read(path: &Path) -> Result<Self, Box<dyn Error>> {
+        let gltf::Gltf { document, blob } = gltf::Gltf::from_slice(&std::fs::read(path)?)?;
+        let primitive = document.meshes().next().and_then(|m| m.primitives().next()).ok_or("there is no mesh")?;
+        let reader = primitive.reader(|_| blob.as_deref());
+        let vectors = |list: Vec<[f32; 3]>| list.into_iter().map(|v| DVec3::from(v.map(f64::from))).collect::<Vec<_>>();
+        let srgb = |v: f64| if v <= 0.003_130_8 { 12.92 * v } else { 1.055 * libm::pow(v, 1.0 / 2.4) - 0.055 };
+        let colours = vectors(reader.read_colors(0).ok_or("there are no colours")?.into_rgb_f32().collect());
+        let indices: Vec<u32> = reader.read_indices().ok_or("there are no faces")?.into_u32().collect();
+        Ok(Self {
+            positions: vectors(reader.read_positions().ok_or("there are no positions")?.collect()),
+            normals: vectors(reader.read_normals().ok_or("there are no normals")?.collect()),
+            colours: colours.into_iter().map(|c| DVec3::from(c.to_array().map(srgb))).collect(),
+            faces: indices.as_chunks().0.to_vec(),
+        })
+    }
+}
+
+/// The mesh as a camera sees it: shaded with light from the camera and above it, and in its own colours.
+pub fn draw(mesh: &ColouredMesh, camera: &Camera) -> [Picture; 2] {
+    let (w, h) = (camera.width as usize, camera.height as usize);
+    let centre = camera.centre();
+    let up = -DVec3::from_array(camera.r[1]);
+    let shade = |i: usize| {
+        let light = ((centre - mesh.positions[i]).normalize() + 0.6 * up).normalize();
+        CLAY * (0.15 + 0.85 * mesh.normals[i].dot(light).max(0.0))
+    };
+    let shades: Vec<DVec3> = (0..mesh.positions.len()).map(shade).collect();
+    let pixels: Vec<Option<(DVec2, f64)>> = mesh.positions.iter().map(|&p| camera.project(p)).collect();
+    let mut nearest = vec![f64::INFINITY; w * h];
+    let mut layers = [vec![BACKGROUND; w * h], vec![BACKGROUND; w * h]];
+    for face in &mesh.faces {
+        let corners = face.map(|i| i as usize);
+        let [Some((a, za)), Some((b, zb)), Some((c, zc))] = corners.map(|i| pixels[i]) else { continue };
+        let area = (b - a).perp_dot(c - a);
+        // With y down a face that is counter-clockwise seen from the camera has negative area.
+        if area >= 0.0 {
+            continue;
+        }
+        let (low, high) = (a.min(b).min(c).ceil(), a.max(b).max(c).floor());
+        let span = |low: f64, high: f64, n: usize| low.max(0.0) as usize..(high + 1.0).clamp(0.0, n as f64) as usize;
+        for y in span(low.y, high.y, h) {
+            for x in span(low.x, high.x, w) {
+                let p = DVec2::new(x as f64, y as f64);
+                // Shares of the corners, in the image and (by inverse depth) on the surface.
+                let share =
+                    [(c - b).perp_dot(p - b) / area, (a - c).perp_dot(p - c) / area, (b - a).perp_dot(p - a) / area];
+                if share.iter().any(|&s| s < 0.0) {
+                    continue;
+                }
+                let share = [share[0] / za, share[1] / zb, share[2] / zc];
+                let depth = 1.0 / (share[0] + share[1] + share[2]);
+                if depth < nearest[y * w + x] {
+                    nearest[y * w + x] = depth;
+                    for (layer, values) in layers.iter_mut().zip([&shades, &mesh.colours]) {
+                        layer[y * w + x] = (0..3).map(|k| values[corners[k]] * (share[k] * depth)).sum();
+                    }
+                }
+            }
+        }
+    }
+    layers.map(|layer| Picture {
+        width: camera.width,
+        height: camera.height,
+        rgb: layer.iter().flat_map(|c| c.to_array().map(|v| (v.clamp(0.0, 1.0) * 255.0 + 0.5) as u8)).collect(),
+    })
+}
+
+/// The contact sheet of a scene's frame: one group a camera of photograph, shape and colours, cut out round the mesh.
+///
+/// # Errors
+/// A file cannot be read, or there is no such frame or camera.
+pub fn sheet(scene: &Path, frame: u32, mesh: &ColouredMesh, cameras: &[usize]) -> Result<Picture, Box<dyn Error>> {
+    let file: SceneFile = serde_json::from_slice(&std::fs::read(scene.join("scene.json"))?)?;
+    let entry = file.frames.iter().find(|f| f.index == frame).ok_or("there is no such frame")?;
+    let mut panels = Vec::new();
+    for &i in cameras {
+        let camera = file.cameras.get(i).ok_or("there is no such camera")?.camera();
+        let photograph = image::open(scene.join(&entry.images[i]))?.into_rgb8();
+        let (width, height) = photograph.dimensions();
+        let drawn = draw(mesh, &camera);
+        let part = part_with_mesh(&drawn[0]);
+        panels.push(cut(&Picture { width, height, rgb: photograph.into_raw() }, part));
+        panels.extend(drawn.iter().map(|picture| cut(picture, part)));
+    }
+    Ok(side_by_side(&panels))
+}
+
+/// Left, top, right and bottom (exclusive) of what is not background, with a margin.
+fn part_with_mesh(picture: &Picture) -> [u32; 4] {
+    let (w, h) = (picture.width, picture.height);
+    let mut part = [w, h, 0, 0];
+    for (i, pixel) in picture.rgb.chunks_exact(3).enumerate() {
+        let (x, y) = (i as u32 % w, i as u32 / w);
+        if pixel != [255; 3] {
+            part = [part[0].min(x), part[1].min(y), part[2].max(x + 1), part[3].max(y + 1)];
+        }
+    }
+    if part[0] >= part[2] {
+        return [0, 0, w, h];
+    }
+    let [left, top, right, bottom] = part;
+    [left.saturating_sub(MARGIN), top.saturating_sub(MARGIN), (right + MARGIN).min(w), (bottom + MARGIN).min(h)]
+}
+
+fn cut(picture: &Picture, [left, top, right, bottom]: [u32; 4]) -> Picture {
+    let row = |y: u32| {
+        let at = |x: u32| (y * picture.width + x) as usize * 3;
+        picture.rgb[at(left)..at(right)].iter().copied()
+    };
+    Picture { width: right - left, height: bottom - top, rgb: (top..bottom).flat_map(row).collect() }
+}
+
+fn side_by_side(panels: &[Picture]) -> Picture {
+    let height = panels.iter().map(|p| p.height).max().unwrap_or(0);
+    let width = panels.iter().map(|p| p.width).sum();
+    let mut rgb = Vec::with_capacity((width * height) as usize * 3);
+    for y in 0..height {
+        for p in panels {
+            let row = p.width as usize * 3;
+            match p.rgb.chunks_exact(row).nth(y as usize) {
+                Some(pixels) => rgb.extend(pixels),
+                None => rgb.extend(std::iter::repeat_n(255, row)),
+            }
+        }
+    }
+    Picture { width, height, rgb }
+}

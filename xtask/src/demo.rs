@@ -1,0 +1,33 @@
+//! `cargo xtask demo`: from nothing to a clip of meshes.
+
+use crate::{
+    Result,
+    process::{cargo, program, root, show, target},
+};
+use std::time::Instant;
+
+/// Makes out/sample, out/demo and out/demo/look.png; keeps what is there.
+pub fn run() -> Result<()> {
+    println!("Building pcmvs and the studio ...");
+    show(&mut cargo("build --quiet --release --package pcmvs-cli --package studio --bins"))?;
+    let start = Instant::now();
+    let binary = |name: &str| target().join("release").join(name);
+    if root().join("out/sample/scene.json").exists() {
+        println!("The sample capture is in out/sample already.");
+    } else {
+        println!("Rendering the sample capture: a figure, 20 cameras, 12 frames ...");
+        show(&mut program(binary("studio"), "--output out/sample --sample"))?;
+    }
+    println!("Reconstructing ...");
+    show(&mut program(binary("pcmvs"), "reconstruct out/sample -o out/demo"))?;
+    show(&mut program(binary("look"), "out/sample out/demo/frame_0000.glb -o out/demo/look.png"))?;
+    println!("{:.0} s without building. In out/demo:", start.elapsed().as_secs_f64());
+    println!("  look.png          photograph, shape and colours of the first frame, from three cameras");
+    println!(
+        "  frame_FFFF.glb    a closed, coloured mesh a frame: open it in Blender (File, Import, glTF), or drop it"
+    );
+    println!("                    on any glTF viewer's page; up is +z, most viewers take it for +y");
+    println!("  sequence.json     the clip's manifest, for players");
+    println!("  report.json       seconds, counts and hashes of every stage");
+    Ok(())
+}

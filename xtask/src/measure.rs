@@ -1,0 +1,166 @@
+//! Reconstructs captured scenes with the command line and scores the results.
+
+use crate::{
+    Result,
+    process::{cargo, program, root, run, target},
+};
+use serde_json::Value;
+use std::{
+    env, fs,
+    path::{Path, PathBuf},
+};
+
+/// The captured scenes and the tool that scores meshes of them. They are no part of the project.
+pub struct Captured {
+    data: PathBuf,
+    tool: PathBuf,
+    pcmvs: PathBuf,
+}
+
+/// What to reconstruct.
+#[derive(Debug, Clone, Copy)]
+pub struct Job<'a> {
+    pub scene: &'a str,
+    pub preset: &'a str,
+    /// Frames as the command line takes them; all without.
+    pub frames: Option<&'a str>,
+    /// Cameras as the command line takes them; all without.
+    pub cameras: Option<&'a str>,
+    /// Parameters that differ from the preset's.
+    pub set: &'a [String],
+}
+
+impl<'a> Job<'a> {
+    /// All of a scene with a preset.
+    pub fn new(scene: &'a str, preset: &'a str) -> Self {
+        Self { scene, preset, frames: None, cameras: None, set: &[] }
+    }
+
+    /// Name of its folder: what differs from a plain run, in letters that every file system takes.
+    fn folder(&self) -> String {
+        let mut name = format!("{}-{}", self.scene, self.preset);
+        for part in self.frames.iter().chain(&self.cameras).copied().chain(self.set.iter().map(String::as_str)) {
+            name.push('-');
+            name.extend(part.chars().map(|c| if c.is_ascii_alphanumeric() || c == '.' { c } else { '_' }));
+        }
+        name
+    }
+}
+
+/// What came out, one score and one report a frame.
+#[derive(Debug, Clone)]
+pub struct Measured {
+    pub scores: Vec<Value>,
+    pub frames: Vec<Value>,
+}
+
+impl Measured {
+    /// Mean of a figure over the frames; absent where the scene cannot give it.
+    pub fn mean(&self, key: &str) -> Option<f64> {
+        let values: Option<Vec<f64>> = self.scores.iter().map(|s| s[key].as_f64()).collect();
+        values.filter(|v| !v.is_empty()).map(|v| v.iter().sum::<f64>() / v.len() as f64)
+    }
+
+    /// Mean seconds a frame of each step, in the order in which they ran.
+    pub fn seconds(&self) -> Vec<(String, f64)> {
+        let mut steps: Vec<(String, f64)> = Vec::new();
+        for (step, seconds) in self.frames.iter().filter_map(|f| f["seconds"].as_object()).flatten() {
+            let share = seconds.as_f64().unwrap_or(f64::NAN) / self.frames.len() as f64;
+            match steps.iter_mut().find(|(name, _)| name == step) {
+                Some((_, sum)) => *sum += share,
+                None => steps.push((step.clone(), share)),
+            }
+        }
+        steps
+    }
+
+    /// Mean seconds a frame, all steps.
+    pub fn total_seconds(&self) -> f64 {
+        self.seconds().iter().map(|(_, s)| s).sum()
+    }
+
+    /// Most memory over all frames, MiB.
+    pub fn peak_mebibytes(&self) -> f64 {
+        let bytes = self.frames.iter().filter_map(|f| f["peak_memory"].as_f64());
+        bytes.fold(f64::NAN, f64::max) / f64::from(1 << 20)
+    }
+}
+
+impl Captured {
+    /// Finds data and tool, and builds the command, together with what the demo needs so that neither builds it anew.
+    /// The inner error says what is not there.
+    pub fn find() -> Result<std::result::Result<Self, String>> {
+        let place = |variable: &str, default: &str| {
+            let path = env::var_os(variable).map_or_else(|| root().join(default), PathBuf::from);
+            path.canonicalize().map_err(|_| format!("{} is not there: set {variable}", path.display()))
+        };
+        let found = place("PCMVS_DATA", "../shared/data")
+            .and_then(|data| Ok((data, place("PCMVS_SCORE", "../shared/tools/score.py")?)));
+        let (data, tool) = match found {
+            Ok(found) => found,
+            Err(missing) => return Ok(Err(missing)),
+        };
+        run(&mut cargo("build --quiet --release --package pcmvs-cli --package studio --bins"))?;
+        install_packages()?;
+        Ok(Ok(Self { data, tool, pcmvs: target().join("release/pcmvs") }))
+    }
+
+    /// Reconstructs on one thread and scores every frame. What an earlier run has done stays.
+    pub fn measure(&self, job: &Job) -> Result<Measured> {
+        let (scene, out) = (self.data.join(job.scene), target().join("captured").join(job.folder()));
+        let mut command = program(&self.pcmvs, &format!("reconstruct --threads 1 --preset {}", job.preset));
+        command.args(job.frames.into_iter().flat_map(|list| ["--frames", list]));
+        command.args(job.cameras.into_iter().flat_map(|list| ["--cameras", list]));
+        command.args(job.set.iter().flat_map(|assignment| ["--set", assignment]));
+        run(command.arg(&scene).arg("-o").arg(&out))?;
+        let report = read_json(&out.join("report.json"))?;
+        let frames = report["frames"].as_array().cloned().unwrap_or_default();
+        let scores = frames.iter().map(|frame| self.score(&scene, &out, frame)).collect::<Result<_>>()?;
+        Ok(Measured { scores, frames })
+    }
+
+    fn score(&self, scene: &Path, out: &Path, frame: &Value) -> Result<Value> {
+        let (Some(file), Some(hash), Some(index)) =
+            (frame["file"].as_str(), frame["sha256"].as_str(), frame["index"].as_u64())
+        else {
+            return Err(format!("{}: report.json lacks file, sha256 or index", out.display()));
+        };
+        let json = out.join(format!("{file}.{}.score.json", &hash[..16]));
+        if !json.exists() {
+            let mut command = program("python3", "");
+            command.env("PYTHONPATH", packages()).arg(&self.tool).arg(scene).arg(out.join(file));
+            command.arg("--json").arg(&json).args(["--frame", &index.to_string()]);
+            command.args(masked_cameras(scene, index)?.iter().flat_map(|list| ["--cameras", list]));
+            run(&mut command)?;
+        }
+        read_json(&json)
+    }
+}
+
+fn read_json(path: &Path) -> Result<Value> {
+    let bytes = fs::read(path).map_err(|e| format!("{}: {e}", path.display()))?;
+    serde_json::from_slice(&bytes).map_err(|e| format!("{}: {e}", path.display()))
+}
+
+/// The cameras with masks, if some have none: silhouettes can be compared only there.
+fn masked_cameras(scene: &Path, index: u64) -> Result<Option<String>> {
+    let file = read_json(&scene.join("scene.json"))?;
+    let frame = file["frames"].as_array().into_iter().flatten().find(|f| f["index"] == index);
+    let masks = frame.and_then(|f| f["masks"].as_array()).cloned().unwrap_or_default();
+    let masked: Vec<String> = (0..masks.len()).filter(|&i| !masks[i].is_null()).map(|i| i.to_string()).collect();
+    Ok((masked.len() < masks.len()).then(|| masked.join(",")))
+}
+
+fn packages() -> PathBuf {
+    target().join("python")
+}
+
+/// What the scoring tool imports.
+fn install_packages() -> Result<()> {
+    let mut check = program("python3", "-c");
+    if run(check.arg("import open3d, trimesh, PIL, scipy").env("PYTHONPATH", packages())).is_ok() {
+        return Ok(());
+    }
+    let mut install = program("python3", "-m pip install --quiet open3d trimesh pillow scipy --target");
+    run(install.arg(packages())).map(|_| ())
+}

@@ -1,0 +1,69 @@
+//! Other programs: quiet when they succeed, in full when they fail.
+
+use crate::Result;
+use std::{
+    env,
+    path::{Path, PathBuf},
+    process::{Command, Stdio},
+};
+
+/// The workspace's folder.
+pub fn root() -> &'static Path {
+    Path::new(env!("CARGO_MANIFEST_DIR")).parent().unwrap_or(Path::new("."))
+}
+
+/// Where Cargo builds.
+pub fn target() -> PathBuf {
+    env::var_os("CARGO_TARGET_DIR").map_or_else(|| root().join("target"), PathBuf::from)
+}
+
+/// A program to be run in the workspace's folder; arguments are separated by spaces.
+pub fn program(name: impl AsRef<std::ffi::OsStr>, arguments: &str) -> Command {
+    let mut command = Command::new(name);
+    command.current_dir(root()).args(arguments.split_whitespace()).stdin(Stdio::null());
+    command
+}
+
+/// Cargo itself, as it runs this task.
+pub fn cargo(arguments: &str) -> Command {
+    let mut command = program(env::var_os("CARGO").unwrap_or("cargo".into()), arguments);
+    // Set by the outer `cargo run` for this package; a nested Cargo would build everything anew because of them.
+    for (name, _) in env::vars_os() {
+        if name.to_string_lossy().starts_with("CARGO_PKG_") || name == "CARGO_MANIFEST_DIR" {
+            command.env_remove(name);
+        }
+    }
+    command
+}
+
+/// Runs a program and returns what it printed. If it fails, the error has the command and all of its output.
+pub fn run(command: &mut Command) -> Result<String> {
+    let line = describe(command);
+    let output = command.output().map_err(|e| format!("{line}\ncannot be run: {e}"))?;
+    let text = |bytes: &[u8]| String::from_utf8_lossy(bytes).into_owned();
+    if output.status.success() {
+        return Ok(text(&output.stdout));
+    }
+    Err(format!("{line}\nfailed ({}):\n{}{}", output.status, text(&output.stdout), text(&output.stderr)))
+}
+
+/// Runs a program that shows its progress itself.
+pub fn show(command: &mut Command) -> Result<()> {
+    let line = describe(command);
+    match command.status() {
+        Ok(status) if status.success() => Ok(()),
+        Ok(status) => Err(format!("{line}\nfailed ({status})")),
+        Err(e) => Err(format!("{line}\ncannot be run: {e}")),
+    }
+}
+
+fn describe(command: &Command) -> String {
+    let mut words: Vec<String> = Vec::new();
+    for (name, value) in command.get_envs() {
+        if let Some(value) = value {
+            words.push(format!("{}={:?}", name.display(), value.display().to_string()));
+        }
+    }
+    words.extend([command.get_program()].into_iter().chain(command.get_args()).map(|w| w.display().to_string()));
+    words.join(" ")
+}

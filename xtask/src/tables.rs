@@ -1,0 +1,78 @@
+//! Generated parts of a Markdown file: what stands between two markers is replaced, all else is left alone.
+
+use crate::Result;
+use std::{fs, path::Path};
+
+/// A Markdown table.
+pub struct Table {
+    lines: Vec<String>,
+}
+
+impl Table {
+    /// With its header; the first column is aligned left, figures right.
+    pub fn new<S: AsRef<str>>(header: &[S]) -> Self {
+        let mut rule = String::from("|---|");
+        rule.push_str(&"---:|".repeat(header.len() - 1));
+        let mut table = Self { lines: Vec::new() };
+        table.row(header);
+        table.lines.push(rule);
+        table
+    }
+
+    /// Adds a row.
+    pub fn row<S: AsRef<str>>(&mut self, cells: &[S]) {
+        let cells: Vec<&str> = cells.iter().map(AsRef::as_ref).collect();
+        self.lines.push(format!("| {} |", cells.join(" | ")));
+    }
+
+    /// As text.
+    pub fn text(&self) -> String {
+        self.lines.join("\n")
+    }
+}
+
+/// A figure with so many digits after the point; a dash where there is none.
+pub fn figure(value: Option<f64>, digits: usize) -> String {
+    value.map_or_else(|| String::from("–"), |v| format!("{v:.digits$}"))
+}
+
+/// Puts `content` between `<!-- begin: name -->` and `<!-- end: name -->` of a file's text.
+pub fn replace(text: &str, name: &str, content: &str) -> Result<String> {
+    let (begin, end) = (format!("<!-- begin: {name} -->"), format!("<!-- end: {name} -->"));
+    let found = text.split_once(&begin).and_then(|(before, rest)| Some((before, rest.split_once(&end)?.1)));
+    let (before, after) = found.ok_or_else(|| format!("`{begin}` or `{end}` is missing"))?;
+    Ok(format!("{before}{begin}\n{}\n{end}{after}", content.trim_end()))
+}
+
+/// Replaces several parts of a file.
+pub fn replace_in(path: &Path, parts: &[(&str, String)]) -> Result<()> {
+    let problem = |e: &dyn std::fmt::Display| format!("{}: {e}", path.display());
+    let mut text = fs::read_to_string(path).map_err(|e| problem(&e))?;
+    for (name, content) in parts {
+        text = replace(&text, name, content).map_err(|e| problem(&e))?;
+    }
+    fs::write(path, text).map_err(|e| problem(&e))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn only_what_is_between_the_markers_changes() {
+        let text = "# A\n<!-- begin: a -->\nold\n<!-- end: a -->\nremark\n<!-- begin: b --><!-- end: b -->\nlast";
+        let once = replace(text, "a", "new | table\n").unwrap();
+        assert_eq!(once, text.replace("old", "new | table"));
+        assert_eq!(replace(&once, "a", "new | table").unwrap(), once);
+        assert!(replace(&once, "b", "x").unwrap().ends_with("<!-- begin: b -->\nx\n<!-- end: b -->\nlast"));
+        assert!(replace(text, "c", "").is_err());
+    }
+
+    #[test]
+    fn tables_are_markdown() {
+        let mut table = Table::new(&["scene", "F"]);
+        table.row(&["akimbo".to_owned(), figure(Some(1.25), 1)]);
+        table.row(&["wd2".to_owned(), figure(None, 1)]);
+        assert_eq!(table.text(), "| scene | F |\n|---|---:|\n| akimbo | 1.2 |\n| wd2 | – |");
+    }
+}
