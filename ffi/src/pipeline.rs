@@ -329,8 +329,8 @@ fn carved(carved: &Option<Carved>) -> Result<&Carved> {
 
 /// The first camera, numbered as given, whose slot is empty.
 fn first_missing<T>(rig: &Rig, slots: &mut [Mutex<Option<T>>]) -> Option<u32> {
-    let missing = slots.iter_mut().zip(rig.order()).filter(|(slot, _)| slot_of(slot).is_none());
-    missing.map(|(_, &camera)| camera).min()
+    let slots = slots.iter_mut().zip(rig.order());
+    slots.filter_map(|(slot, &camera)| slot_of(slot).is_none().then_some(camera)).min()
 }
 
 fn slot_of<T>(slot: &mut Mutex<T>) -> &mut T {
