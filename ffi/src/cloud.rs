@@ -73,11 +73,10 @@ pub struct pcmvs_silhouette {
 impl Pipeline {
     /// A cloud by its number; `camera` chooses among the detected ones.
     pub(crate) fn cloud_of_kind(&self, kind: u32, camera: u32) -> Result<&[Point]> {
-        let none = || Failure::new(InvalidArgument, format!("there is no camera {camera}"));
         Ok(match kind {
             0 => &self.stages(Stage::Contours)?.frontier,
             1 => &self.stages(Stage::Contours)?.implicit,
-            2 => self.stages(Stage::Merge)?.detected.get(self.place(camera)?).ok_or_else(none)?,
+            2 => &self.stages(Stage::Merge)?.detected[self.place(camera as usize)?],
             3 => &self.stages(Stage::Merge)?.merged,
             _ => return Err(Failure::new(InvalidArgument, format!("cloud {kind} is not known"))),
         })
@@ -101,12 +100,13 @@ pub unsafe extern "C" fn pcmvs_frame_copy_cloud(
         let frame = unsafe { body(frame)? };
         let work = frame.shared()?;
         let cloud = work.pipeline.cloud_of_kind(kind, camera)?;
+        let order = work.pipeline.rig.order();
         let point = |p: &Point| pcmvs_point {
             position: p.position.to_array(),
             normal: p.normal.to_array(),
             fidelity: p.fidelity,
             weight: p.weight,
-            camera: if p.view == Point::NO_VIEW { -1 } else { i32::from(p.view) },
+            camera: if p.view == Point::NO_VIEW { -1 } else { order[p.view as usize] as i32 },
             rank: p.rank as u32,
         };
         let target = Target { buffer: buffer.cast(), capacity, stride, count };
@@ -128,7 +128,7 @@ pub unsafe extern "C" fn pcmvs_frame_get_silhouette(
         // SAFETY: the caller's promise.
         let frame = unsafe { body(frame)? };
         let work = frame.shared()?;
-        let view = work.pipeline.carved_view(camera as usize)?;
+        let view = &work.pipeline.carved_views()?[work.pipeline.place(camera as usize)?];
         let found = view.silhouette.as_ref();
         let found = found.ok_or_else(|| Failure::new(WrongOrder, format!("camera {camera} has no silhouette")))?;
         let (width, height, distances) = (found.width, found.height, found.distances().as_ptr());

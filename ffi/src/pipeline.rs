@@ -38,7 +38,7 @@ pub(crate) struct Pipeline {
     params: Params,
     /// The last stage that is complete; detection counts as complete when merging has asked for it.
     reached: Option<Stage>,
-    /// Views until the hull takes them.
+    /// Views in the order of the stages, until the hull takes them.
     views: Vec<Mutex<Option<View>>>,
     carved: Option<Carved>,
     levels: Vec<Level>,
@@ -75,6 +75,14 @@ impl Pipeline {
         self.views.len()
     }
 
+    /// The stages' place of a camera that is numbered as given.
+    pub fn place(&self, camera: usize) -> Result<usize> {
+        let place = self.rig.order().iter().position(|&i| i as usize == camera);
+        place.ok_or_else(|| {
+            Failure::new(InvalidArgument, format!("there is no camera {camera}: the rig has {}", self.cameras()))
+        })
+    }
+
     /// Fails unless `stage` is complete.
     pub fn require(&self, stage: Stage) -> Result<()> {
         if self.reached >= Some(stage) {
@@ -86,7 +94,7 @@ impl Pipeline {
     /// Reads a camera's picture and silhouette.
     pub fn view(&self, camera: usize, input: &ViewInput, progress: &HostProgress) -> Result<()> {
         self.timed(Stage::Views, || {
-            let slot = self.views.get(camera).ok_or_else(|| no_camera(camera, self.cameras()))?;
+            let slot = &self.views[self.place(camera)?];
             if self.reached.is_some() {
                 return Err(Failure::new(WrongOrder, "the hull has been made of all views: begin a new frame"));
             }
@@ -100,19 +108,16 @@ impl Pipeline {
     /// §0: carves the hull.
     pub fn hull(&mut self, progress: &HostProgress) -> Result<()> {
         self.alone(Stage::Hull, |this| {
-            let missing = this.views.iter_mut().position(|slot| slot_of(slot).is_none());
+            let missing = first_missing(&this.rig, &mut this.views);
             if this.carved.is_none()
                 && let Some(camera) = missing
             {
                 let problem = format!("camera {camera} has no view yet: give every camera one");
-                return Err(Failure::new(WrongOrder, problem).of_camera(camera as u32));
+                return Err(Failure::new(WrongOrder, problem).of_camera(camera));
             }
             let views = match this.carved.take() {
                 Some(carved) => carved.into_owner(),
-                None => {
-                    let order = this.rig.order().iter();
-                    order.filter_map(|&camera| slot_of(&mut this.views[camera as usize]).take()).collect()
-                }
+                None => this.views.iter_mut().filter_map(|slot| slot_of(slot).take()).collect(),
             };
             match Carved::try_new_or_recover(views, |views| VisualHull::new(views, &this.params.hull, progress)) {
                 Ok(carved) => {
@@ -123,8 +128,8 @@ impl Pipeline {
                 }
                 Err((views, error)) => {
                     // As before the call, so that it can be made again.
-                    for (&camera, view) in this.rig.order().iter().zip(views) {
-                        *slot_of(&mut this.views[camera as usize]) = Some(view);
+                    for (slot, view) in this.views.iter_mut().zip(views) {
+                        *slot_of(slot) = Some(view);
                     }
                     this.reached = None;
                     Err(error.into())
@@ -141,7 +146,6 @@ impl Pipeline {
             }
             let carved = carved(&this.carved)?;
             let (views, hull) = (carved.borrow_owner(), carved.borrow_dependent());
-            this.levels = stages::levels(views, &this.params, threads);
             let found = threads.map(views.len(), |i| {
                 step(progress, Stage::Contours, i, views.len())?;
                 Ok(stages::frontier(&views[i], hull, &this.params))
@@ -160,9 +164,9 @@ impl Pipeline {
             if this.params.method != Method::Hull {
                 let carved = carved(&this.carved)?;
                 let (views, hull) = (carved.borrow_owner(), carved.borrow_dependent());
-                let Stages { hull: hull_mesh, frontier, .. } = &this.stages;
-                let coarse = stages::coarse(views, hull_mesh, frontier, hull, &this.params, threads, progress)?;
-                this.stages.coarse = coarse;
+                let (mesh, frontier) = (&this.stages.hull, &this.stages.frontier);
+                this.stages.coarse = stages::coarse(views, mesh, frontier, hull, &this.params, threads, progress)?;
+                this.levels = stages::levels(views, &this.params, threads);
             }
             this.detected.iter_mut().for_each(|slot| *slot_of(slot) = None);
             Ok(())
@@ -172,7 +176,7 @@ impl Pipeline {
     /// §4.1 to §4.3: the points of one view.
     pub fn detect(&self, camera: usize, progress: &HostProgress) -> Result<()> {
         self.timed(Stage::Detect, || {
-            let slot = self.detected.get(camera).ok_or_else(|| no_camera(camera, self.cameras()))?;
+            let place = self.place(camera)?;
             self.require(Stage::Coarse)?;
             if self.reached > Some(Stage::Coarse) {
                 return Err(Failure::new(WrongOrder, "the points of all views have been merged already"));
@@ -181,11 +185,10 @@ impl Pipeline {
                 (PointCloud::new(), Counts::default())
             } else {
                 let hull = carved(&self.carved)?.borrow_dependent();
-                let Stages { hull: hull_mesh, coarse, .. } = &self.stages;
-                let place = self.rig.place(camera);
-                stages::detect(place, &self.levels, hull, hull_mesh, coarse, &self.params, progress)?
+                let Stages { hull: mesh, coarse, .. } = &self.stages;
+                stages::detect(place, &self.levels, hull, mesh, coarse, &self.params, progress)?
             };
-            *slot.lock().unwrap_or_else(PoisonError::into_inner) = Some(found);
+            *self.detected[place].lock().unwrap_or_else(PoisonError::into_inner) = Some(found);
             Ok(())
         })
     }
@@ -194,13 +197,13 @@ impl Pipeline {
     pub fn merge(&mut self, progress: &HostProgress) -> Result<()> {
         self.require(Stage::Coarse).map_err(|failure| failure.at(pcmvs_stage::Merge))?;
         if self.reached < Some(Stage::Detect) {
-            if let Some(camera) = self.detected.iter_mut().position(|slot| slot_of(slot).is_none()) {
+            if let Some(camera) = first_missing(&self.rig, &mut self.detected) {
                 let problem = format!("camera {camera} has no detected points yet: call pcmvs_frame_detect for it");
-                return Err(Failure::new(WrongOrder, problem).of_camera(camera as u32).at(pcmvs_stage::Merge));
+                return Err(Failure::new(WrongOrder, problem).of_camera(camera).at(pcmvs_stage::Merge));
             }
             self.stages.detected.clear();
-            for &camera in self.rig.order() {
-                let (cloud, found) = slot_of(&mut self.detected[camera as usize]).take().unwrap_or_default();
+            for slot in &mut self.detected {
+                let (cloud, found) = slot_of(slot).take().unwrap_or_default();
                 self.stages.detected.push(cloud);
                 self.counts.add_detection(&found);
             }
@@ -279,13 +282,10 @@ impl Pipeline {
         self.require(stage).map(|()| &self.stages)
     }
 
-    /// A camera's view, once the hull is there.
-    pub fn carved_view(&self, camera: usize) -> Result<&View> {
+    /// The views, once the hull is there.
+    pub fn carved_views(&self) -> Result<&[View]> {
         self.require(Stage::Hull)?;
-        if camera >= self.cameras() {
-            return Err(no_camera(camera, self.cameras()));
-        }
-        Ok(&carved(&self.carved)?.borrow_owner()[self.rig.place(camera)])
+        Ok(carved(&self.carved)?.borrow_owner())
     }
 
     /// Counts, hashes and seconds, once all stages are complete.
@@ -327,12 +327,14 @@ fn carved(carved: &Option<Carved>) -> Result<&Carved> {
     carved.as_ref().ok_or_else(|| Failure::new(WrongOrder, "there is no hull yet"))
 }
 
-fn slot_of<T>(slot: &mut Mutex<T>) -> &mut T {
-    slot.get_mut().unwrap_or_else(PoisonError::into_inner)
+/// The first camera, numbered as given, whose slot is empty.
+fn first_missing<T>(rig: &Rig, slots: &mut [Mutex<Option<T>>]) -> Option<u32> {
+    let slots = slots.iter_mut().zip(rig.order());
+    slots.filter_map(|(slot, &camera)| slot_of(slot).is_none().then_some(camera)).min()
 }
 
-fn no_camera(camera: usize, cameras: usize) -> Failure {
-    Failure::new(InvalidArgument, format!("there is no camera {camera}: the rig has {cameras}"))
+fn slot_of<T>(slot: &mut Mutex<T>) -> &mut T {
+    slot.get_mut().unwrap_or_else(PoisonError::into_inner)
 }
 
 fn step(progress: &HostProgress, stage: Stage, done: usize, total: usize) -> Result<()> {
