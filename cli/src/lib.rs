@@ -3,19 +3,16 @@
 
 mod arguments;
 mod debug_json;
-mod failure;
 mod fingerprint;
 mod frame;
 mod import;
 mod output;
-mod pictures;
 mod progress;
 mod reconstruct;
 mod report;
-mod scene;
 mod threads;
 
-pub use failure::Failure;
+pub use pcmvs_scene::Failure;
 
 use arguments::{Arguments, Command};
 use clap::Parser;
@@ -40,7 +37,16 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>, cancelled: &AtomicBool
         Ok(()) => 0,
         Err(failure) => {
             eprintln!("error: {failure}");
-            failure.status()
+            status(&failure)
         }
+    }
+}
+
+/// Exit status of a failed command.
+pub const fn status(failure: &Failure) -> u8 {
+    match failure {
+        Failure::Input(_) => 2,
+        Failure::Cancelled => 3,
+        Failure::Other(_) => 1,
     }
 }
