@@ -25,8 +25,13 @@ export function pickedFiles(list: FileList): Promise<Entries> {
 
 /** Dropped files and folders. Must be called while the event is handled. */
 export function droppedFiles(transfer: DataTransfer): Promise<Entries> {
-    const roots = [...transfer.items].map((item) => item.webkitGetAsEntry()).filter((entry) => entry !== null);
-    return Promise.all(roots.map(walk)).then((found) => unpack(found.flat()));
+    const roots = [...transfer.items].map((item) => {
+        const entry = item.webkitGetAsEntry();
+        const file = item.getAsFile();
+        // What does not come from a disk has no entry.
+        return entry ? walk(entry) : Promise.resolve<[string, File][]>(file ? [[file.name, file]] : []);
+    });
+    return Promise.all(roots).then((found) => unpack(found.flat()));
 }
 
 async function walk(entry: FileSystemEntry): Promise<[string, File][]> {

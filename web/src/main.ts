@@ -88,6 +88,7 @@ function setCapture(next: Capture | null) {
     clip.onchange = () => drawTransport(clip);
     clip.onshow = (frame, geometry) => {
         viewer.show(geometry);
+        performance.mark(`shown-${frame.preset ?? "clip"}`);
         showStage(frame);
     };
     $("cells").replaceChildren(...clip.frames.map(() => document.createElement("i")));
@@ -233,11 +234,10 @@ function reconstruct() {
     const started = performance.now();
     const tell = (status: Status) => {
         if (mine !== turn) return;
-        input("progress").value = String(status.fraction);
-        ($("progress") as unknown as HTMLProgressElement).value = status.fraction;
+        $<HTMLProgressElement>("progress").value = status.fraction;
         tellStatus(status, clip);
         const cell = $("cells").children[status.frame] as HTMLElement;
-        cell.style.setProperty("--done", `${Math.round(status.fraction * 100)}%`);
+        cell.style.setProperty("--done", `${Math.round(status.done * 100)}%`);
     };
     const fail = (failure: Failure, frame: number) => {
         if (mine !== turn || failure.code === "cancelled") return;

@@ -49,6 +49,8 @@ export interface Status {
     frame: number;
     stage: Stage | null;
     preset: Preset | null;
+    /** 0 to 1 in this frame. */
+    done: number;
     /** 0 to 1 over all frames. */
     fraction: number;
     /** Seconds; null until something can be said. */
@@ -69,14 +71,21 @@ export class Session {
 
     /** Makes all frames; those that fail are told and do not stop the others. */
     async run(pool: Pool, tell: (status: Status) => void, fail: (failure: Failure, frame: number) => void) {
-        const frames = this.scene.frames.map((_, position) => this.make(pool, position, tell).catch((error: unknown) => {
+        // The first frame alone until there is something to look at: it has all processors until then.
+        const seen = Promise.withResolvers<void>();
+        const frame = async (position: number) => {
+            if (position > 0) await seen.promise;
+            await this.make(pool, position, tell, seen.resolve);
+        };
+        const frames = this.scene.frames.map((_, position) => frame(position).catch((error: unknown) => {
+            seen.resolve();
             this.fractions[position] = 1;
             fail(error instanceof JobError ? error.failure : { code: "internal", message: String(error) }, position);
         }));
         await Promise.all(frames);
     }
 
-    private async make(pool: Pool, position: number, tell: (status: Status) => void) {
+    private async make(pool: Pool, position: number, tell: (status: Status) => void, seen: () => void) {
         const { preset } = this.choice;
         const ladder: Preset[] = position > 0 ? [preset] : preset === "hull" ? ["hull"] : preset === "preview" ? ["hull", "preview"] : ["hull", "preview", preset];
         const shares = ladder.length === 3 ? [0.1, 0.2, 0.7] : ladder.length === 2 ? [0.35, 0.65] : [1];
@@ -92,8 +101,8 @@ export class Session {
             },
             result: (made) => {
                 step++;
+                seen();
                 this.clip.set(position, { glb: new Blob([made.glb], { type: "model/gltf-binary" }), preset: made.preset, triangles: made.triangles, stages: made.stages });
-                if (step === 1) performance.mark("first-mesh");
             },
         });
         this.fractions[position] = 1;
@@ -103,6 +112,6 @@ export class Session {
     private status(frame: number, preset: Preset | null, stage: Stage | null): Status {
         const fraction = this.fractions.reduce((a, b) => a + b, 0) / this.fractions.length;
         const seconds = (performance.now() - this.start) / 1000;
-        return { frame, stage, preset, fraction, left: seconds > 2 && fraction > 0.02 ? (seconds * (1 - fraction)) / fraction : null };
+        return { frame, stage, preset, done: this.fractions[frame], fraction, left: seconds > 2 && fraction > 0.02 ? (seconds * (1 - fraction)) / fraction : null };
     }
 }

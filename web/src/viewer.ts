@@ -242,7 +242,9 @@ export class Viewer {
     frame(box = this.bounds) {
         if (!box) return;
         const sphere = box.getBoundingSphere(new Sphere());
-        const direction = new Vector3(0.55, 0.22, 0.8).normalize();
+        // From a little beside the first camera, which sees the front as a rule.
+        const front = this.cameras.length > 0 ? new Vector3(0, 0, 1).transformDirection(pose(this.cameras[0])).transformDirection(this.world.matrixWorld) : new Vector3(0.4, 0, 1);
+        const direction = front.setY(0).normalize().applyAxisAngle(this.free.up, 0.35).setY(0.2).normalize();
         const narrow = Math.min(1, this.free.aspect);
         const distance = (sphere.radius * 1.12) / Math.sin((this.free.fov / 2) * (Math.PI / 180)) / narrow;
         this.controls.target.copy(sphere.center);
