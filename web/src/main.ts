@@ -80,7 +80,10 @@ async function attempt(work: () => Promise<void>) {
 // ---- captures
 
 function setCapture(next: Capture | null) {
-    capture?.clip.dispose();
+    if (capture) {
+        capture.clip.onchange = capture.clip.onshow = () => {};
+        capture.clip.dispose();
+    }
     capture = next;
     viewer.clear();
     if (!next) return;

@@ -28,6 +28,7 @@ export class Pool {
     private readonly waiting: Task[] = [];
     private readonly idle: Worker[] = [];
     private readonly busy = new Map<Worker, Task>();
+    private cancelled = false;
     /** Most memory that an instance has had, bytes. */
     memory = 0;
 
@@ -35,13 +36,16 @@ export class Pool {
 
     run<T extends Job>(job: T, listener: Listener = {}): Promise<JobResults[T["type"]]> {
         return new Promise((resolve, reject) => {
+            if (this.cancelled) return reject(new JobError(CANCELLED));
             this.waiting.push({ job, listener, resolve, reject });
             this.next();
         });
     }
 
-    /** Ends everything, running or waiting. */
+    /** Ends everything, running or waiting, for good. */
     cancel() {
+        this.cancelled = true;
+        this.rest();
         const tasks = [...this.busy.values(), ...this.waiting];
         for (const worker of this.busy.keys()) worker.terminate();
         this.busy.clear();

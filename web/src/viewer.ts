@@ -41,6 +41,8 @@ export class Viewer {
 
     constructor(private readonly canvas: HTMLCanvasElement) {
         this.renderer = new WebGLRenderer({ canvas, antialias: true, alpha: true, powerPreference: "high-performance" });
+        // Asking for errors waits for the driver's compiler.
+        this.renderer.debug.checkShaderErrors = import.meta.env.DEV;
         this.renderer.setPixelRatio(Math.min(devicePixelRatio, 2));
         this.materials = {
             colour: new MeshBasicMaterial({ vertexColors: true, side: DoubleSide }),
