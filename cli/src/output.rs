@@ -1,8 +1,6 @@
 //! The folder of results: files that are whole or not there, and the clip's manifest.
 
-use crate::{
-    report::{FrameReport, Report},
-};
+use crate::report::{FrameReport, Report};
 use pcmvs_scene::{Failure, Scene};
 use serde::Serialize;
 use std::{

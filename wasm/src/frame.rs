@@ -125,7 +125,11 @@ impl Frame {
 
     /// Reconstructs. `progress(stage, done, total)` is called on the way; when it returns false, an error of code
     /// `cancelled` is thrown. Throws `PcmvsError`.
-    pub fn reconstruct(&self, preset: PresetName, progress: Option<ProgressFunction>) -> Result<Reconstruction, Failed> {
+    pub fn reconstruct(
+        &self,
+        preset: PresetName,
+        progress: Option<ProgressFunction>,
+    ) -> Result<Reconstruction, Failed> {
         let preset = match preset.as_string().as_deref() {
             Some("default") => Preset::Default,
             Some("paper") => Preset::Paper,

@@ -41,7 +41,8 @@ pub fn open_scene(files: &FileSource) -> Result<SceneObject, Failed> {
         let images = scene.frames[frame].images.iter().map(|path| files::normal(&scene.resolve(path))).collect();
         let masks = scene.frames[frame].masks.iter().flatten();
         let masks = masks.map(|mask| mask.as_ref().map(|path| files::normal(&scene.resolve(path)))).collect();
-        (scene.frames[frame].images, scene.frames[frame].masks) = (images, Some(masks).filter(|m: &Vec<_>| !m.is_empty()));
+        (scene.frames[frame].images, scene.frames[frame].masks) =
+            (images, Some(masks).filter(|m: &Vec<_>| !m.is_empty()));
     }
     let object = scene.serialize(&serde_wasm_bindgen::Serializer::json_compatible())?;
     Ok(object.unchecked_into())

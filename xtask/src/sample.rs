@@ -36,8 +36,15 @@ pub fn make(folder: &Path) -> Result<(), String> {
             picture.rgb.clear();
             if let Some(mask) = &frame.masks[camera] {
                 let path = folder.join(format!("masks/{name}_{i:04}.png"));
-                image::save_buffer_with_format(path, mask, picture.width, picture.height, ColorType::L8, ImageFormat::Png)
-                    .map_err(|e| fail(&e))?;
+                image::save_buffer_with_format(
+                    path,
+                    mask,
+                    picture.width,
+                    picture.height,
+                    ColorType::L8,
+                    ImageFormat::Png,
+                )
+                .map_err(|e| fail(&e))?;
             }
         }
         capture.frames.push(frame);

@@ -1,6 +1,6 @@
 //! The npm package, the page, and their tests.
 
-use crate::sample;
+use crate::{sample, serve};
 use flate2::{Compression, write::GzEncoder};
 use std::{
     env, fs,
@@ -27,7 +27,16 @@ pub fn wasm() -> Outcome {
     for (name, flags) in BUILDS {
         let target = target().join(format!("wasm-{name}"));
         run(Command::new(env!("CARGO"))
-            .args(["build", "--profile", "wasm", "-p", "pcmvs-wasm", "--target", "wasm32-unknown-unknown", "--target-dir"])
+            .args([
+                "build",
+                "--profile",
+                "wasm",
+                "-p",
+                "pcmvs-wasm",
+                "--target",
+                "wasm32-unknown-unknown",
+                "--target-dir",
+            ])
             .arg(&target)
             .env("CARGO_ENCODED_RUSTFLAGS", flags)
             .current_dir(root()))?;
@@ -78,6 +87,12 @@ pub fn dist() -> Outcome {
     let size: u64 = paths.iter().map(|path| fs::metadata(dist.join(path)).map_or(0, |m| m.len())).sum();
     println!("web/dist: {} files, {:.1} MB", paths.len(), size as f64 / 1e6);
     Ok(())
+}
+
+/// Builds the site and serves it on this machine until the program ends.
+pub fn demo() -> Outcome {
+    dist()?;
+    serve::serve(&root().join("web/dist")).map_err(|e| format!("the page cannot be served: {e}"))
 }
 
 /// Builds the site and the command line and drives both: see tests/web.

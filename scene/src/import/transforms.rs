@@ -46,8 +46,11 @@ struct Intrinsics {
 /// Reads transforms.json or a folder that holds it (or transforms_train.json).
 pub fn read(files: &dyn Files, path: &Path) -> Result<Vec<ImportedView>, Failure> {
     let candidates = ["transforms.json", "transforms_train.json"].map(|name| path.join(name));
-    let file =
-        if files.is_folder(path) { candidates.iter().find(|file| files.is_file(file)).unwrap_or(&candidates[0]) } else { path };
+    let file = if files.is_folder(path) {
+        candidates.iter().find(|file| files.is_file(file)).unwrap_or(&candidates[0])
+    } else {
+        path
+    };
     let text = read_text(files, file)?;
     let wrong = |problem: String| Failure::Input(format!("{}: {problem}", file.display()));
     let parsed: File = serde_json::from_str(&text).map_err(|e| wrong(format!("{e}: correct that line")))?;
@@ -60,7 +63,13 @@ pub fn read(files: &dyn Files, path: &Path) -> Result<Vec<ImportedView>, Failure
     parsed.frames.iter().map(|frame| view(files, file, &folder, frame, &parsed.shared)).collect()
 }
 
-fn view(files: &dyn Files, file: &Path, folder: &PathBuf, frame: &Frame, shared: &Intrinsics) -> Result<ImportedView, Failure> {
+fn view(
+    files: &dyn Files,
+    file: &Path,
+    folder: &PathBuf,
+    frame: &Frame,
+    shared: &Intrinsics,
+) -> Result<ImportedView, Failure> {
     let name = name_of(&frame.file_path);
     let wrong = |problem: &str| failure(file, &name, problem);
     let image = find_picture(files, std::slice::from_ref(folder), &frame.file_path)
