@@ -47,6 +47,8 @@ function say(text: string) {
 }
 
 function complain(message: string) {
+    // Pictures and reconstruction may find the same.
+    if ([...document.querySelectorAll("#errors p")].some((told) => told.textContent === message)) return;
     const box = document.createElement("div");
     const text = document.createElement("p");
     text.textContent = message;
@@ -348,9 +350,11 @@ on("back", "click", () => step(-1));
 on("forward", "click", () => step(1));
 on("scrub", "input", () => {
     if (!capture) return;
+    // Pausing draws the playhead where it was.
+    const position = input("scrub").valueAsNumber;
     userPaused = true;
     capture.clip.play(false);
-    void capture.clip.show(input("scrub").valueAsNumber);
+    void capture.clip.show(position);
 });
 on("scrub", "change", () => void strip.refresh(rigShown()));
 on("speed", "change", () => capture && (capture.clip.speed = Number(select("speed").value)));
@@ -376,7 +380,7 @@ on("silhouettes", "change", () => {
 });
 for (const id of ["key-colour", "key-tolerance", "key-shadow", "key-part", "key-hole"]) on(id, "input", () => void strip.refresh(rigShown()));
 
-strip.onproblem = complain;
+strip.onproblem = (failure) => complain(describe(failure, null, rigShown()?.cameras ?? [], null));
 strip.onlook = (camera) => {
     $("through").hidden = camera === null;
     if (camera !== null) $("through-name").textContent = rigShown()?.cameras[camera].name ?? "";

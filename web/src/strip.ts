@@ -1,7 +1,7 @@
 // The cameras as a strip of pictures with their silhouettes, and the photograph over the view.
 import type { Camera } from "pcmvs";
 import { JobError, type Pool } from "./pool";
-import type { PhotographResult, ViewFiles } from "./protocol";
+import type { Failure, PhotographResult, ViewFiles } from "./protocol";
 import type { Viewer } from "./viewer";
 
 const THUMBNAIL = 240;
@@ -22,7 +22,7 @@ export class Strip {
     private readonly buttons: HTMLButtonElement[] = [];
     looking: number | null = null;
     onlook: (camera: number | null) => void = () => {};
-    onproblem: (message: string) => void = () => {};
+    onproblem: (failure: Failure) => void = () => {};
 
     constructor(private readonly root: HTMLElement, private readonly photo: HTMLCanvasElement, private readonly pool: Pool, private readonly viewer: Viewer) {
         viewer.onlayout = () => this.place();
@@ -102,9 +102,12 @@ export class Strip {
         try {
             return await this.pool.run({ type: "photograph", cameras: rig.cameras, camera, view: rig.files(camera), width });
         } catch (error) {
-            const { code, message } = (error as JobError).failure;
-            this.buttons[camera]?.setAttribute("data-problem", "");
-            if (code !== "cancelled" && rig === this.rig) this.onproblem(`${rig.cameras[camera].name}: ${message}`);
+            if (!(error instanceof JobError)) throw error;
+            const { failure } = error;
+            if (rig === this.rig) {
+                this.buttons[failure.camera ?? camera]?.setAttribute("data-problem", "");
+                this.onproblem({ camera, ...failure });
+            }
             return null;
         }
     }

@@ -61,10 +61,22 @@ function rigOf(cameras: Camera[]): Rig {
     return kept.rig;
 }
 
-async function reconstruct(job: Extract<Job, { type: "frame" }>) {
-    const rig = rigOf(job.cameras);
+/** Works with a frame and frees it, unless the instance has trapped: then nothing in it may be touched, and it is ended. */
+async function withFrame<T>(cameras: Camera[], work: (frame: Frame, rig: Rig) => Promise<T>): Promise<T> {
+    const rig = rigOf(cameras);
     const frame = new Frame(rig);
     try {
+        const made = await work(frame, rig);
+        frame.free();
+        return made;
+    } catch (error) {
+        if (failure(error).code !== "out-of-memory" && failure(error).code !== "internal") frame.free();
+        throw error;
+    }
+}
+
+const reconstruct = (job: Extract<Job, { type: "frame" }>) =>
+    withFrame(job.cameras, async (frame, rig) => {
         const files = await Promise.all(job.views.map(readView));
         for (const [i, { image, mask }] of files.entries()) {
             frame.setImage(i, image);
@@ -83,10 +95,7 @@ async function reconstruct(job: Extract<Job, { type: "frame" }>) {
             made.free();
             reply({ type: "result", result: { preset, glb, vertices, triangles, seconds, stages } }, [glb.buffer, ...buffers(stages)]);
         }
-    } finally {
-        frame.free();
-    }
-}
+    });
 
 function stagesOf(made: ReturnType<Frame["reconstruct"]>, rig: Rig): FrameStages {
     const mesh = made.mesh("hull");
@@ -107,9 +116,8 @@ function buffers(stages: FrameStages | null): Transferable[] {
     return outputs.flatMap((o) => (o.kind === "cloud" ? [o.positions.buffer, o.tags.buffer] : [o.positions.buffer, o.normals.buffer, o.triangles.buffer]));
 }
 
-async function photograph(job: Extract<Job, { type: "photograph" }>): Promise<PhotographResult> {
-    const frame = new Frame(rigOf(job.cameras));
-    try {
+const photograph = (job: Extract<Job, { type: "photograph" }>) =>
+    withFrame(job.cameras, async (frame): Promise<PhotographResult> => {
         const { image, mask } = await readView(job.view);
         frame.setImage(job.camera, image);
         let problem: string | null = null;
@@ -121,6 +129,8 @@ async function photograph(job: Extract<Job, { type: "photograph" }>): Promise<Ph
             made.free();
             made = matted;
         } catch (error) {
+            // A picture that fits can be shown, whatever its silhouette is.
+            if (failure(error).code !== "silhouette") throw error;
             problem = failure(error).message;
         }
         const { width, height } = made;
@@ -141,10 +151,7 @@ async function photograph(job: Extract<Job, { type: "photograph" }>): Promise<Ph
             silhouette = await createImageBitmap(new ImageData(new Uint8ClampedArray(pixels.buffer), width, height), size);
         }
         return { width, height, picture, silhouette, coverage, problem };
-    } finally {
-        frame.free();
-    }
-}
+    });
 
 async function readView(view: ViewFiles): Promise<{ image: Uint8Array; mask: Uint8Array | null }> {
     const mask = view.mask && !view.key ? read(view.mask) : null;
