@@ -96,6 +96,7 @@ function setCapture(next: Capture | null) {
         performance.mark(`shown-${frame.preset ?? "clip"}`);
         showStage(frame);
     };
+    $<HTMLProgressElement>("progress").value = 0;
     $("cells").replaceChildren(...clip.frames.map(() => document.createElement("i")));
     input("scrub").max = String(clip.frames.length - 1);
     $("name").textContent = next.name;

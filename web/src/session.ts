@@ -112,6 +112,6 @@ export class Session {
     private status(frame: number, preset: Preset | null, stage: Stage | null): Status {
         const fraction = this.fractions.reduce((a, b) => a + b, 0) / this.fractions.length;
         const seconds = (performance.now() - this.start) / 1000;
-        return { frame, stage, preset, done: this.fractions[frame], fraction, left: seconds > 2 && fraction > 0.02 ? (seconds * (1 - fraction)) / fraction : null };
+        return { frame, stage, preset, done: this.fractions[frame], fraction, left: seconds > 2 && fraction > 0.06 ? (seconds * (1 - fraction)) / fraction : null };
     }
 }
