@@ -84,6 +84,17 @@ pub enum Source {
     Transforms,
 }
 
+impl Source {
+    pub const fn source(self) -> pcmvs_scene::Source {
+        match self {
+            Self::Middlebury => pcmvs_scene::Source::Middlebury,
+            Self::Colmap => pcmvs_scene::Source::Colmap,
+            Self::Opencv => pcmvs_scene::Source::Opencv,
+            Self::Transforms => pcmvs_scene::Source::Transforms,
+        }
+    }
+}
+
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum MaskSource {
     File,

@@ -1,6 +1,6 @@
 //! SHA-256 of files, and of all that a result depends on.
 
-use crate::failure::Failure;
+use pcmvs_scene::Failure;
 use sha2::{Digest, Sha256};
 use std::{env, fs, path::Path};
 

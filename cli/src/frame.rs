@@ -3,19 +3,17 @@
 use crate::{
     arguments::Format,
     debug_json,
-    failure::Failure,
     fingerprint::{Fingerprint, sha256},
     output,
-    pictures::Picture,
     progress::{Console, FrameProgress},
     report::{FrameReport, peak_memory},
-    scene::{Scene, SceneFrame},
     threads::Threads,
 };
 use pcmvs_core::{
     ChromaKey, Executor, Mask, Mesh, Params, PointCloud, Progress, Reconstruction, Rig, Stage, ViewInput,
     export::{bounds, glb, ply},
 };
+use pcmvs_scene::{Failure, Picture, Scene, SceneFrame};
 use std::{
     fs,
     path::{Path, PathBuf},

@@ -3,20 +3,17 @@
 
 mod arguments;
 mod debug_json;
-mod failure;
 mod fingerprint;
 mod frame;
 mod import;
 mod output;
 mod overrides;
-mod pictures;
 mod progress;
 mod reconstruct;
 mod report;
-mod scene;
 mod threads;
 
-pub use failure::Failure;
+pub use pcmvs_scene::Failure;
 
 use arguments::{Arguments, Command};
 use clap::Parser;
@@ -41,7 +38,16 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>, cancelled: &AtomicBool
         Ok(()) => 0,
         Err(failure) => {
             eprintln!("error: {failure}");
-            failure.status()
+            status(&failure)
         }
+    }
+}
+
+/// Exit status of a failed command.
+pub const fn status(failure: &Failure) -> u8 {
+    match failure {
+        Failure::Input(_) => 2,
+        Failure::Cancelled => 3,
+        Failure::Other(_) => 1,
     }
 }

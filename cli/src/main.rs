@@ -11,7 +11,7 @@ static CANCELLED: AtomicBool = AtomicBool::new(false);
 fn main() -> ExitCode {
     let handler = || {
         if CANCELLED.swap(true, Ordering::Relaxed) {
-            exit(i32::from(pcmvs_cli::Failure::Cancelled.status()));
+            exit(i32::from(pcmvs_cli::status(&pcmvs_cli::Failure::Cancelled)));
         }
     };
     if let Err(error) = ctrlc::set_handler(handler) {

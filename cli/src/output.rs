@@ -1,10 +1,7 @@
 //! The folder of results: files that are whole or not there, and the clip's manifest.
 
-use crate::{
-    failure::Failure,
-    report::{FrameReport, Report},
-    scene::Scene,
-};
+use crate::report::{FrameReport, Report};
+use pcmvs_scene::{Failure, Scene};
 use serde::Serialize;
 use std::{
     fs,

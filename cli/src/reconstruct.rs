@@ -3,16 +3,15 @@
 use crate::{
     arguments::{Format, MaskSource, Reconstruct},
     debug_json,
-    failure::Failure,
     fingerprint::Fingerprint,
     frame::Job,
     output, overrides,
     progress::Console,
     report::{self, FrameFailure, FrameReport, Report, earlier_frames, peak_memory},
-    scene::Scene,
     threads::Threads,
 };
 use pcmvs_core::{Camera, ChromaKey, Params, Rig};
+use pcmvs_scene::{Disk, Failure, Scene, SceneCamera};
 use std::{
     num::NonZeroUsize,
     panic::{AssertUnwindSafe, catch_unwind},
@@ -26,7 +25,7 @@ const FRAMES_AT_A_TIME: usize = 8;
 
 /// Runs the command.
 pub fn run(options: &Reconstruct, cancelled: &AtomicBool) -> Result<(), Failure> {
-    let mut scene = Scene::load(&options.scene)?;
+    let mut scene = Scene::load(&Disk, &options.scene)?;
     let first_index = scene.frames.iter().map(|f| f.index).min().unwrap_or(0);
     scene.select_frames(options.frames.as_ref().map(|list| list.0.as_slice()))?;
     if let Some(list) = &options.cameras {
@@ -93,7 +92,7 @@ pub fn run(options: &Reconstruct, cancelled: &AtomicBool) -> Result<(), Failure>
 
 /// The core's cameras.
 fn cameras(scene: &Scene) -> Result<Vec<Camera>, Failure> {
-    let camera = |c: &crate::scene::SceneCamera| {
+    let camera = |c: &SceneCamera| {
         c.camera()
             .map_err(|problem| Failure::Input(format!("camera `{}`: {}: {problem}", c.name, scene.path.display())))
     };

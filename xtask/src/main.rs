@@ -1,14 +1,18 @@
-//! Set-up and checks: `cargo xtask demo | test | bench`.
+//! Set-up and checks: `cargo xtask demo | test | bench | web | wasm | install | header`.
 
+mod abi;
 mod bench;
 mod captured;
 mod demo;
 mod measure;
 mod no_std;
 mod process;
+mod sample;
+mod serve;
 mod steps;
 mod tables;
 mod test;
+mod web;
 
 use clap::{Parser, Subcommand};
 use std::process::ExitCode;
@@ -37,6 +41,28 @@ enum Task {
         #[arg(long)]
         all: bool,
     },
+    /// Build the page and serve it on this machine
+    Web {
+        /// Only build the static site, in web/dist
+        #[arg(long)]
+        dist: bool,
+        /// Build it and drive it in a browser
+        #[arg(long, conflicts_with = "dist")]
+        test: bool,
+    },
+    /// Build the npm package, in wasm/pkg
+    Wasm,
+    /// Build the C library and install it with headers, pkg-config file and CMake package
+    Install {
+        /// The folder that gets include and lib; it may be moved afterwards
+        #[arg(long)]
+        prefix: std::path::PathBuf,
+        /// Check what C and C++ build systems make of an installed copy instead (installs compilers and tools)
+        #[arg(long)]
+        check: bool,
+    },
+    /// Write include/pcmvs.h anew from the sources
+    Header,
     /// Measure on the captured scenes and renew the tables of BENCHMARKS.md
     Bench {
         /// One scene only, and the tables go to the terminal
@@ -52,6 +78,13 @@ fn main() -> ExitCode {
     let result = match Arguments::parse().task {
         Task::Demo { no_serve: _ } => demo::run(),
         Task::Test { all } => test::run(all),
+        Task::Web { dist: true, .. } => web::dist(),
+        Task::Web { test: true, .. } => web::test(),
+        Task::Web { .. } => web::demo(),
+        Task::Wasm => web::wasm(),
+        Task::Install { check: true, .. } => abi::check(),
+        Task::Install { prefix, .. } => abi::install(&prefix),
+        Task::Header => abi::header(),
         Task::Bench { quick, part } => bench::run(quick, part.as_deref()),
     };
     match result {

@@ -1,7 +1,7 @@
 //! COLMAP's text model: cameras.txt and images.txt. World to camera as in a scene, but the quaternion has w first and
 //! the first pixel's centre is at (0.5, 0.5).
 
-use super::{Failure, ImportedView, failure, find_picture, name_of, read_text};
+use super::{Failure, Files, ImportedView, failure, find_picture, name_of, read_text};
 use glam::{DMat3, DQuat};
 use pcmvs_core::Camera;
 use std::{
@@ -16,10 +16,10 @@ struct Intrinsics {
 }
 
 /// Reads a folder with cameras.txt and images.txt, or a project whose model is in `sparse` or `sparse/0`.
-pub fn read(path: &Path) -> Result<Vec<ImportedView>, Failure> {
+pub fn read(files: &dyn Files, path: &Path) -> Result<Vec<ImportedView>, Failure> {
     let candidates = [path.to_path_buf(), path.join("sparse"), path.join("sparse").join("0")];
-    let Some(model) = candidates.iter().find(|folder| folder.join("cameras.txt").is_file()) else {
-        let binary = candidates.iter().any(|folder| folder.join("cameras.bin").is_file());
+    let Some(model) = candidates.iter().find(|folder| files.is_file(&folder.join("cameras.txt"))) else {
+        let binary = candidates.iter().any(|folder| files.is_file(&folder.join("cameras.bin")));
         let remedy = if binary {
             "the model is binary: convert it with `colmap model_converter --output_type TXT`"
         } else {
@@ -27,18 +27,18 @@ pub fn read(path: &Path) -> Result<Vec<ImportedView>, Failure> {
         };
         return Err(Failure::Input(format!("{}: {remedy}", path.display())));
     };
-    let intrinsics = read_cameras(&model.join("cameras.txt"))?;
+    let intrinsics = read_cameras(files, &model.join("cameras.txt"))?;
     let up = |levels: usize| model.ancestors().nth(levels).map(|folder| folder.join("images"));
     let mut folders: Vec<PathBuf> = [path.join("images"), path.to_path_buf()].into();
     folders.extend([up(0), up(1), up(2)].into_iter().flatten());
-    let mut views = read_images(&model.join("images.txt"), &intrinsics, &folders)?;
+    let mut views = read_images(files, &model.join("images.txt"), &intrinsics, &folders)?;
     // COLMAP's own order is that of registration.
     views.sort_by(|a, b| a.name.cmp(&b.name));
     Ok(views)
 }
 
-fn read_cameras(file: &Path) -> Result<BTreeMap<u32, Intrinsics>, Failure> {
-    let text = read_text(file)?;
+fn read_cameras(files: &dyn Files, file: &Path) -> Result<BTreeMap<u32, Intrinsics>, Failure> {
+    let text = read_text(files, file)?;
     let lines = text.lines().map(str::trim).filter(|line| !line.is_empty() && !line.starts_with('#'));
     let wrong = |line: &str, problem: &str| {
         Failure::Input(format!("{}: camera {}: {problem}", file.display(), line.split(' ').next().unwrap_or_default()))
@@ -86,11 +86,12 @@ fn intrinsics(model: &str, params: &[f64]) -> Result<([[f64; 3]; 3], [f64; 5]), 
 }
 
 fn read_images(
+    files: &dyn Files,
     file: &Path,
     intrinsics: &BTreeMap<u32, Intrinsics>,
     folders: &[PathBuf],
 ) -> Result<Vec<ImportedView>, Failure> {
-    let text = read_text(file)?;
+    let text = read_text(files, file)?;
     let mut lines = text.lines().filter(|line| !line.starts_with('#'));
     let mut views = Vec::new();
     while let Some(line) = lines.by_ref().find(|line| !line.trim().is_empty()) {
@@ -109,7 +110,7 @@ fn read_images(
         let name = name_of(&picture);
         let lens = words[8].parse().ok().and_then(|id: u32| intrinsics.get(&id));
         let lens = lens.ok_or_else(|| failure(file, &name, &format!("cameras.txt has no camera {}", words[8])))?;
-        let image = find_picture(folders, &picture)
+        let image = find_picture(files, folders, &picture)
             .ok_or_else(|| failure(file, &name, &format!("its picture `{picture}` is missing: put it in `images`")))?;
         let [width, height] = lens.size;
         let camera = Camera {

@@ -1,4 +1,4 @@
-//! Why a run ends early, and with which exit status.
+//! Why a run ends early.
 
 use std::{fmt, io, path::Path};
 
@@ -14,22 +14,13 @@ pub enum Failure {
 }
 
 impl Failure {
-    /// Exit status of the command.
-    pub const fn status(&self) -> u8 {
-        match self {
-            Self::Input(_) => 2,
-            Self::Cancelled => 3,
-            Self::Other(_) => 1,
-        }
-    }
-
     /// An input file that cannot be read.
-    pub(crate) fn unreadable(path: &Path, error: &io::Error) -> Self {
+    pub fn unreadable(path: &Path, error: &io::Error) -> Self {
         Self::Input(format!("{}: cannot be read ({error}): check that the file is there and readable", path.display()))
     }
 
     /// An output file that cannot be written.
-    pub(crate) fn unwritable(path: &Path, error: &io::Error) -> Self {
+    pub fn unwritable(path: &Path, error: &io::Error) -> Self {
         Self::Other(format!("{}: cannot be written ({error}): check free space and permissions", path.display()))
     }
 }

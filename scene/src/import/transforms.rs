@@ -1,7 +1,7 @@
 //! NeRF's transforms.json (Blender, instant-ngp, nerfstudio): camera to world with OpenGL's axes (x right, y up,
 //! z backward), the picture spanning 0..w so that the first pixel's centre is at (0.5, 0.5).
 
-use super::{Failure, ImportedView, failure, find_picture, name_of, picture_size, read_text};
+use super::{Failure, Files, ImportedView, failure, find_picture, name_of, picture_size, read_text};
 use glam::{DMat3, DVec3};
 use pcmvs_core::Camera;
 use serde::Deserialize;
@@ -44,11 +44,14 @@ struct Intrinsics {
 }
 
 /// Reads transforms.json or a folder that holds it (or transforms_train.json).
-pub fn read(path: &Path) -> Result<Vec<ImportedView>, Failure> {
+pub fn read(files: &dyn Files, path: &Path) -> Result<Vec<ImportedView>, Failure> {
     let candidates = ["transforms.json", "transforms_train.json"].map(|name| path.join(name));
-    let file =
-        if path.is_dir() { candidates.iter().find(|file| file.is_file()).unwrap_or(&candidates[0]) } else { path };
-    let text = read_text(file)?;
+    let file = if files.is_folder(path) {
+        candidates.iter().find(|file| files.is_file(file)).unwrap_or(&candidates[0])
+    } else {
+        path
+    };
+    let text = read_text(files, file)?;
     let wrong = |problem: String| Failure::Input(format!("{}: {problem}", file.display()));
     let parsed: File = serde_json::from_str(&text).map_err(|e| wrong(format!("{e}: correct that line")))?;
     if let Some(model) = parsed.camera_model.as_deref()
@@ -57,21 +60,27 @@ pub fn read(path: &Path) -> Result<Vec<ImportedView>, Failure> {
         return Err(wrong(format!("camera_model {model} is not supported: undistort the pictures")));
     }
     let folder = file.parent().unwrap_or(Path::new("")).to_path_buf();
-    parsed.frames.iter().map(|frame| view(file, &folder, frame, &parsed.shared)).collect()
+    parsed.frames.iter().map(|frame| view(files, file, &folder, frame, &parsed.shared)).collect()
 }
 
-fn view(file: &Path, folder: &PathBuf, frame: &Frame, shared: &Intrinsics) -> Result<ImportedView, Failure> {
+fn view(
+    files: &dyn Files,
+    file: &Path,
+    folder: &PathBuf,
+    frame: &Frame,
+    shared: &Intrinsics,
+) -> Result<ImportedView, Failure> {
     let name = name_of(&frame.file_path);
     let wrong = |problem: &str| failure(file, &name, problem);
-    let image = find_picture(std::slice::from_ref(folder), &frame.file_path)
+    let image = find_picture(files, std::slice::from_ref(folder), &frame.file_path)
         .ok_or_else(|| wrong("its picture is missing: correct file_path"))?;
     let of = |pick: fn(&Intrinsics) -> Option<f64>| pick(&frame.own).or_else(|| pick(shared));
     let [width, height] = match (of(|i| i.w), of(|i| i.h)) {
         (Some(w), Some(h)) => [w as u32, h as u32],
-        _ => picture_size(&image, &name)?,
+        _ => picture_size(files, &image, &name)?,
     };
     let (w, h) = (f64::from(width), f64::from(height));
-    let focal = |size: f64, angle: f64| 0.5 * size / (0.5 * angle).tan();
+    let focal = |size: f64, angle: f64| 0.5 * size / libm::tan(0.5 * angle);
     let fx = of(|i| i.fl_x).or_else(|| of(|i| i.camera_angle_x).map(|angle| focal(w, angle)));
     let fx = fx.ok_or_else(|| wrong("fl_x or camera_angle_x is needed"))?;
     let fy = of(|i| i.fl_y).or_else(|| of(|i| i.camera_angle_y).map(|angle| focal(h, angle))).unwrap_or(fx);

@@ -19,6 +19,11 @@ pub struct Picture {
 }
 
 impl Picture {
+    /// Pixels without padding.
+    pub fn new(pixels: Vec<u8>, width: u32, height: u32, format: PixelFormat) -> Self {
+        Self { width, height, format, pixels }
+    }
+
     /// The picture as the core borrows it.
     pub fn view(&self) -> ImageRef<'_> {
         ImageRef::packed(&self.pixels, self.width, self.height, self.format)

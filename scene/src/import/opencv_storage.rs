@@ -1,13 +1,13 @@
 //! OpenCV's FileStorage, as YAML or JSON, read into JSON values.
 
-use super::{Failure, read_text};
+use super::{Failure, Files, read_text};
 use serde_json::{Map, Value};
 use std::path::Path;
 use yaml_rust2::{Yaml, YamlLoader};
 
 /// Reads a file; its extension tells the format.
-pub fn read(path: &Path) -> Result<Value, Failure> {
-    let text = read_text(path)?;
+pub fn read(files: &dyn Files, path: &Path) -> Result<Value, Failure> {
+    let text = read_text(files, path)?;
     let value = if path.extension().is_some_and(|e| e.eq_ignore_ascii_case("json")) {
         serde_json::from_str(&text).map_err(|e| e.to_string())
     } else {

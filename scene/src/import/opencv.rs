@@ -12,15 +12,12 @@
 //! - picture: `image`, `image_path`, `file`; none: the camera's name, here or in `images`
 //! - mask: `mask`, `mask_path`; none: searched in `masks`
 
-use super::{Failure, ImportedView, failure, find_picture, opencv_storage, picture_size, rows};
+use super::{Failure, Files, ImportedView, failure, find_picture, opencv_storage, picture_size, rows};
 use glam::{DMat3, DQuat, DVec3};
 use opencv_storage::numbers;
 use pcmvs_core::Camera;
 use serde_json::Value;
-use std::{
-    fs,
-    path::{Path, PathBuf},
-};
+use std::path::{Path, PathBuf};
 
 const K: &[&str] = &["camera_matrix", "cameraMatrix", "K", "intrinsic_matrix"];
 const DISTORTION: &[&str] = &["distortion_coefficients", "distCoeffs", "dist_coeffs", "D", "distortion"];
@@ -29,13 +26,13 @@ const TRANSLATION: &[&str] = &["t", "tvec", "T", "translation"];
 const SIZES: [[&str; 2]; 2] = [["image_width", "image_height"], ["width", "height"]];
 
 /// Reads a file, or all YAML and JSON files of a folder that hold a camera.
-pub fn read(path: &Path) -> Result<Vec<ImportedView>, Failure> {
+pub fn read(files: &dyn Files, path: &Path) -> Result<Vec<ImportedView>, Failure> {
     let mut views = Vec::new();
-    for file in files(path)? {
-        let value = opencv_storage::read(&file)?;
+    for file in calibrations(files, path)? {
+        let value = opencv_storage::read(files, &file)?;
         let stem = file.file_stem().unwrap_or_default().to_string_lossy().into_owned();
         for (name, camera) in cameras(&value, stem) {
-            views.push(view(&file, &name, camera)?);
+            views.push(view(files, &file, &name, camera)?);
         }
     }
     if views.is_empty() {
@@ -44,17 +41,15 @@ pub fn read(path: &Path) -> Result<Vec<ImportedView>, Failure> {
     Ok(views)
 }
 
-fn files(path: &Path) -> Result<Vec<PathBuf>, Failure> {
-    if !path.is_dir() {
+fn calibrations(files: &dyn Files, path: &Path) -> Result<Vec<PathBuf>, Failure> {
+    if !files.is_folder(path) {
         return Ok(vec![path.to_path_buf()]);
     }
     let known = |file: &PathBuf| {
         file.extension().is_some_and(|e| ["yml", "yaml", "json"].iter().any(|known| e.eq_ignore_ascii_case(known)))
     };
-    let entries = fs::read_dir(path).map_err(|e| Failure::unreadable(path, &e))?;
-    let mut files: Vec<PathBuf> = entries.filter_map(|e| Some(e.ok()?.path())).filter(known).collect();
-    files.sort();
-    Ok(files)
+    let entries = files.list(path).map_err(|e| Failure::unreadable(path, &e))?;
+    Ok(entries.into_iter().filter(known).collect())
 }
 
 fn find<'a>(camera: &'a Value, keys: &[&str]) -> Option<&'a Value> {
@@ -76,18 +71,18 @@ fn cameras(value: &Value, stem: String) -> Vec<(String, &Value)> {
     entries.map(|(key, camera)| (named(camera, key.clone()), camera)).collect()
 }
 
-fn view(file: &Path, name: &str, value: &Value) -> Result<ImportedView, Failure> {
+fn view(files: &dyn Files, file: &Path, name: &str, value: &Value) -> Result<ImportedView, Failure> {
     let wrong = |problem: String| failure(file, name, &problem);
     let folder = file.parent().unwrap_or(Path::new(""));
     let folders = [folder.to_path_buf(), folder.join("images")];
     let picture = find(value, &["image", "image_path", "file"]).and_then(Value::as_str).unwrap_or(name);
-    let image = find_picture(&folders, picture).ok_or_else(|| {
+    let image = find_picture(files, &folders, picture).ok_or_else(|| {
         wrong(format!("its picture `{picture}` is missing: put it in `images` or add the key `image`"))
     })?;
     let mask = find(value, &["mask", "mask_path"]).and_then(Value::as_str).map(|mask| folder.join(mask));
     let [width, height] = match size(value).map_err(wrong)? {
         Some(size) => size,
-        None => picture_size(&image, name)?,
+        None => picture_size(files, &image, name)?,
     };
     let k = required(value, K).and_then(|n| to_array(&n, "K")).map_err(wrong)?;
     let t = required(value, TRANSLATION).and_then(|n| to_array(&n, "t")).map_err(wrong)?;

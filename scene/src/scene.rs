@@ -1,12 +1,9 @@
 //! A captured scene: scene.json, read strictly.
 
-use crate::failure::Failure;
+use crate::{failure::Failure, files::Files};
 use pcmvs_core::{Camera, Error};
 use serde::{Deserialize, Serialize};
-use std::{
-    fs,
-    path::{Path, PathBuf},
-};
+use std::path::{Path, PathBuf};
 
 /// The only version of the format so far.
 pub const VERSION: u32 = 1;
@@ -16,6 +13,7 @@ pub const FILE_NAME: &str = "scene.json";
 /// scene.json. Keys that are not listed (novel views for scoring, notes) are ignored.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct Scene {
+    /// Version of the format.
     pub version: u32,
     /// Unit of length, for people and manifests.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -26,8 +24,11 @@ pub struct Scene {
     /// Frames a second of the clip.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub fps: Option<f64>,
+    /// Calibrated cameras.
     pub cameras: Vec<SceneCamera>,
+    /// Recorded frames.
     pub frames: Vec<SceneFrame>,
+    /// What is behind the object.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub background: Option<Background>,
     /// Where it was read: paths inside are relative to this file's folder.
@@ -35,31 +36,41 @@ pub struct Scene {
     pub path: PathBuf,
 }
 
+/// A camera of scene.json: world to pixel is `K · distort(R X + t)`, the first pixel's centre at (0, 0).
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct SceneCamera {
+    /// Name, for people and messages.
     pub name: String,
+    /// Pixels in a row of its pictures.
     pub width: u32,
+    /// Rows of its pictures.
     pub height: u32,
+    /// Intrinsic matrix by rows.
     #[serde(rename = "K")]
     pub k: [[f64; 3]; 3],
     /// k1 k2 p1 p2 k3, shorter lists are filled with zeros.
     #[serde(default)]
     pub distortion: Vec<f64>,
+    /// Rotation by rows, world to camera.
     #[serde(rename = "R")]
     pub r: [[f64; 3]; 3],
+    /// Translation, world to camera.
     pub t: [f64; 3],
 }
 
+/// A frame of scene.json.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct SceneFrame {
+    /// Number of the frame, its own.
     pub index: u32,
-    /// One a camera.
+    /// Picture paths, one a camera.
     pub images: Vec<PathBuf>,
-    /// One a camera, null where there is none; no list: none at all.
+    /// Mask paths, one a camera, null where there is none; no list: none at all.
     #[serde(default)]
     pub masks: Option<Vec<Option<PathBuf>>>,
 }
 
+/// What is behind the object.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct Background {
     /// The backdrop's colour, sRGB.
@@ -91,9 +102,9 @@ impl SceneFrame {
 
 impl Scene {
     /// Reads `path`, a scene's folder or its scene.json.
-    pub fn load(path: &Path) -> Result<Self, Failure> {
-        let path = if path.is_dir() { path.join(FILE_NAME) } else { path.to_path_buf() };
-        let bytes = fs::read(&path).map_err(|e| Failure::unreadable(&path, &e))?;
+    pub fn load(files: &dyn Files, path: &Path) -> Result<Self, Failure> {
+        let path = if files.is_folder(path) { path.join(FILE_NAME) } else { path.to_path_buf() };
+        let bytes = files.read(&path).map_err(|e| Failure::unreadable(&path, &e))?;
         let scene = Self::parse(&bytes).and_then(|scene| scene.check().map(|()| scene));
         scene
             .map(|scene| Self { path: path.clone(), ..scene })

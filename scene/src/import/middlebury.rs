@@ -1,37 +1,33 @@
 //! Middlebury's `*_par.txt`: the number of views, then a line each: name, K, R, t by rows (world to camera).
 
-use super::{Failure, ImportedView, failure, find_picture, name_of, picture_size, read_text, rows};
+use super::{Failure, Files, ImportedView, failure, find_picture, name_of, picture_size, read_text, rows};
 use pcmvs_core::Camera;
-use std::{
-    fs,
-    path::{Path, PathBuf},
-};
+use std::path::{Path, PathBuf};
 
 /// Reads a folder with one `*_par.txt`, or that file. The pictures are beside it or in `images`.
-pub fn read(path: &Path) -> Result<Vec<ImportedView>, Failure> {
-    let file = parameters(path)?;
+pub fn read(files: &dyn Files, path: &Path) -> Result<Vec<ImportedView>, Failure> {
+    let file = parameters(files, path)?;
     let folder = file.parent().unwrap_or(Path::new(""));
-    let text = read_text(&file)?;
+    let text = read_text(files, &file)?;
     let mut lines = text.lines().map(str::trim).filter(|line| !line.is_empty());
     let wrong = |problem: String| Failure::Input(format!("{}: {problem}", file.display()));
     let count: usize = lines
         .next()
         .and_then(|line| line.parse().ok())
         .ok_or_else(|| wrong(String::from("the first line must be the number of views")))?;
-    let views: Vec<ImportedView> = lines.map(|line| view(&file, folder, line)).collect::<Result<_, _>>()?;
+    let views: Vec<ImportedView> = lines.map(|line| view(files, &file, folder, line)).collect::<Result<_, _>>()?;
     if views.len() != count {
         return Err(wrong(format!("{count} views are announced but {} are there: copy the file again", views.len())));
     }
     Ok(views)
 }
 
-fn parameters(path: &Path) -> Result<PathBuf, Failure> {
-    if !path.is_dir() {
+fn parameters(files: &dyn Files, path: &Path) -> Result<PathBuf, Failure> {
+    if !files.is_folder(path) {
         return Ok(path.to_path_buf());
     }
-    let entries = fs::read_dir(path).map_err(|e| Failure::unreadable(path, &e))?;
-    let paths = entries.filter_map(|entry| Some(entry.ok()?.path()));
-    let mut found: Vec<PathBuf> = paths.filter(|p| p.to_string_lossy().ends_with("_par.txt")).collect();
+    let entries = files.list(path).map_err(|e| Failure::unreadable(path, &e))?;
+    let mut found: Vec<PathBuf> = entries.into_iter().filter(|p| p.to_string_lossy().ends_with("_par.txt")).collect();
     match (found.pop(), found.is_empty()) {
         (Some(file), true) => Ok(file),
         (found, _) => {
@@ -41,7 +37,7 @@ fn parameters(path: &Path) -> Result<PathBuf, Failure> {
     }
 }
 
-fn view(file: &Path, folder: &Path, line: &str) -> Result<ImportedView, Failure> {
+fn view(files: &dyn Files, file: &Path, folder: &Path, line: &str) -> Result<ImportedView, Failure> {
     let mut words = line.split_whitespace();
     let picture = words.next().unwrap_or_default();
     let name = name_of(picture);
@@ -49,9 +45,9 @@ fn view(file: &Path, folder: &Path, line: &str) -> Result<ImportedView, Failure>
     let Some(Ok(n)) = numbers.map(<[f64; 21]>::try_from) else {
         return Err(failure(file, &name, "21 numbers are needed after the name: K, R and t by rows"));
     };
-    let image = find_picture(&[folder.to_path_buf(), folder.join("images")], picture)
+    let image = find_picture(files, &[folder.to_path_buf(), folder.join("images")], picture)
         .ok_or_else(|| failure(file, &name, &format!("its picture `{picture}` is missing: put it beside this file")))?;
-    let [width, height] = picture_size(&image, &name)?;
+    let [width, height] = picture_size(files, &image, &name)?;
     let nine = |start: usize| rows(std::array::from_fn(|i| n[start + i]));
     let camera = Camera { width, height, k: nine(0), distortion: [0.0; 5], r: nine(9), t: [n[18], n[19], n[20]] };
     Ok(ImportedView { name, camera, image, mask: None })

@@ -1,0 +1,77 @@
+// The sample's first frame as other programs write captures, and with faults.
+import { cpSync, mkdirSync, mkdtempSync, readFileSync, writeFileSync } from "node:fs";
+import { tmpdir } from "node:os";
+import { join } from "node:path";
+import { sample } from "./site.mjs";
+
+export const scene = JSON.parse(readFileSync(join(sample, "scene.json"), "utf8"));
+
+export const folder = () => mkdtempSync(join(tmpdir(), "pcmvs-web-"));
+
+/** A scene folder of some frames; `change` may spoil it. */
+export function capture(frames = [0], change = () => {}) {
+    const to = folder();
+    const copy = structuredClone(scene);
+    copy.frames = frames.map((i) => copy.frames[i]);
+    for (const path of copy.frames.flatMap((frame) => [...frame.images, ...frame.masks])) cpSync(join(sample, path), join(to, path));
+    change(copy, to);
+    writeFileSync(join(to, "scene.json"), JSON.stringify(copy));
+    return to;
+}
+
+function pictures(to) {
+    for (const kind of ["images", "masks"]) mkdirSync(join(to, kind));
+    scene.cameras.forEach((camera, i) => {
+        cpSync(join(sample, scene.frames[0].images[i]), join(to, "images", `${camera.name}.jpg`));
+        cpSync(join(sample, scene.frames[0].masks[i]), join(to, "masks", `${camera.name}.png`));
+    });
+}
+
+export function middlebury() {
+    const to = folder();
+    pictures(to);
+    const lines = scene.cameras.map((c) => [`${c.name}.jpg`, ...c.K.flat(), ...c.R.flat(), ...c.t].join(" "));
+    writeFileSync(join(to, "figure_par.txt"), [lines.length, ...lines, ""].join("\n"));
+    return to;
+}
+
+export function colmap() {
+    const to = folder();
+    pictures(to);
+    mkdirSync(join(to, "sparse"));
+    const cameras = scene.cameras.map((c, i) => `${i + 1} PINHOLE ${c.width} ${c.height} ${c.K[0][0]} ${c.K[1][1]} ${c.K[0][2] + 0.5} ${c.K[1][2] + 0.5}`);
+    const images = scene.cameras.flatMap((c, i) => [`${i + 1} ${quaternion(c.R).join(" ")} ${c.t.join(" ")} ${i + 1} ${c.name}.jpg`, ""]);
+    writeFileSync(join(to, "sparse/cameras.txt"), ["# cameras", ...cameras, ""].join("\n"));
+    writeFileSync(join(to, "sparse/images.txt"), ["# images", ...images, ""].join("\n"));
+    return to;
+}
+
+export function transforms() {
+    const to = folder();
+    pictures(to);
+    const frames = scene.cameras.map((c) => {
+        const back = [0, 1, 2].map((i) => [0, 1, 2].map((j) => c.R[j][i]));
+        const centre = back.map((row) => -row.reduce((sum, v, j) => sum + v * c.t[j], 0));
+        const rows = back.map((row, i) => [row[0], -row[1], -row[2], centre[i]]);
+        return { file_path: `./images/${c.name}.jpg`, fl_x: c.K[0][0], fl_y: c.K[1][1], cx: c.K[0][2] + 0.5, cy: c.K[1][2] + 0.5, w: c.width, h: c.height, transform_matrix: [...rows, [0, 0, 0, 1]] };
+    });
+    writeFileSync(join(to, "transforms.json"), JSON.stringify({ camera_model: "PINHOLE", frames }));
+    return to;
+}
+
+/** w x y z of a rotation. */
+function quaternion(r) {
+    const trace = r[0][0] + r[1][1] + r[2][2];
+    if (trace > 0) {
+        const s = 2 * Math.sqrt(1 + trace);
+        return [s / 4, (r[2][1] - r[1][2]) / s, (r[0][2] - r[2][0]) / s, (r[1][0] - r[0][1]) / s];
+    }
+    const i = [0, 1, 2].reduce((a, b) => (r[b][b] > r[a][a] ? b : a));
+    const [j, k] = [(i + 1) % 3, (i + 2) % 3];
+    const s = 2 * Math.sqrt(1 + r[i][i] - r[j][j] - r[k][k]);
+    const q = [(r[k][j] - r[j][k]) / s, 0, 0, 0];
+    q[1 + i] = s / 4;
+    q[1 + j] = (r[j][i] + r[i][j]) / s;
+    q[1 + k] = (r[k][i] + r[i][k]) / s;
+    return q;
+}

@@ -1,0 +1,7 @@
+export * from "./pcmvs.js";
+
+/** Whether the build with 128-bit instructions runs here. */
+export const simd: boolean;
+
+/** Resolves when everything may be called; `memory` grows with what is reconstructed. */
+export const ready: Promise<{ readonly memory: WebAssembly.Memory }>;

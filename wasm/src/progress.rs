@@ -1,0 +1,58 @@
+//! Progress to a JavaScript function, which also says when to stop.
+
+use js_sys::Function;
+use pcmvs_core::{Progress, Stage};
+use send_wrapper::SendWrapper;
+use std::cell::{Cell, RefCell};
+use wasm_bindgen::JsValue;
+
+/// What the callback was last told, and what it threw.
+struct State {
+    callback: Option<Function>,
+    stage: Cell<Option<Stage>>,
+    thrown: RefCell<Option<JsValue>>,
+}
+
+/// Calls `(stage, done, total) => boolean | void`; false cancels, and so does throwing.
+pub struct Callback(SendWrapper<State>);
+
+impl Callback {
+    /// Without a function nothing is told and nothing cancels.
+    pub fn new(callback: Option<Function>) -> Self {
+        Self(SendWrapper::new(State { callback, stage: Cell::default(), thrown: RefCell::default() }))
+    }
+
+    /// The stage that began last.
+    pub fn stage(&self) -> Option<Stage> {
+        self.0.stage.get()
+    }
+
+    /// What the function threw, if it did.
+    pub fn thrown(&self) -> Option<JsValue> {
+        self.0.thrown.borrow_mut().take()
+    }
+
+    fn call(&self, stage: Stage, done: u32, total: u32) -> bool {
+        let Some(callback) = &self.0.callback else { return true };
+        match callback.call3(&JsValue::NULL, &stage.name().into(), &done.into(), &total.into()) {
+            Ok(answer) => answer.as_bool() != Some(false),
+            Err(thrown) => {
+                self.0.thrown.borrow_mut().get_or_insert(thrown);
+                false
+            }
+        }
+    }
+}
+
+impl Progress for Callback {
+    fn mark(&self, stage: Stage, begin: bool) {
+        if begin {
+            self.0.stage.set(Some(stage));
+        }
+        self.call(stage, u32::from(!begin), 1);
+    }
+
+    fn step(&self, stage: Stage, done: u32, total: u32) -> bool {
+        self.0.thrown.borrow().is_none() && self.call(stage, done, total)
+    }
+}

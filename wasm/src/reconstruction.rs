@@ -1,0 +1,198 @@
+//! Results: files' bytes and the stages' outputs.
+//!
+//! Arrays are copied once, out of the instance's memory into buffers of their own, so that a worker can transfer them.
+
+use crate::{
+    error::Failed,
+    types::{MeshStage, Up},
+};
+use glam::DVec3;
+use js_sys::{Float32Array, Object, Reflect, Uint8Array, Uint16Array, Uint32Array};
+use pcmvs_core::{
+    Mesh, PointCloud, Stage,
+    export::{glb, ply},
+};
+use wasm_bindgen::prelude::*;
+
+/// A reconstructed frame. Call `free()` when it is no longer needed.
+#[wasm_bindgen]
+#[derive(Debug)]
+pub struct Reconstruction {
+    result: pcmvs_core::Reconstruction,
+    origin: DVec3,
+}
+
+impl Reconstruction {
+    pub(crate) fn new(result: pcmvs_core::Reconstruction, origin: DVec3) -> Self {
+        Self { result, origin }
+    }
+
+    fn stage(&self, stage: &MeshStage) -> Result<&Mesh, Failed> {
+        match stage.as_string().as_deref() {
+            Some("hull") => Ok(&self.result.stages.hull),
+            Some("coarse") => Ok(&self.result.stages.coarse),
+            Some("mesh") => Ok(&self.result.mesh),
+            _ => Err(Failed::new("input", "a mesh is one of hull, coarse, mesh", None, None)),
+        }
+    }
+}
+
+#[wasm_bindgen]
+impl Reconstruction {
+    /// The mesh as a GLB file. `up` is the scene's upward direction, recorded in the file.
+    pub fn glb(&self, up: Option<Up>) -> Result<Uint8Array, Failed> {
+        let up: Option<[f64; 3]> = up.map(|up| serde_wasm_bindgen::from_value(up.into())).transpose()?;
+        let options = glb::Options { up, ..glb::Options::default() };
+        Ok(Uint8Array::new_from_slice(&glb::write(&self.result.mesh, self.origin, &options)))
+    }
+
+    /// The mesh as a binary PLY file.
+    pub fn ply(&self) -> Uint8Array {
+        Uint8Array::new_from_slice(&ply::write_mesh(&self.result.mesh, self.origin))
+    }
+
+    /// The merged cloud (§5) as a binary PLY file.
+    #[wasm_bindgen(js_name = cloudPly)]
+    pub fn cloud_ply(&self) -> Uint8Array {
+        Uint8Array::new_from_slice(&ply::write_cloud(&self.result.stages.merged, self.origin))
+    }
+
+    /// A stage's mesh: `hull` has no colours, nor has `coarse`, which is empty where there is no coarse pass.
+    pub fn mesh(&self, stage: MeshStage) -> Result<MeshArrays, Failed> {
+        let mesh = self.stage(&stage)?;
+        Ok(MeshArrays {
+            positions: floats(&mesh.positions),
+            normals: floats(&mesh.normals),
+            colours: Uint8Array::new_from_slice(mesh.colours.as_flattened()),
+            triangles: Uint32Array::new_from_slice(mesh.triangles.as_flattened()),
+        })
+    }
+
+    /// All views' cleaned clouds (§4).
+    pub fn detected(&self) -> Cloud {
+        Cloud::of(&self.result.stages.detected.concat())
+    }
+
+    /// Frontier points, then implicit points (§4.4).
+    pub fn contours(&self) -> Cloud {
+        let stages = &self.result.stages;
+        Cloud::of(&[stages.frontier.as_slice(), stages.implicit.as_slice()].concat())
+    }
+
+    /// The merged cloud (§5).
+    pub fn merged(&self) -> Cloud {
+        Cloud::of(&self.result.stages.merged)
+    }
+
+    /// Vertices of the mesh.
+    #[wasm_bindgen(getter)]
+    pub fn vertices(&self) -> usize {
+        self.result.mesh.positions.len()
+    }
+
+    /// Triangles of the mesh.
+    #[wasm_bindgen(getter)]
+    pub fn triangles(&self) -> usize {
+        self.result.mesh.triangles.len()
+    }
+
+    /// A 64-bit hash of each stage's output, hexadecimal, by the stage's name.
+    #[wasm_bindgen(unchecked_return_type = "Record<Stage, string>")]
+    pub fn hashes(&self) -> Result<Object, Failed> {
+        let hashes = Object::new();
+        for (stage, hash) in Stage::ALL.iter().zip(self.result.hashes) {
+            Reflect::set(&hashes, &stage.name().into(), &format!("{hash:016x}").into())?;
+        }
+        Ok(hashes)
+    }
+}
+
+fn floats(vectors: &[glam::Vec3]) -> Float32Array {
+    Float32Array::new_from_slice(bytemuck::cast_slice(vectors))
+}
+
+/// A mesh as arrays, relative to the rig's origin.
+#[wasm_bindgen]
+#[derive(Debug)]
+pub struct MeshArrays {
+    positions: Float32Array,
+    normals: Float32Array,
+    colours: Uint8Array,
+    triangles: Uint32Array,
+}
+
+#[wasm_bindgen]
+impl MeshArrays {
+    /// x y z of each vertex.
+    #[wasm_bindgen(getter)]
+    pub fn positions(&self) -> Float32Array {
+        self.positions.clone()
+    }
+
+    /// Unit normals, outward.
+    #[wasm_bindgen(getter)]
+    pub fn normals(&self) -> Float32Array {
+        self.normals.clone()
+    }
+
+    /// sRGB of each vertex, or nothing.
+    #[wasm_bindgen(getter)]
+    pub fn colours(&self) -> Uint8Array {
+        self.colours.clone()
+    }
+
+    /// Three vertices a triangle, counter-clockwise seen from outside.
+    #[wasm_bindgen(getter)]
+    pub fn triangles(&self) -> Uint32Array {
+        self.triangles.clone()
+    }
+}
+
+/// Oriented points as arrays, relative to the rig's origin.
+#[wasm_bindgen]
+#[derive(Debug)]
+pub struct Cloud {
+    positions: Float32Array,
+    normals: Float32Array,
+    views: Uint16Array,
+    ranks: Uint8Array,
+}
+
+impl Cloud {
+    fn of(points: &PointCloud) -> Self {
+        let vectors = |of: fn(&pcmvs_core::Point) -> glam::Vec3| floats(&points.iter().map(of).collect::<Vec<_>>());
+        Self {
+            positions: vectors(|p| p.position),
+            normals: vectors(|p| p.normal),
+            views: Uint16Array::new_from_slice(&points.iter().map(|p| p.view).collect::<Vec<_>>()),
+            ranks: Uint8Array::new_from_slice(&points.iter().map(|p| p.rank as u8).collect::<Vec<_>>()),
+        }
+    }
+}
+
+#[wasm_bindgen]
+impl Cloud {
+    /// x y z of each point.
+    #[wasm_bindgen(getter)]
+    pub fn positions(&self) -> Float32Array {
+        self.positions.clone()
+    }
+
+    /// Unit normals, outward.
+    #[wasm_bindgen(getter)]
+    pub fn normals(&self) -> Float32Array {
+        self.normals.clone()
+    }
+
+    /// Camera that detected each point; 65535: none.
+    #[wasm_bindgen(getter)]
+    pub fn views(&self) -> Uint16Array {
+        self.views.clone()
+    }
+
+    /// Kind of each point: 0 implicit, 1 substituted by the hull, 2 detected, 3 frontier.
+    #[wasm_bindgen(getter)]
+    pub fn ranks(&self) -> Uint8Array {
+        self.ranks.clone()
+    }
+}

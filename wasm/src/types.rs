@@ -1,0 +1,101 @@
+//! TypeScript's view of what crosses the boundary as plain objects.
+
+use js_sys::Uint8Array;
+use wasm_bindgen::prelude::*;
+
+#[wasm_bindgen(typescript_custom_section)]
+const TYPES: &str = r#"
+/** A calibrated camera: world to pixel is `x = K · distort(R X + t)`, x right, y down, z forward, the first pixel's
+ * centre at (0, 0). Matrices by rows, OpenCV's distortion k1 k2 p1 p2 k3. */
+export interface Camera {
+    name: string;
+    width: number;
+    height: number;
+    K: [number, number, number][];
+    distortion?: number[];
+    R: [number, number, number][];
+    t: [number, number, number];
+}
+
+/** scene.json, or another program's calibration turned into it. */
+export interface Scene {
+    version: number;
+    units?: string;
+    up?: [number, number, number];
+    fps?: number;
+    cameras: Camera[];
+    frames: { index: number; images: string[]; masks?: (string | null)[] }[];
+    background?: { chroma_rgb?: [number, number, number] };
+}
+
+/** Files by path, with `/` between folders. */
+export interface FileSource {
+    paths(): string[];
+    read(path: string): Uint8Array;
+}
+
+/** How to tell an object from a backdrop of about this sRGB colour. */
+export interface ChromaKey {
+    rgb: [number, number, number];
+    /** Share of the angle between backdrop and gray, 0..1 (0.5). */
+    tolerance?: number;
+    /** Shadows count as backdrop down to this share of its brightness (0.2). */
+    darkestShadow?: number;
+    /** Specks below this share of the picture are removed (3e-4). */
+    smallestPart?: number;
+    /** Holes below this share of the picture are filled (5e-5). */
+    smallestHole?: number;
+}
+
+export type Preset = "default" | "paper" | "hull" | "preview";
+export type Stage = "views" | "hull" | "contours" | "coarse" | "detect" | "merge" | "mesh" | "colour";
+
+/** Returns false to cancel. */
+export type Progress = (stage: Stage, done: number, total: number) => boolean | void;
+
+/** What is thrown. */
+export interface PcmvsError extends Error {
+    name: "PcmvsError";
+    code: "camera" | "image" | "silhouette" | "duplicate-camera" | "too-few-views" | "empty-hull" | "no-surface"
+        | "out-of-memory" | "cancelled" | "input" | "internal";
+    /** Index of the camera that it is about. */
+    camera?: number;
+    /** Stage that ran. */
+    stage?: Stage;
+}
+"#;
+
+#[wasm_bindgen]
+extern "C" {
+    /// `Camera[]`.
+    #[wasm_bindgen(typescript_type = "Camera[]")]
+    pub type CameraList;
+    /// `ChromaKey`.
+    #[wasm_bindgen(typescript_type = "ChromaKey")]
+    pub type ChromaKeyObject;
+    /// `Scene`.
+    #[wasm_bindgen(typescript_type = "Scene")]
+    pub type SceneObject;
+    /// `Preset`.
+    #[wasm_bindgen(typescript_type = "Preset")]
+    pub type PresetName;
+    /// `Progress`.
+    #[wasm_bindgen(typescript_type = "Progress")]
+    pub type ProgressFunction;
+    /// Name of a stage's mesh.
+    #[wasm_bindgen(typescript_type = "\"hull\" | \"coarse\" | \"mesh\"")]
+    pub type MeshStage;
+    /// A direction.
+    #[wasm_bindgen(typescript_type = "[number, number, number]")]
+    pub type Up;
+
+    /// `FileSource`.
+    #[wasm_bindgen(typescript_type = "FileSource")]
+    pub type FileSource;
+    /// Paths of all files.
+    #[wasm_bindgen(method, catch)]
+    pub fn paths(this: &FileSource) -> Result<Vec<String>, JsValue>;
+    /// All bytes of a file.
+    #[wasm_bindgen(method, catch)]
+    pub fn read(this: &FileSource, path: &str) -> Result<Uint8Array, JsValue>;
+}

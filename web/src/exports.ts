@@ -1,0 +1,51 @@
+// What can be taken away: the same files as the command line's.
+import { version } from "./version";
+import { Mesh } from "three";
+import { PLYExporter } from "three/addons/exporters/PLYExporter.js";
+import type { Scene } from "pcmvs";
+import { inspectGlb, type Clip, type ClipFrame } from "./clip";
+import type { Pool } from "./pool";
+
+export const fileName = (index: number, extension: string) => `frame_${String(index).padStart(4, "0")}.${extension}`;
+
+export function save(blob: Blob, name: string) {
+    const link = document.createElement("a");
+    link.href = URL.createObjectURL(blob);
+    link.download = name;
+    link.click();
+    // The browser has taken the data over when the click's handlers are through.
+    setTimeout(() => URL.revokeObjectURL(link.href), 10_000);
+}
+
+export async function ply(clip: Clip, frame: ClipFrame): Promise<Blob> {
+    const geometry = await clip.geometry(frame);
+    const bytes = new PLYExporter().parse(new Mesh(geometry), () => {}, { binary: true, littleEndian: true });
+    return new Blob([bytes as ArrayBuffer], { type: "application/octet-stream" });
+}
+
+/** All finished frames and sequence.json, the clip's manifest. */
+export async function clipZip(clip: Clip, scene: Pick<Scene, "units" | "up">, pool: Pool): Promise<Blob> {
+    const frames = clip.frames.filter((frame) => frame.glb !== null);
+    const blobs = frames.map((frame) => frame.glb as Blob);
+    const [digests, infos] = await Promise.all([pool.run({ type: "digest", blobs }), Promise.all(blobs.map(inspectGlb))]);
+    const axis = (pick: (a: number, b: number) => number, key: "min" | "max") => [0, 1, 2].map((i) => infos.map((info) => info[key][i]).reduce(pick));
+    const manifest = {
+        version: 1,
+        generator: `pcmvs ${version}`,
+        units: scene.units ?? null,
+        up: scene.up ?? null,
+        fps: clip.fps,
+        frame_count: frames.length,
+        url: "frame_%04d.glb",
+        bounds: [axis((a, b) => Math.min(a, b), "min"), axis((a, b) => Math.max(a, b), "max")],
+        frames: frames.map((frame, i) => ({
+            index: frame.index,
+            time: (frame.index - clip.frames[0].index) / clip.fps,
+            url: fileName(frame.index, "glb"),
+            bytes: blobs[i].size,
+            sha256: digests[i],
+        })),
+    };
+    const files = frames.map((frame, i) => ({ name: fileName(frame.index, "glb"), blob: blobs[i] }));
+    return pool.run({ type: "zip", files: [{ name: "sequence.json", blob: new Blob([JSON.stringify(manifest, null, 2), "\n"]) }, ...files] });
+}

@@ -1,0 +1,66 @@
+// What a person drops or picks, as entries by path.
+import type { Entries } from "./protocol";
+import { readZip } from "./zip";
+
+const hidden = (path: string) => path.split("/").some((part) => part.startsWith(".") || part === "__MACOSX");
+
+/** The page's own capture. */
+export async function sampleFiles(): Promise<Entries> {
+    const base = new URL("sample/", document.baseURI);
+    const response = await fetch(new URL("scene.json", base));
+    if (!response.ok) throw new Error("the sample is not on this host: drop a capture of your own");
+    const scene = await response.blob();
+    const { frames } = JSON.parse(await scene.text()) as { frames: { images: string[]; masks: string[] }[] };
+    const entries: Entries = new Map([["scene.json", { kind: "blob", blob: scene }]]);
+    for (const path of frames.flatMap((frame) => [...frame.images, ...frame.masks])) {
+        entries.set(path, { kind: "url", url: new URL(path, base).href });
+    }
+    return entries;
+}
+
+/** Picked files; a folder's have paths. */
+export function pickedFiles(list: FileList): Promise<Entries> {
+    return unpack([...list].map((file) => [file.webkitRelativePath || file.name, file]));
+}
+
+/** Dropped files and folders. Must be called while the event is handled. */
+export function droppedFiles(transfer: DataTransfer): Promise<Entries> {
+    const roots = [...transfer.items].map((item) => {
+        const entry = item.webkitGetAsEntry();
+        const file = item.getAsFile();
+        // What does not come from a disk has no entry.
+        return entry ? walk(entry) : Promise.resolve<[string, File][]>(file ? [[file.name, file]] : []);
+    });
+    return Promise.all(roots).then((found) => unpack(found.flat()));
+}
+
+async function walk(entry: FileSystemEntry): Promise<[string, File][]> {
+    const path = entry.fullPath.replace(/^\//, "");
+    if (hidden(path)) return [];
+    if (entry.isFile) {
+        const file = await new Promise<File>((resolve, reject) => (entry as FileSystemFileEntry).file(resolve, reject));
+        return [[path, file]];
+    }
+    const reader = (entry as FileSystemDirectoryEntry).createReader();
+    const below: FileSystemEntry[] = [];
+    for (;;) {
+        // Browsers give a folder's entries in portions.
+        const some = await new Promise<FileSystemEntry[]>((resolve, reject) => reader.readEntries(resolve, reject));
+        if (some.length === 0) break;
+        below.push(...some);
+    }
+    return (await Promise.all(below.map(walk))).flat();
+}
+
+async function unpack(files: [string, File][]): Promise<Entries> {
+    const entries: Entries = new Map();
+    for (const [path, file] of files) {
+        if (hidden(path)) continue;
+        if (path.toLowerCase().endsWith(".zip")) {
+            for (const [inside, entry] of await readZip(file)) if (!hidden(inside)) entries.set(inside, entry);
+        } else {
+            entries.set(path, { kind: "blob", blob: file });
+        }
+    }
+    return entries;
+}

@@ -1,0 +1,90 @@
+// What passes between the page and its workers.
+import type { Camera, ChromaKey, PcmvsError, Preset, Scene, Stage } from "pcmvs";
+
+/** A file that has not been read yet: on disk, inside a zip, or on the page's own host. */
+export type Entry =
+    | { kind: "blob"; blob: Blob }
+    | { kind: "zip"; zip: Blob; offset: number; packed: number; size: number; method: number }
+    | { kind: "url"; url: string };
+
+export type Entries = Map<string, Entry>;
+
+/** A camera's files, and where its silhouette comes from. */
+export interface ViewFiles {
+    image: Entry;
+    mask: Entry | null;
+    key: ChromaKey | null;
+}
+
+export type Job =
+    | { type: "open"; entries: Entries }
+    | { type: "read"; entry: Entry }
+    | { type: "frame"; cameras: Camera[]; views: ViewFiles[]; up: Scene["up"]; presets: Preset[]; stages: boolean }
+    | { type: "photograph"; cameras: Camera[]; camera: number; view: ViewFiles; width: number }
+    | { type: "zip"; files: { name: string; blob: Blob }[] }
+    | { type: "digest"; blobs: Blob[] };
+
+/** Positions in the scene's frame less `origin`; `tags` are detecting views, or ranks. */
+export interface StageCloud {
+    kind: "cloud";
+    positions: Float32Array;
+    tags: Uint16Array;
+}
+
+export interface StageMesh {
+    kind: "mesh";
+    positions: Float32Array;
+    normals: Float32Array;
+    triangles: Uint32Array;
+}
+
+export const STAGE_VIEWS = ["hull", "detected", "contours", "merged"] as const;
+export type StageView = (typeof STAGE_VIEWS)[number];
+
+export interface FrameStages {
+    origin: number[];
+    outputs: Record<StageView, StageCloud | StageMesh>;
+}
+
+export interface FrameResult {
+    preset: Preset;
+    glb: Uint8Array<ArrayBuffer>;
+    vertices: number;
+    triangles: number;
+    seconds: number;
+    stages: FrameStages | null;
+}
+
+/** An undistorted picture and, above it in the same size, its silhouette in the accent colour's alpha. */
+export interface PhotographResult {
+    width: number;
+    height: number;
+    picture: ImageBitmap;
+    silhouette: ImageBitmap | null;
+    /** Share of the picture that is object. */
+    coverage: number;
+    /** What is wrong with the silhouette, if anything. */
+    problem: string | null;
+}
+
+export interface JobResults {
+    open: Scene;
+    read: Uint8Array<ArrayBuffer>;
+    frame: null;
+    photograph: PhotographResult;
+    zip: Blob;
+    digest: string[];
+}
+
+export interface Failure {
+    code: PcmvsError["code"];
+    message: string;
+    camera?: number;
+    stage?: Stage;
+}
+
+export type Reply =
+    | { type: "progress"; preset: Preset; stage: Stage; done: number; total: number }
+    | { type: "result"; result: FrameResult }
+    | { type: "done"; value: unknown; memory: number }
+    | { type: "failed"; failure: Failure };

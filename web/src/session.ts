@@ -1,0 +1,117 @@
+// A run: every frame of a capture through the workers, the first one coarse to fine.
+import type { Camera, ChromaKey, Preset, Scene, Stage } from "pcmvs";
+import type { Clip } from "./clip";
+import { JobError, type Pool } from "./pool";
+import type { Entries, Entry, Failure, ViewFiles } from "./protocol";
+
+export type ViewChoice = "all" | "half" | "bino";
+export type SilhouetteChoice = "masks" | "chroma" | "none";
+
+export interface Choice {
+    views: ViewChoice;
+    preset: Preset;
+    silhouettes: SilhouetteChoice;
+    key: ChromaKey;
+}
+
+/** Stage outputs are large: kept for so many frames. */
+const STAGES_KEPT = 8;
+/** Shares of a frame's time by stage and of the first frame's by preset: only for the time left. */
+const STAGE_SHARES: Record<Stage, number> = { views: 0.06, hull: 0.14, contours: 0.04, coarse: 0.2, detect: 0.36, merge: 0.03, mesh: 0.12, colour: 0.05 };
+const STAGES = Object.keys(STAGE_SHARES) as Stage[];
+
+/** Cameras of a choice, by their place in the scene. BINO: five neighbouring pairs of twenty. */
+export function chosenCameras(scene: Scene, views: ViewChoice): number[] {
+    const all = scene.cameras.map((_, i) => i);
+    if (views === "half") return all.filter((i) => i % 2 === 0);
+    if (views === "bino") return all.filter((i) => i % 4 < 2);
+    return all;
+}
+
+function find(entries: Entries, path: string): Entry {
+    const entry = entries.get(path);
+    if (!entry) throw new JobError({ code: "input", message: `${path} is missing: drop the whole folder, with its pictures` });
+    return entry;
+}
+
+/** A camera's files in a frame. */
+export function viewFiles(scene: Scene, entries: Entries, frame: number, camera: number, choice: Choice): ViewFiles {
+    const { images, masks } = scene.frames[frame];
+    const mask = choice.silhouettes === "masks" ? (masks?.[camera] ?? null) : null;
+    return {
+        image: find(entries, images[camera]),
+        mask: mask === null ? null : find(entries, mask),
+        key: choice.silhouettes === "chroma" ? choice.key : null,
+    };
+}
+
+export interface Status {
+    frame: number;
+    stage: Stage | null;
+    preset: Preset | null;
+    /** 0 to 1 in this frame. */
+    done: number;
+    /** 0 to 1 over all frames. */
+    fraction: number;
+    /** Seconds; null until something can be said. */
+    left: number | null;
+}
+
+export class Session {
+    private readonly fractions: number[];
+    private readonly start = performance.now();
+    readonly cameras: Camera[];
+    private readonly chosen: number[];
+
+    constructor(readonly scene: Scene, private readonly entries: Entries, private readonly choice: Choice, private readonly clip: Clip) {
+        this.fractions = scene.frames.map(() => 0);
+        this.chosen = chosenCameras(scene, choice.views);
+        this.cameras = this.chosen.map((i) => scene.cameras[i]);
+    }
+
+    /** Makes all frames; those that fail are told and do not stop the others. */
+    async run(pool: Pool, tell: (status: Status) => void, fail: (failure: Failure, frame: number) => void) {
+        // The first frame alone until there is something to look at: it has all processors until then.
+        const seen = Promise.withResolvers<void>();
+        const frame = async (position: number) => {
+            if (position > 0) await seen.promise;
+            await this.make(pool, position, tell, seen.resolve);
+        };
+        const frames = this.scene.frames.map((_, position) => frame(position).catch((error: unknown) => {
+            seen.resolve();
+            this.fractions[position] = 1;
+            fail(error instanceof JobError ? error.failure : { code: "internal", message: String(error) }, position);
+        }));
+        await Promise.all(frames);
+    }
+
+    private async make(pool: Pool, position: number, tell: (status: Status) => void, seen: () => void) {
+        const { preset } = this.choice;
+        const ladder: Preset[] = position > 0 ? [preset] : preset === "hull" ? ["hull"] : preset === "preview" ? ["hull", "preview"] : ["hull", "preview", preset];
+        const shares = ladder.length === 3 ? [0.1, 0.2, 0.7] : ladder.length === 2 ? [0.35, 0.65] : [1];
+        const views = this.chosen.map((camera) => viewFiles(this.scene, this.entries, position, camera, this.choice));
+        let step = 0;
+        await pool.run({ type: "frame", cameras: this.cameras, views, up: this.scene.up, presets: ladder, stages: position < STAGES_KEPT }, {
+            progress: (preset, stage, done, total) => {
+                const before = STAGES.slice(0, STAGES.indexOf(stage)).reduce((sum, s) => sum + STAGE_SHARES[s], 0);
+                const inside = before + (STAGE_SHARES[stage] * done) / Math.max(total, 1);
+                const sum = shares.slice(0, step).reduce((a, b) => a + b, 0) + shares[step] * inside;
+                this.fractions[position] = Math.max(this.fractions[position], Math.min(sum, 1));
+                tell(this.status(position, preset, stage));
+            },
+            result: (made) => {
+                step++;
+                seen();
+                this.clip.set(position, { glb: new Blob([made.glb], { type: "model/gltf-binary" }), preset: made.preset, triangles: made.triangles, stages: made.stages });
+            },
+        });
+        this.fractions[position] = 1;
+        tell(this.status(position, null, null));
+    }
+
+    private status(frame: number, preset: Preset | null, stage: Stage | null): Status {
+        const fraction = this.fractions.reduce((a, b) => a + b, 0) / this.fractions.length;
+        const seconds = (performance.now() - this.start) / 1000;
+        return { frame, stage, preset, done: this.fractions[frame], fraction, left: seconds > 2 && fraction > 0.06 ? (seconds * (1 - fraction)) / fraction : null };
+    }
+}

@@ -1,0 +1,60 @@
+//! The capture that the page reconstructs by itself: a clip of the studio's figure, small enough to ship.
+
+use image::{ColorType, ExtendedColorType, ImageEncoder, ImageFormat, codecs::jpeg::JpegEncoder};
+use std::{fs, path::Path};
+use studio::{Capture, Faults, Ring, Subject, capture::record};
+
+const VIEWS: u32 = 20;
+const SIZE: (u32, u32) = (512, 384);
+const FRAMES: usize = 8;
+/// Frames a second: the clip lasts as long as one wave of the figure's hand, so that it loops.
+const FPS: f64 = 8.0;
+const JPEG_QUALITY: u8 = 85;
+
+/// Renders the sample into a scene folder, unless it is there already.
+pub fn make(folder: &Path) -> Result<(), String> {
+    if folder.join("scene.json").exists() {
+        return Ok(());
+    }
+    let fail = |e: &dyn std::fmt::Display| format!("{}: {e}", folder.display());
+    for name in ["images", "masks"] {
+        fs::create_dir_all(folder.join(name)).map_err(|e| fail(&e))?;
+    }
+    let faults = Faults { noise: 1.0, gain: 0.03, ..Faults::default() };
+    let ring = Ring { count: VIEWS, ..Ring::default() }.sized(SIZE.0, SIZE.1);
+    let mut capture = Capture::empty(&ring.cameras(), &faults);
+    for i in 0..FRAMES {
+        println!("sample: frame {} of {FRAMES}", i + 1);
+        let mut frame = record(Subject::Figure, &capture.true_cameras, i, i as f64 / FPS, &faults);
+        for (camera, picture) in frame.images.iter_mut().enumerate() {
+            let name = &capture.names[camera];
+            let mut jpeg = Vec::new();
+            JpegEncoder::new_with_quality(&mut jpeg, JPEG_QUALITY)
+                .write_image(&picture.rgb, picture.width, picture.height, ExtendedColorType::Rgb8)
+                .map_err(|e| fail(&e))?;
+            fs::write(folder.join(format!("images/{name}_{i:04}.jpg")), jpeg).map_err(|e| fail(&e))?;
+            picture.rgb.clear();
+            if let Some(mask) = &frame.masks[camera] {
+                let path = folder.join(format!("masks/{name}_{i:04}.png"));
+                image::save_buffer_with_format(
+                    path,
+                    mask,
+                    picture.width,
+                    picture.height,
+                    ColorType::L8,
+                    ImageFormat::Png,
+                )
+                .map_err(|e| fail(&e))?;
+            }
+        }
+        capture.frames.push(frame);
+    }
+    let mut scene = capture.scene_file();
+    for path in scene.frames.iter_mut().flat_map(|frame| &mut frame.images) {
+        *path = path.replace(".png", ".jpg");
+    }
+    let mut scene = serde_json::to_value(&scene).map_err(|e| fail(&e))?;
+    scene["fps"] = FPS.into();
+    // Last, so that a folder that has it is whole.
+    fs::write(folder.join("scene.json"), format!("{scene:#}\n")).map_err(|e| fail(&e))
+}
