@@ -15,7 +15,7 @@ const BEND: f32 = 1.3;
 const SLOPE: f32 = 0.75;
 
 /// How far outside the envelope the surface may lie, in voxels.
-const TOLERANCE: f32 = 0.25;
+const TOLERANCE: f32 = 0.15;
 
 impl Solution {
     /// The surface χ = iso, cut off at the envelope.
