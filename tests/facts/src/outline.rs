@@ -9,7 +9,7 @@ use studio::Scene;
 const DEEP: f64 = 2.0;
 
 /// How far inside the true outline a camera sees a world point, in pixels, negative outside; exact near 0, at most
-/// [`DEEP`]. None where the point is not in the picture.
+/// `DEEP`. None where the point is not in the picture.
 pub fn margin(scene: &Scene, camera: &Camera, point: DVec3) -> Option<f64> {
     let (pixel, depth) = camera.project(point)?;
     let (right, bottom) = (f64::from(camera.width) - 1.0, f64::from(camera.height) - 1.0);
