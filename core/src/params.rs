@@ -186,7 +186,7 @@ impl Params {
             },
             meshing: MeshingParams {
                 voxel_pixels: 1.5,
-                screening: 0.5,
+                screening: 1.0,
                 envelope: true,
                 space_constraint: true,
                 smallest_component: 0.01,

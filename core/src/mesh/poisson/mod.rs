@@ -39,7 +39,7 @@ const MARGIN: f32 = 1.5;
 pub(super) struct Solution {
     pub(super) grid: SparseGrid,
     pub(super) chi: Vec<f32>,
-    /// Value of χ on the surface: its mean at the points.
+    /// Value of χ on the surface: its median at the points.
     pub(super) iso: f32,
     /// Signed distance to the envelope in voxels where it is within ± [`MARGIN`], if one was given.
     pub(super) distances: Option<Vec<f32>>,
@@ -106,7 +106,7 @@ pub(super) fn solve(
         } else {
             operator.solve(&mut rhs, &mut next.chi, ITERATIONS, TOLERANCE, || steps.step())?;
         }
-        iso = mean(&cells, &next.chi);
+        iso = median(&cells, &next.chi);
         levels.push(next);
     }
     let Level { grid, chi } = levels.pop().expect("there is at least one level");
@@ -139,12 +139,18 @@ fn right_hand_side(
     rhs
 }
 
-/// Mean of χ at the points, by area.
-fn mean(cells: &[Cell], chi: &[f32]) -> f32 {
-    let (mut sum, mut area) = (0.0, 0.0);
-    for cell in cells {
-        sum += f64::from(cell.area * cell.value(chi));
-        area += f64::from(cell.area);
+/// Median of χ at the points, by area: stray points lie on either side of the surface but only those inside the envelope
+/// are there, so that a mean would lie too deep.
+fn median(cells: &[Cell], chi: &[f32]) -> f32 {
+    let mut values: Vec<(f32, f32)> = cells.iter().map(|cell| (cell.value(chi), cell.area)).collect();
+    values.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.total_cmp(&b.1)));
+    let half = 0.5 * values.iter().fold(0.0, |sum, &(_, area)| sum + f64::from(area));
+    let mut sum = 0.0;
+    for (value, area) in values {
+        sum += f64::from(area);
+        if sum >= half {
+            return value;
+        }
     }
-    if area > 0.0 { (sum / area) as f32 } else { 0.5 }
+    0.5
 }
