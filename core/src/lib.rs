@@ -23,6 +23,7 @@ pub mod raster;
 pub mod report;
 pub mod rig;
 pub mod silhouette;
+mod simd;
 pub mod stages;
 mod undistort;
 pub mod view;

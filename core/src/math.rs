@@ -8,6 +8,15 @@ pub fn floor(v: f32) -> i32 {
     t - i32::from(v < t as f32)
 }
 
+/// Integer and fractional part of 0 ≤ v < 2²²; of an integer the parts may be v - 1 and 1.
+#[inline]
+pub fn split(v: f32) -> (u32, f32) {
+    // From 2²³ to 2²⁴ numbers have no fraction: the sum rounds, and its mantissa counts.
+    const INTEGERS: f32 = 12_582_912.0;
+    let rounded = (v - 0.5) + INTEGERS;
+    (rounded.to_bits() - INTEGERS.to_bits(), v - (rounded - INTEGERS))
+}
+
 /// 1/√x for normal positive x, to within 3 units in the last place: the exponent halved as an integer, then three of
 /// Newton's steps.
 #[inline]
@@ -31,6 +40,15 @@ mod tests {
                 let exact = 1.0 / libm::sqrt(f64::from(x));
                 assert!((f64::from(inverse_sqrt(x)) / exact - 1.0).abs() < 3.6e-7, "{x:e}");
             }
+        }
+    }
+
+    #[test]
+    fn parts_add_up() {
+        for v in [0.0, 0.25, 0.499_999_97, 0.5, 0.75, 0.999_999_94, 1.0, 1.5, 2.0, 2.5, 1022.999, 4_194_303.5] {
+            let (integer, fraction) = split(v);
+            assert_eq!(integer as f32 + fraction, v);
+            assert!((0.0..=1.0).contains(&fraction) && integer <= v as u32, "{v}: {integer} + {fraction}");
         }
     }
 

@@ -146,7 +146,7 @@ impl Params {
         let clean = CleanParams { radius_pixels: 4.0, density: 0.5, flatness: 0.5, facing: 0.3 };
         let vote = VoteParams { smoothing: 0.8, local_maximum: true, spread: 1.0, agreement_radius: 2 };
         let search =
-            SearchParams { neighbours: 4, window_radius: 2, step_pixels: 0.5, follow_guide: true, vote, refine: true };
+            SearchParams { neighbours: 4, window_radius: 2, step_pixels: 0.7, follow_guide: true, vote, refine: true };
         let detection = DetectionParams {
             halved: false,
             search,
@@ -168,7 +168,7 @@ impl Params {
                 clean: CleanParams { radius_pixels: 2.5, ..clean },
                 ..detection
             },
-            voxel_pixels: 2.0,
+            voxel_pixels: 3.0,
         };
         let default = Self {
             method: Method::Pcmvs,

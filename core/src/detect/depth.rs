@@ -6,7 +6,7 @@ use super::{
     sweep::{TILE, TILE_PIXELS, Tile},
     vote::{Curves, VoteParams},
 };
-use crate::error::Result;
+use crate::{error::Result, simd::Simd};
 use alloc::{vec, vec::Vec};
 use glam::Vec3;
 
@@ -53,18 +53,21 @@ pub fn depth_map(
     if neighbours.is_empty() {
         return Ok(map);
     }
-    let mut scratch = Scratch::default();
+    let simd = Simd::detect();
+    let mut scratch = Scratch { tile: Tile::default(), curves: Curves::new(&params.vote), flat: Vec::new() };
     for y0 in (0..h).step_by(TILE) {
         keep_going(y0, h)?;
-        for x0 in (0..w).step_by(TILE) {
-            sweep_tile(target, neighbours, range, params, (x0, y0), &mut scratch, &mut map);
+        let mut x0 = 0;
+        // A tile begins at the first column with a pixel to search: thin limbs take one, not two.
+        while let Some(first) = (x0..w).find(|&x| (y0..(y0 + TILE).min(h)).any(|y| !range.of(y * w + x).is_empty())) {
+            simd.run(|| sweep_tile(target, neighbours, range, params, (first, y0), &mut scratch, &mut map));
+            x0 = first + TILE;
         }
     }
     Ok(map)
 }
 
 /// Buffers that go from tile to tile.
-#[derive(Default)]
 struct Scratch {
     tile: Tile,
     curves: Curves,
@@ -89,6 +92,7 @@ impl Sheets {
     }
 }
 
+#[inline(always)]
 fn sweep_tile(
     target: &Level,
     neighbours: &[&Level],
@@ -113,14 +117,14 @@ fn sweep_tile(
     };
     let Some(sheets) = sheets(target, neighbours, range, guide, params, searched.clone()) else { return };
     tile.load(target, guide, x0, y0, params.window_radius as usize);
-    curves.reset(neighbours.len(), sheets.count);
-    for (j, neighbour) in neighbours.iter().enumerate() {
+    curves.reset(sheets.count);
+    for neighbour in neighbours {
         tile.face(target, neighbour, x0, y0);
-        for i in 0..sheets.count {
-            tile.score(neighbour, sheets.shift(i as f32), curves.scores_mut(j, i));
+        for (i, scores) in curves.scores_mut().iter_mut().enumerate() {
+            tile.score(neighbour, sheets.shift(i as f32), scores);
         }
+        curves.vote(&params.vote);
     }
-    curves.vote(neighbours.len(), &params.vote);
     if params.vote.agreement_radius > 0 {
         let mut own = [false; TILE_PIXELS];
         for (x, y) in searched.clone() {

@@ -6,7 +6,8 @@
 //! from sheet to sheet that only moves by `Δ e`. A window is warped once a sheet, its sums are shared by all pixels.
 
 use super::level::Level;
-use crate::math::inverse_sqrt;
+use crate::math::{inverse_sqrt, split};
+use core::ops::Range;
 use glam::Vec3;
 
 /// Pixels along a tile's edge.
@@ -14,115 +15,113 @@ pub const TILE: usize = 16;
 /// Pixels in a tile.
 pub const TILE_PIXELS: usize = TILE * TILE;
 /// Largest radius of the correlation window.
-pub const MAX_RADIUS: usize = 5;
+pub const MAX_RADIUS: usize = 4;
 /// Row length of the buffers that hold a tile with its margin.
-const PADDED: usize = TILE + 2 * MAX_RADIUS;
-const PADDED_PIXELS: usize = PADDED * PADDED;
+const WIDTH: usize = TILE + 2 * MAX_RADIUS;
 
 /// Added to the variances in grey levels squared: windows whose contrast is no more than noise do not correlate.
 const NOISE_VARIANCE: f32 = 1.0;
 
+/// A row of a tile with its margin.
+type Row = [f32; WIDTH];
+const EMPTY: Row = [0.0; WIDTH];
+
 /// Buffers and plane-independent moments of one tile of the target view.
+#[derive(Default)]
 pub struct Tile {
     radius: usize,
+    /// Rows with pixels to search; scores of others are not made.
+    rows: Range<usize>,
     /// Offset so that sums of products stay small: the tile's mean luma.
     mean: f32,
-    /// One on the object, zero elsewhere, over the padded tile.
-    weight: [f32; PADDED_PIXELS],
+    /// One on the object, zero elsewhere.
+    weight: [Row; WIDTH],
     /// Weighted luma of the target.
-    target: [f32; PADDED_PIXELS],
+    target: [Row; WIDTH],
     /// Inverse guide depth.
-    guide: [f32; PADDED_PIXELS],
+    guide: [Row; WIDTH],
     /// Where a neighbour sees the guide: homogeneous pixels.
-    seen: [[f32; PADDED_PIXELS]; 3],
+    seen: [[Row; 3]; WIDTH],
     /// How `seen` moves from sheet to sheet.
     epipole: Vec3,
     /// Warped, weighted luma of a neighbour.
-    warped: [f32; PADDED_PIXELS],
-    /// Per pixel: 1 / Σw, Σwa and 1 / √(var a).
-    inverse_count: [f32; TILE_PIXELS],
-    sum: [f32; TILE_PIXELS],
-    inverse_sigma: [f32; TILE_PIXELS],
-    /// Per pixel: what the noise adds to Σ (b - b̄)².
-    noise: [f32; TILE_PIXELS],
-    /// Vertical sums of b, b², ab.
-    columns: [[f32; PADDED]; 3],
+    warped: [Row; WIDTH],
+    /// Per pixel: 1 / Σw, Σwa, 1 / √(var a), and what the noise adds to Σ (b - b̄)².
+    moments: [Moments; TILE],
 }
 
-impl Default for Tile {
-    fn default() -> Self {
-        Self {
-            radius: 0,
-            mean: 0.0,
-            weight: [0.0; PADDED_PIXELS],
-            target: [0.0; PADDED_PIXELS],
-            guide: [0.0; PADDED_PIXELS],
-            seen: [[0.0; PADDED_PIXELS]; 3],
-            epipole: Vec3::ZERO,
-            warped: [0.0; PADDED_PIXELS],
-            inverse_count: [0.0; TILE_PIXELS],
-            sum: [0.0; TILE_PIXELS],
-            inverse_sigma: [0.0; TILE_PIXELS],
-            noise: [0.0; TILE_PIXELS],
-            columns: [[0.0; PADDED]; 3],
-        }
-    }
+/// A row's window sums that no sheet changes.
+#[derive(Default, Clone, Copy)]
+struct Moments {
+    inverse_count: [f32; TILE],
+    sum: [f32; TILE],
+    inverse_sigma: [f32; TILE],
+    noise: [f32; TILE],
 }
 
 impl Tile {
     /// Reads the target's pixels round the tile at (x0, y0); `guide` is a depth a pixel, 0 where the pixel is not searched.
     pub fn load(&mut self, level: &Level, guide: &[f32], x0: usize, y0: usize, radius: usize) {
+        debug_assert!(radius <= MAX_RADIUS);
         self.radius = radius;
         let (w, h) = (level.camera.width as i32, level.camera.height as i32);
         let size = TILE + 2 * radius;
         let (mut total, mut count) = (0u32, 0u32);
+        let (mut first, mut last) = (TILE, 0);
         for y in 0..size {
+            (self.guide[y], self.weight[y], self.target[y]) = (EMPTY, EMPTY, EMPTY);
             for x in 0..size {
                 let (px, py) = ((x0 + x) as i32 - radius as i32, (y0 + y) as i32 - radius as i32);
-                let known = px >= 0 && py >= 0 && px < w && py < h;
-                let i = if known { (py * w + px) as usize } else { 0 };
-                let own = known && level.inside[i] > 0 && guide[i] > 0.0;
-                let k = y * PADDED + x;
-                self.guide[k] = if own { 1.0 / guide[i] } else { 0.0 };
-                self.weight[k] = if own { 1.0 } else { 0.0 };
-                self.target[k] = if own { f32::from(level.luma[i]) } else { 0.0 };
-                if own {
+                if px < 0 || py < 0 || px >= w || py >= h {
+                    continue;
+                }
+                let i = (py * w + px) as usize;
+                if level.inside[i] > 0 && guide[i] > 0.0 {
+                    self.guide[y][x] = 1.0 / guide[i];
+                    self.weight[y][x] = 1.0;
+                    self.target[y][x] = f32::from(level.luma[i]);
                     total += u32::from(level.luma[i]);
                     count += 1;
+                    let row = y.saturating_sub(radius).min(TILE - 1);
+                    (first, last) = (first.min(row), last.max(row));
                 }
             }
         }
-        self.mean = if count > 0 { libm::floorf(total as f32 / count as f32) } else { 0.0 };
-        for k in 0..PADDED_PIXELS {
-            self.target[k] -= self.mean * self.weight[k];
+        self.rows = first..last + 1;
+        self.mean = (total / count.max(1)) as f32;
+        for y in 0..size {
+            for x in 0..WIDTH {
+                self.target[y][x] -= self.mean * self.weight[y][x];
+            }
         }
-        self.moments();
+        self.sum_target();
     }
 
-    /// Window sums that no plane changes.
-    fn moments(&mut self) {
+    /// Window sums that no sheet changes.
+    fn sum_target(&mut self) {
         let (r, size) = (self.radius, TILE + 2 * self.radius);
-        for y in 0..TILE {
-            let mut columns = [[0.0f32; PADDED]; 3];
-            for dy in 0..=2 * r {
-                let row = (y + dy) * PADDED;
+        for y in self.rows.clone() {
+            let mut columns = [EMPTY; 3];
+            for row in y..=y + 2 * r {
                 for x in 0..size {
-                    let (a, w) = (self.target[row + x], self.weight[row + x]);
+                    let (a, w) = (self.target[row][x], self.weight[row][x]);
                     columns[0][x] += w;
                     columns[1][x] += a;
                     columns[2][x] += a * a;
                 }
             }
+            let [count, sum, squares] = columns.map(|column| windows(&column, r));
+            let moments = &mut self.moments[y];
             for x in 0..TILE {
-                let window = |c: &[f32; PADDED]| c[x..=x + 2 * r].iter().fold(0.0, |s: f32, v| s + v);
-                let (n, a, aa) = (window(&columns[0]), window(&columns[1]), window(&columns[2]));
-                let i = y * TILE + x;
-                self.inverse_count[i] = if n > 0.0 { 1.0 / n } else { 0.0 };
-                self.sum[i] = a;
+                let (n, a) = (count[x], sum[x]);
                 // At least one pixel's noise, so that empty windows score 0.
-                self.noise[i] = NOISE_VARIANCE * n.max(1.0);
-                self.inverse_sigma[i] =
-                    if n > 0.0 { inverse_sqrt((aa - a * a / n).max(0.0) + self.noise[i]) } else { 0.0 };
+                let noise = NOISE_VARIANCE * n.max(1.0);
+                let inverse = if n > 0.0 { 1.0 / n } else { 0.0 };
+                moments.inverse_count[x] = inverse;
+                moments.sum[x] = a;
+                moments.noise[x] = noise;
+                let variance = (squares[x] - a * a * inverse).max(0.0);
+                moments.inverse_sigma[x] = if n > 0.0 { inverse_sqrt(variance + noise) } else { 0.0 };
             }
         }
     }
@@ -130,112 +129,110 @@ impl Tile {
     /// Prepares the sweep against a neighbour.
     pub fn face(&mut self, target: &Level, neighbour: &Level, x0: usize, y0: usize) {
         let (rows, offset) = neighbour.camera.projection();
-        let size = TILE + 2 * self.radius;
         let c = target.camera.centre;
         self.epipole = Vec3::new(rows[0].dot(c), rows[1].dot(c), rows[2].dot(c)) + offset;
-        for y in 0..size {
-            for x in 0..size {
-                let k = y * PADDED + x;
+        for y in self.rows.start..self.rows.end + 2 * self.radius {
+            for x in 0..WIDTH {
                 let ray = target.camera.ray((x0 + x) as f32 - self.radius as f32, (y0 + y) as f32 - self.radius as f32);
                 for axis in 0..3 {
-                    self.seen[axis][k] = rows[axis].dot(ray) + self.epipole[axis] * self.guide[k];
+                    self.seen[y][axis][x] = rows[axis].dot(ray) + self.epipole[axis] * self.guide[y][x];
                 }
             }
         }
     }
 
     /// ZNCC in [-1, 1] of the tile's windows with the faced neighbour's, on the sheet `shift` = i Δ behind the guide.
+    /// Rows without pixels to search keep what `out` held.
+    #[inline(always)]
     pub fn score(&mut self, neighbour: &Level, shift: f32, out: &mut [f32; TILE_PIXELS]) {
-        let visible = self.warp(neighbour, self.epipole * shift);
+        let shift = self.epipole * shift;
+        let (r, rows) = (self.radius, self.rows.clone());
+        let mut visible = false;
+        for y in rows.start..rows.end + 2 * r {
+            visible |= warp(&self.seen[y], shift, neighbour, self.mean, &self.weight[y], &mut self.warped[y]);
+        }
         if !visible {
             out.fill(-1.0);
             return;
         }
-        let (r, size) = (self.radius, TILE + 2 * self.radius);
-        self.columns = [[0.0; PADDED]; 3];
-        for y in 0..2 * r {
-            self.accumulate(y, size);
+        // Vertical sums of b, b², ab.
+        let mut columns = [EMPTY; 3];
+        for y in rows.start..rows.start + 2 * r {
+            accumulate(&mut columns, &self.target[y], &self.warped[y], 1.0);
         }
-        for y in 0..TILE {
-            self.accumulate(y + 2 * r, size);
-            let row = &mut out[y * TILE..][..TILE];
-            self.correlate(y, row);
-            self.release(y, size);
-        }
-    }
-
-    /// Fills `warped`; false if no pixel of the tile falls into the neighbour's picture.
-    fn warp(&mut self, neighbour: &Level, shift: Vec3) -> bool {
-        let (w, height) = (neighbour.camera.width as usize, neighbour.camera.height as usize);
-        let size = TILE + 2 * self.radius;
-        let limit = (w as f32 - 1.001, height as f32 - 1.001);
-        let mut visible = false;
-        let (mut us, mut vs) = ([0.0f32; PADDED], [0.0f32; PADDED]);
-        for y in 0..size {
-            let row = y * PADDED;
-            let [seen_u, seen_v, seen_w] = &self.seen;
-            let (seen_u, seen_v, seen_w) =
-                (&seen_u[row..row + PADDED], &seen_v[row..row + PADDED], &seen_w[row..row + PADDED]);
-            for x in 0..PADDED {
-                let inverse = 1.0 / (seen_w[x] - shift.z);
-                us[x] = (seen_u[x] - shift.x) * inverse;
-                vs[x] = (seen_v[x] - shift.y) * inverse;
-            }
-            for x in 0..size {
-                let (u, v) = (us[x], vs[x]);
-                visible |= u >= 0.0 && v >= 0.0 && u <= limit.0 && v <= limit.1;
-                // max before min: NaN becomes 0.
-                let (u, v) = (u.max(0.0).min(limit.0), v.max(0.0).min(limit.1));
-                let (px, py) = (u as u32 as usize, v as u32 as usize);
-                let (fx, fy) = (u - px as f32, v - py as f32);
-                let square = &neighbour.luma[py * w + px..][..w + 2];
-                let (top, bottom) = (f32::from(square[0]), f32::from(square[w]));
-                let top = top + (f32::from(square[1]) - top) * fx;
-                let bottom = bottom + (f32::from(square[w + 1]) - bottom) * fx;
-                self.warped[row + x] = (top + (bottom - top) * fy - self.mean) * self.weight[row + x];
-            }
-        }
-        visible
-    }
-
-    fn accumulate(&mut self, y: usize, size: usize) {
-        let row = y * PADDED;
-        let (a, b) = (&self.target[row..row + PADDED], &self.warped[row..row + PADDED]);
-        let [sums, squares, products] = &mut self.columns;
-        for x in 0..size {
-            sums[x] += b[x];
-            squares[x] += b[x] * b[x];
-            products[x] += a[x] * b[x];
+        for y in rows {
+            accumulate(&mut columns, &self.target[y + 2 * r], &self.warped[y + 2 * r], 1.0);
+            correlate(&columns, r, &self.moments[y], &mut out.as_chunks_mut().0[y]);
+            accumulate(&mut columns, &self.target[y], &self.warped[y], -1.0);
         }
     }
+}
 
-    fn release(&mut self, y: usize, size: usize) {
-        let row = y * PADDED;
-        let (a, b) = (&self.target[row..row + PADDED], &self.warped[row..row + PADDED]);
-        let [sums, squares, products] = &mut self.columns;
-        for x in 0..size {
-            sums[x] -= b[x];
-            squares[x] -= b[x] * b[x];
-            products[x] -= a[x] * b[x];
-        }
+/// A neighbour's weighted luma along a row, bilinear, less `mean`; false if no pixel falls into its picture.
+#[inline(always)]
+fn warp(seen: &[Row; 3], shift: Vec3, neighbour: &Level, mean: f32, weight: &Row, out: &mut Row) -> bool {
+    let (w, h) = (neighbour.camera.width as usize, neighbour.camera.height as usize);
+    let (right, bottom) = (w as f32 - 1.001, h as f32 - 1.001);
+    let (mut px, mut py) = ([0u32; WIDTH], [0u32; WIDTH]);
+    let (mut fx, mut fy) = (EMPTY, EMPTY);
+    let mut visible = 0;
+    for x in 0..WIDTH {
+        let inverse = 1.0 / (seen[2][x] - shift.z);
+        let (u, v) = ((seen[0][x] - shift.x) * inverse, (seen[1][x] - shift.y) * inverse);
+        visible |= u32::from(u >= 0.0) & u32::from(v >= 0.0) & u32::from(u <= right) & u32::from(v <= bottom);
+        // Written so that NaN becomes 0.
+        let (u, v) = (if u > 0.0 { u } else { 0.0 }, if v > 0.0 { v } else { 0.0 });
+        (px[x], fx[x]) = split(if u < right { u } else { right });
+        (py[x], fy[x]) = split(if v < bottom { v } else { bottom });
     }
+    // The four pixels round each place, packed: only this loop cannot be vector code.
+    let mut squares = [0u32; WIDTH];
+    for x in 0..WIDTH {
+        let square = &neighbour.luma[py[x] as usize * w + px[x] as usize..][..w + 2];
+        squares[x] = u32::from_le_bytes([square[0], square[1], square[w], square[w + 1]]);
+    }
+    for x in 0..WIDTH {
+        let pixel = |shift: u32| (squares[x] >> shift & 255) as i32 as f32;
+        let (top, bottom) = (pixel(0), pixel(16));
+        let top = top + (pixel(8) - top) * fx[x];
+        let bottom = bottom + (pixel(24) - bottom) * fx[x];
+        out[x] = (top + (bottom - top) * fy[x] - mean) * weight[x];
+    }
+    visible != 0
+}
 
-    fn correlate(&self, y: usize, out: &mut [f32]) {
-        let mut windows = [[0.0f32; TILE]; 3];
-        for (window, column) in windows.iter_mut().zip(&self.columns) {
-            for dx in 0..=2 * self.radius {
-                for x in 0..TILE {
-                    window[x] += column[x + dx];
-                }
-            }
-        }
+/// Adds a row to the vertical sums, or takes it away.
+#[inline(always)]
+fn accumulate(columns: &mut [Row; 3], a: &Row, b: &Row, sign: f32) {
+    let [sums, squares, products] = columns;
+    for x in 0..WIDTH {
+        let b_signed = b[x] * sign;
+        sums[x] += b_signed;
+        squares[x] += b[x] * b_signed;
+        products[x] += a[x] * b_signed;
+    }
+}
+
+/// Sums of windows from vertical sums.
+#[inline(always)]
+fn windows(column: &Row, radius: usize) -> [f32; TILE] {
+    let mut sums = [0.0; TILE];
+    for dx in 0..=2 * radius {
+        let part: &[f32; TILE] = column[dx..].first_chunk().expect("a row has a margin on both sides");
         for x in 0..TILE {
-            let i = y * TILE + x;
-            let inverse = self.inverse_count[i];
-            let b = windows[0][x];
-            let covariance = windows[2][x] - self.sum[i] * b * inverse;
-            let variance = (windows[1][x] - b * b * inverse).max(0.0);
-            out[x] = covariance * self.inverse_sigma[i] * inverse_sqrt(variance + self.noise[i]);
+            sums[x] += part[x];
         }
+    }
+    sums
+}
+
+#[inline(always)]
+fn correlate(columns: &[Row; 3], radius: usize, moments: &Moments, out: &mut [f32; TILE]) {
+    let [sum, squares, products] = columns.each_ref().map(|column| windows(column, radius));
+    for x in 0..TILE {
+        let (b, inverse) = (sum[x], moments.inverse_count[x]);
+        let covariance = products[x] - moments.sum[x] * b * inverse;
+        let variance = (squares[x] - b * b * inverse).max(0.0);
+        out[x] = covariance * moments.inverse_sigma[x] * inverse_sqrt(variance + moments.noise[x]);
     }
 }

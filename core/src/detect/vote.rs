@@ -19,51 +19,56 @@ pub struct VoteParams {
     pub agreement_radius: u32,
 }
 
-/// Scores of a tile: for every neighbour and plane, one score a pixel.
+/// Scores of a tile: one neighbour's on every sheet, and what all have voted.
 #[derive(Debug, Default)]
 pub struct Curves {
-    planes: usize,
-    /// `[neighbour][plane][pixel]`.
+    /// `[sheet][pixel]`: a neighbour's scores.
     scores: Vec<[f32; TILE_PIXELS]>,
     smooth: Vec<[f32; TILE_PIXELS]>,
-    /// `[plane][pixel]`: support gathered from all neighbours.
+    /// `[sheet][pixel]`: support gathered from all neighbours.
     votes: Vec<[f32; TILE_PIXELS]>,
+    /// Weights of the smoothing.
+    gaussian: Vec<f32>,
+    /// How a peak spreads.
+    spread: Spread,
 }
 
 impl Curves {
-    /// Makes room for `neighbours` curves over `planes` planes.
-    pub fn reset(&mut self, neighbours: usize, planes: usize) {
-        self.planes = planes;
-        self.scores.resize(neighbours * planes, [0.0; TILE_PIXELS]);
-        self.smooth.resize(planes, [0.0; TILE_PIXELS]);
+    /// For the scores that `params` asks for.
+    pub fn new(params: &VoteParams) -> Self {
+        Self { gaussian: gaussian(params.smoothing), spread: Spread::new(params.spread), ..Self::default() }
+    }
+
+    /// Makes room for a tile with `sheets` sheets.
+    pub fn reset(&mut self, sheets: usize) {
+        self.scores.resize(sheets, [0.0; TILE_PIXELS]);
+        self.smooth.resize(sheets, [0.0; TILE_PIXELS]);
         self.votes.clear();
-        self.votes.resize(planes, [0.0; TILE_PIXELS]);
+        self.votes.resize(sheets, [0.0; TILE_PIXELS]);
     }
 
-    /// Where the scores of a neighbour on a plane go.
-    pub fn scores_mut(&mut self, neighbour: usize, plane: usize) -> &mut [f32; TILE_PIXELS] {
-        &mut self.scores[neighbour * self.planes + plane]
+    /// Where the scores of a neighbour on each sheet go.
+    pub fn scores_mut(&mut self) -> &mut [[f32; TILE_PIXELS]] {
+        &mut self.scores
     }
 
-    /// Gathers all neighbours' support.
-    pub fn vote(&mut self, neighbours: usize, params: &VoteParams) {
-        let kernel = gaussian(params.smoothing);
-        for j in 0..neighbours {
-            let curve = &self.scores[j * self.planes..][..self.planes];
-            smooth(curve, &kernel, &mut self.smooth);
-            if params.local_maximum {
-                spread_peaks(&self.smooth, params.spread, &mut self.votes);
-            } else {
-                for (votes, curve) in self.votes.iter_mut().zip(&self.smooth) {
-                    for (v, c) in votes.iter_mut().zip(curve) {
-                        *v += c;
-                    }
+    /// Adds the support of the neighbour whose scores are there.
+    #[inline(always)]
+    pub fn vote(&mut self, params: &VoteParams) {
+        smooth(&self.scores, &self.gaussian, &mut self.smooth);
+        if params.local_maximum {
+            self.spread.peaks(&self.smooth, &mut self.votes);
+        } else {
+            for (votes, curve) in self.votes.iter_mut().zip(&self.smooth) {
+                for (v, c) in votes.iter_mut().zip(curve) {
+                    *v += c;
                 }
             }
         }
     }
 
     /// Replaces every pixel's votes by the mean over the searched pixels round it, within the tile.
+    #[inline(always)]
     pub fn agree(&mut self, radius: usize, searched: &[bool; TILE_PIXELS]) {
         let weight = searched.map(|s| if s { 1.0 } else { 0.0 });
         let counts = box_sum(&weight, radius);
@@ -78,7 +83,7 @@ impl Curves {
         }
     }
 
-    /// The best supported plane among `first..=last` for a pixel: its position, fractional where `refine` asks, and
+    /// The best supported sheet among `first..=last` for a pixel: its position, fractional where `refine` asks, and
     /// the support, the fidelity of §4.1.
     pub fn best(&self, pixel: usize, first: usize, last: usize, refine: bool) -> (f32, f32) {
         let (mut best, mut support) = (first, f32::NEG_INFINITY);
@@ -88,7 +93,7 @@ impl Curves {
             }
         }
         let mut position = best as f32;
-        if refine && best > 0 && best + 1 < self.planes {
+        if refine && best > 0 && best + 1 < self.votes.len() {
             position += vertex(self.votes[best - 1][pixel], support, self.votes[best + 1][pixel]);
         }
         (position, support)
@@ -107,7 +112,8 @@ fn gaussian(sigma: f32) -> Vec<f32> {
     half
 }
 
-/// Convolves along the planes; beyond the ends the end's value goes on.
+/// Convolves along the sheets; beyond the ends the end's value goes on.
+#[inline(always)]
 fn smooth(curve: &[[f32; TILE_PIXELS]], kernel: &[f32], out: &mut [[f32; TILE_PIXELS]]) {
     let last = curve.len() - 1;
     for i in 0..curve.len() {
@@ -124,6 +130,7 @@ fn smooth(curve: &[[f32; TILE_PIXELS]], kernel: &[f32], out: &mut [[f32; TILE_PI
 }
 
 /// Sums over a square of pixels, cut at the tile's edges.
+#[inline(always)]
 fn box_sum(values: &[f32; TILE_PIXELS], radius: usize) -> [f32; TILE_PIXELS] {
     let (mut rows, mut out) = ([0.0; TILE_PIXELS], [0.0; TILE_PIXELS]);
     for y in 0..TILE {
@@ -142,36 +149,56 @@ fn box_sum(values: &[f32; TILE_PIXELS], radius: usize) -> [f32; TILE_PIXELS] {
     out
 }
 
-/// Adds every positive peak of a curve to the votes, spread by the kernel round its sub-sample position.
-fn spread_peaks(curve: &[[f32; TILE_PIXELS]], spread: f32, votes: &mut [[f32; TILE_PIXELS]]) {
-    let scale = if spread > 0.0 { 0.5 / (spread * spread) } else { 0.0 };
-    let reach = libm::ceilf(2.5 * spread) as usize;
-    for i in 1..curve.len() - 1 {
-        for p in 0..TILE_PIXELS {
-            let (before, peak, after) = (curve[i - 1][p], curve[i][p], curve[i + 1][p]);
-            if !(peak > 0.0 && peak > before && peak > after) {
-                continue;
+/// A kernel's weights round a peak, for each of its places between two samples.
+#[derive(Debug, Default)]
+struct Spread {
+    /// Sheets on either side that a peak reaches.
+    reach: usize,
+    /// `[place][sheet]`.
+    weights: Vec<[f32; Spread::WIDEST]>,
+}
+
+impl Spread {
+    /// Places between two samples that are told apart.
+    const PLACES: usize = 32;
+    /// Most sheets that a peak reaches.
+    const WIDEST: usize = 16;
+
+    /// Of standard deviation `sigma`, in samples; 0 leaves a peak where it is.
+    fn new(sigma: f32) -> Self {
+        if sigma <= 0.0 {
+            return Self { reach: 0, weights: vec![[1.0; Self::WIDEST]; Self::PLACES + 1] };
+        }
+        let reach = (libm::ceilf(2.5 * sigma) as usize).min(Self::WIDEST / 2 - 1);
+        let weight = |place: usize, k: usize| {
+            let distance = k as f32 - reach as f32 - (place as f32 / Self::PLACES as f32 - 0.5);
+            libm::expf(-0.5 * distance * distance / (sigma * sigma))
+        };
+        let row = |place| core::array::from_fn(|k| if k <= 2 * reach { weight(place, k) } else { 0.0 });
+        Self { reach, weights: (0..=Self::PLACES).map(row).collect() }
+    }
+
+    /// Adds every positive peak of a curve to the votes, spread by the kernel round its sub-sample position.
+    #[inline(always)]
+    fn peaks(&self, curve: &[[f32; TILE_PIXELS]], votes: &mut [[f32; TILE_PIXELS]]) {
+        for i in 1..curve.len() - 1 {
+            let (before, peaks, after) = (&curve[i - 1], &curve[i], &curve[i + 1]);
+            let mut is_peak = [false; TILE_PIXELS];
+            for p in 0..TILE_PIXELS {
+                is_peak[p] = (peaks[p] > 0.0) & (peaks[p] > before[p]) & (peaks[p] > after[p]);
             }
-            if reach == 0 {
-                votes[i][p] += peak;
-                continue;
-            }
-            let offset = vertex(before, peak, after);
-            for k in i.saturating_sub(reach)..=(i + reach).min(curve.len() - 1) {
-                let distance = k as f32 - i as f32 - offset;
-                votes[k][p] += peak * bell(distance * distance * scale);
+            for p in (0..TILE_PIXELS).filter(|&p| is_peak[p]) {
+                let offset = vertex(before[p], peaks[p], after[p]);
+                let place = (offset + 0.5) * Self::PLACES as f32 + 0.5;
+                let weights = &self.weights[(place as usize).min(Self::PLACES)];
+                let first = i.saturating_sub(self.reach);
+                let last = (i + self.reach).min(curve.len() - 1);
+                for (votes, weight) in votes[first..=last].iter_mut().zip(&weights[first + self.reach - i..]) {
+                    votes[p] += peaks[p] * weight;
+                }
             }
         }
     }
-}
-
-/// exp(-x) for x ≥ 0 to within 1 %: (1 + x/8)⁻⁸, cheap and the same everywhere.
-#[inline]
-fn bell(x: f32) -> f32 {
-    let y = 1.0 + x * 0.125;
-    let y = y * y;
-    let y = y * y;
-    1.0 / (y * y)
 }
 
 /// Vertex of the parabola through three equidistant values, relative to the middle one, which is the largest.

@@ -129,13 +129,17 @@ fn right_hand_side(
         let part = |[x, y, z]: [i32; 3]| above.grid.value(sparse, x, y, z, 0.0, 0.0);
         level::prolong(part, grid, 0.25, &mut rhs);
     }
+    // Finer samples act in full.
+    let whole = |detail: f32| (1.0 - (detail - here)).clamp(0.0, 1.0);
     if level > 0 {
         let mut own = rhs.clone();
         // A sample's share at a level falls linearly to 0 one level from its own.
-        system::splat(samples, grid, level, |detail| (1.0 - (detail - here).abs()).max(0.0), &mut own);
+        let shares = |detail: f32| [whole(detail), (1.0 - (detail - here).abs()).max(0.0)];
+        system::splat(samples, grid, level, shares, [&mut rhs, &mut own]);
         *sparse = own;
+    } else {
+        system::splat(samples, grid, level, |detail| [whole(detail)], [&mut rhs]);
     }
-    system::splat(samples, grid, level, |detail| (1.0 - (detail - here)).clamp(0.0, 1.0), &mut rhs);
     rhs
 }
 

@@ -8,29 +8,34 @@ use crate::error::Result;
 use crate::grid::{BLOCK, BLOCK_NODES, SparseGrid};
 use crate::point_cloud::Point;
 
-/// A point that takes part, in coordinates of the finest grid (nodes at integers).
+/// Edge of the cells in which points are merged, in voxels.
+const MERGED: f32 = 0.5;
+
+/// The points of a small cell that take part, in coordinates of the finest grid (nodes at integers).
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Sample {
     pub(super) at: Vec3,
-    /// Unit normal, outward.
+    /// Mean of the unit normals, outward; shorter than 1 where they differ.
     pub(super) normal: Vec3,
+    /// How many points.
+    count: f32,
     /// Weight (eq. 3), later also share of the surface: see [`weigh`].
     pub(super) area: f32,
     /// Level at which points are about one voxel apart, 0 the finest; between two levels the point acts on both.
     pub(super) detail: f32,
 }
 
-/// The points with a normal and a positive weight, block by block, and within a block in an order that does not depend
-/// on the order of `points`.
+/// The points with a normal and a positive weight, merged cell by cell, in an order that does not depend on the order
+/// of `points`.
 pub(super) fn collect(points: &[Point], grid: &SparseGrid) -> Vec<Sample> {
     let mut keyed: Vec<(u64, u32)> = Vec::with_capacity(points.len());
+    let size = grid.dims.map(|v| (v as usize * BLOCK) as f32);
     for (i, point) in points.iter().enumerate() {
         let at = (point.position - grid.origin) / grid.voxel;
         let usable = point.weight > 0.0 && point.weight.is_finite() && at.is_finite() && point.normal.length() > 0.5;
-        let size = grid.dims.map(|v| (v as usize * BLOCK) as f32);
         if usable && (0..3).all(|k| at[k] >= 2.0 && at[k] < size[k] - 3.0) {
-            let block = (at / BLOCK as f32).to_array().map(|v| v as u64);
-            keyed.push((block[2] << 42 | block[1] << 21 | block[0], i as u32));
+            let [x, y, z] = (at / MERGED).to_array().map(|v| v as u64);
+            keyed.push((blockwise(x, y, z), i as u32));
         }
     }
     keyed.sort_unstable_by(|a, b| {
@@ -40,16 +45,26 @@ pub(super) fn collect(points: &[Point], grid: &SparseGrid) -> Vec<Sample> {
         };
         a.0.cmp(&b.0).then_with(|| bits(a.1).cmp(&bits(b.1)))
     });
-    let sample = |&(_, i): &(u64, u32)| {
+    keyed.chunk_by(|a, b| a.0 == b.0).map(|cell| merged(cell, points, grid)).collect()
+}
+
+/// A key that sorts cells by blocks and within a block by place, so that neighbours in space are near in memory.
+fn blockwise(x: u64, y: u64, z: u64) -> u64 {
+    const CELLS: u64 = (BLOCK as f32 / MERGED) as u64;
+    let block = (z / CELLS) << 26 | (y / CELLS) << 13 | x / CELLS;
+    block << 15 | (z % CELLS) << 10 | (y % CELLS) << 5 | x % CELLS
+}
+
+/// Means by weight of a cell's points: the field of their normals stays the same but for its finest detail.
+fn merged(cell: &[(u64, u32)], points: &[Point], grid: &SparseGrid) -> Sample {
+    let (mut at, mut normal, mut area) = (Vec3::ZERO, Vec3::ZERO, 0.0);
+    for &(_, i) in cell {
         let point = &points[i as usize];
-        Sample {
-            at: (point.position - grid.origin) / grid.voxel,
-            normal: point.normal / point.normal.length(),
-            area: point.weight,
-            detail: 0.0,
-        }
-    };
-    keyed.iter().map(sample).collect()
+        at += (point.position - grid.origin) / grid.voxel * point.weight;
+        normal += point.normal * (point.weight / point.normal.length());
+        area += point.weight;
+    }
+    Sample { at: at / area, normal: normal / area, count: cell.len() as f32, area, detail: 0.0 }
 }
 
 /// What the autocorrelation of the quadratic B-spline sums to over a plane with one point a square voxel.
@@ -113,7 +128,7 @@ fn density(samples: &[Sample], grid: &SparseGrid, scale: f32) -> Vec<[f32; 2]> {
         for (i, &node) in stencil.nodes.iter().enumerate() {
             if node != ABSENT {
                 let value = vx[i % 3] * vy[i / 3 % 3] * vz[i / 9];
-                density[node as usize][0] += value;
+                density[node as usize][0] += value * sample.count;
                 density[node as usize][1] += value * sample.area;
             }
         }

@@ -3,6 +3,7 @@
 use glam::Vec3;
 
 use crate::grid::{BLOCK, BLOCK_NODES, SparseGrid};
+use crate::math::floor;
 
 /// Index of a node that is not stored.
 pub(super) const ABSENT: u32 = u32::MAX;
@@ -23,12 +24,12 @@ impl Stencil {
         let (mut values, mut derivatives) = ([[0.0; 3]; 3], [[0.0; 3]; 3]);
         let mut first = [0; 3];
         for k in 0..3 {
-            let nearest = libm::floorf(point[k] + 0.5);
-            let d = point[k] - nearest;
+            let nearest = floor(point[k] + 0.5);
+            let d = point[k] - nearest as f32;
             let (below, above) = (0.5 - d, 0.5 + d);
             values[k] = [0.5 * below * below, 0.75 - d * d, 0.5 * above * above];
             derivatives[k] = [below, 2.0 * d, -above];
-            first[k] = nearest as i32 - 1;
+            first[k] = nearest - 1;
         }
         Self { nodes: cube(grid, first), values, derivatives }
     }

@@ -5,6 +5,7 @@ use alloc::{vec, vec::Vec};
 use super::samples::Sample;
 use super::spline::{ABSENT, Stencil, cube};
 use crate::grid::{BLOCK, BLOCK_NODES, SparseGrid};
+use crate::math::floor;
 
 /// The points of one cell of the grid, merged: they ask for χ = 1/2 at their mean position.
 pub(super) struct Cell {
@@ -29,22 +30,33 @@ impl Cell {
 }
 
 /// Adds the right-hand side of the samples' smoothed normals: -div V with V = -n a B(x - p), B the quadratic B-spline.
-/// `share` says how much of a sample, by its level of detail, belongs here.
-pub(super) fn splat(samples: &[Sample], grid: &SparseGrid, level: usize, share: impl Fn(f32) -> f32, rhs: &mut [f32]) {
+/// `shares` says how much of a sample, by its level of detail, belongs to each of the fields.
+pub(super) fn splat<const N: usize>(
+    samples: &[Sample],
+    grid: &SparseGrid,
+    level: usize,
+    shares: impl Fn(f32) -> [f32; N],
+    mut fields: [&mut [f32]; N],
+) {
     let scale = 1.0 / (1 << level) as f32;
     for sample in samples {
-        let area = share(sample.detail) * sample.area * scale * scale;
-        if area <= 0.0 {
+        let shares = shares(sample.detail);
+        if shares == [0.0; N] {
             continue;
         }
         let stencil = Stencil::new(grid, sample.at * scale);
         let ([vx, vy, vz], [dx, dy, dz]) = (&stencil.values, &stencil.derivatives);
-        let n = sample.normal * area;
-        for (i, &node) in stencil.nodes.iter().enumerate() {
-            if node != ABSENT {
-                let (x, y, z) = (i % 3, i / 3 % 3, i / 9);
-                rhs[node as usize] +=
-                    n.x * dx[x] * vy[y] * vz[z] + n.y * vx[x] * dy[y] * vz[z] + n.z * vx[x] * vy[y] * dz[z];
+        let n = sample.normal * (sample.area * scale * scale);
+        for (row, nodes) in stencil.nodes.chunks_exact(3).enumerate() {
+            let (y, z) = (row % 3, row / 3);
+            let (along, across) = (n.x * vy[y] * vz[z], n.y * dy[y] * vz[z] + n.z * vy[y] * dz[z]);
+            for (x, &node) in nodes.iter().enumerate() {
+                if node != ABSENT {
+                    let value = along * dx[x] + across * vx[x];
+                    for (field, share) in fields.iter_mut().zip(shares) {
+                        field[node as usize] += share * value;
+                    }
+                }
             }
         }
     }
@@ -59,7 +71,7 @@ pub(super) fn cells(samples: &[Sample], grid: &SparseGrid, level: usize) -> Vec<
     let mut sums: Vec<([f32; 4], [i32; 3])> = Vec::new();
     for sample in samples {
         let at = sample.at * scale;
-        let corner = [at.x, at.y, at.z].map(|v| libm::floorf(v) as i32);
+        let corner = [at.x, at.y, at.z].map(floor);
         let (slot, local) = grid.locate(corner[0], corner[1], corner[2]);
         if slot >= SparseGrid::INSIDE {
             continue;
