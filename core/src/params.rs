@@ -149,7 +149,7 @@ impl Params {
             SearchParams { neighbours: 4, window_radius: 2, step_pixels: 0.7, follow_guide: true, vote, refine: true };
         let detection = DetectionParams {
             halved: false,
-            search,
+            search: SearchParams { neighbours: 3, ..search },
             band_pixels: 6.0,
             substitute_below: 0.25,
             substitute: true,
@@ -168,7 +168,7 @@ impl Params {
                 clean: CleanParams { radius_pixels: 2.5, ..clean },
                 ..detection
             },
-            voxel_pixels: 3.0,
+            voxel_pixels: 4.0,
         };
         let default = Self {
             method: Method::Pcmvs,

@@ -66,22 +66,25 @@ impl Crossings {
     pub fn new(mesh: &Mesh, camera: &Pinhole) -> Self {
         let projected: Vec<Vec3> = mesh.positions.iter().map(|&p| camera.project(p)).collect();
         let (w, h) = (camera.width as usize, camera.height as usize);
-        let each = |f: &mut dyn FnMut(usize, f32, bool)| {
-            for triangle in &mesh.triangles {
-                cover(triangle.map(|i| projected[i as usize]), w, h, |x, y, z, front| f(y * w + x, z, front));
-            }
-        };
         let mut starts = alloc::vec![0u32; w * h + 1];
-        each(&mut |pixel, _, _| starts[pixel + 1] += 1);
+        let mut found = Vec::new();
+        for triangle in &mesh.triangles {
+            cover(triangle.map(|i| projected[i as usize]), w, h, |x, y, z, front| {
+                let pixel = y * w + x;
+                starts[pixel + 1] += 1;
+                found.push((pixel as u32, z, front));
+            });
+        }
         for i in 1..starts.len() {
             starts[i] += starts[i - 1];
         }
         let mut next = starts.clone();
-        let mut crossings = alloc::vec![(0.0, false); starts[w * h] as usize];
-        each(&mut |pixel, z, front| {
-            crossings[next[pixel] as usize] = (z, front);
-            next[pixel] += 1;
-        });
+        let mut crossings = alloc::vec![(0.0, false); found.len()];
+        for (pixel, z, front) in found {
+            let next = &mut next[pixel as usize];
+            crossings[*next as usize] = (z, front);
+            *next += 1;
+        }
         Self { starts, crossings }
     }
 
@@ -106,21 +109,25 @@ impl Crossings {
 
 /// Calls `f` with the pixels whose centres a triangle covers, its inverse depth there (which is linear in the image)
 /// and whether it faces the camera.
-#[inline]
-fn cover([a, b, c]: [Vec3; 3], width: usize, height: usize, mut f: impl FnMut(usize, usize, f32, bool)) {
+#[inline(always)]
+pub(crate) fn cover([a, b, c]: [Vec3; 3], width: usize, height: usize, mut f: impl FnMut(usize, usize, f32, bool)) {
     let area = (b.x - a.x) * (c.y - a.y) - (c.x - a.x) * (b.y - a.y);
     if area == 0.0 || !area.is_finite() || a.z <= 0.0 || b.z <= 0.0 || c.z <= 0.0 {
         return;
     }
     // Truncation is floor here: negative values are clamped first.
-    let high = |a: f32, b: f32, c: f32, n: usize| ((a.max(b).max(c) + 1.0).max(0.0) as usize).min(n);
+    let high = |a: f32, b: f32, c: f32, n: usize| ((a.max(b).max(c) + 1.0).max(0.0) as i32).min(n as i32);
     let low = |a: f32, b: f32, c: f32| {
         let v = a.min(b).min(c).max(0.0);
-        let floor = v as usize;
-        floor + usize::from(floor as f32 != v)
+        let floor = v as i32;
+        floor + i32::from(floor as f32 != v)
     };
-    let (y0, y1) = (low(a.y, b.y, c.y), high(a.y, b.y, c.y, height));
     let (x0, x1) = (low(a.x, b.x, c.x), high(a.x, b.x, c.x, width));
+    let (y0, y1) = (low(a.y, b.y, c.y), high(a.y, b.y, c.y, height));
+    // Most triangles of a fine mesh lie between the pixels' centres.
+    if x0 >= x1 || y0 >= y1 {
+        return;
+    }
     let inverse = [1.0 / a.z / area, 1.0 / b.z / area, 1.0 / c.z / area];
     // With y down a triangle that is counter-clockwise seen from the camera has negative area.
     let front = area < 0.0;
@@ -131,7 +138,7 @@ fn cover([a, b, c]: [Vec3; 3], width: usize, height: usize, mut f: impl FnMut(us
             let (wa, wb, wc) = (edge(b, c), edge(c, a), edge(a, b));
             let inside = if front { wa.max(wb).max(wc) <= 0.0 } else { wa.min(wb).min(wc) >= 0.0 };
             if inside {
-                f(x, y, wa * inverse[0] + wb * inverse[1] + wc * inverse[2], front);
+                f(x as usize, y as usize, wa * inverse[0] + wb * inverse[1] + wc * inverse[2], front);
             }
         }
     }

@@ -1,6 +1,6 @@
 //! What a camera sees of a mesh: a depth buffer, and how far each pixel is from the nearest occlusion step.
 
-use crate::{camera::Pinhole, point_cloud::Mesh};
+use crate::{camera::Pinhole, point_cloud::Mesh, raster::cover};
 use alloc::vec::Vec;
 use glam::{Vec2, Vec3};
 
@@ -34,8 +34,16 @@ impl DepthBuffer {
         self.frame(camera);
         self.inverse.clear();
         self.inverse.resize((self.width * self.height) as usize, 0.0);
+        let first = Vec3::new(self.x as f32, self.y as f32, 0.0);
+        let (width, height) = (self.width as usize, self.height as usize);
         for triangle in &mesh.triangles {
-            self.fill(triangle.map(|i| self.projected[i as usize]));
+            let corners = triangle.map(|i| self.projected[i as usize] - first);
+            cover(corners, width, height, |x, y, z, front| {
+                if front {
+                    let nearest = &mut self.inverse[y * width + x];
+                    *nearest = nearest.max(z);
+                }
+            });
         }
         self.measure_border(camera);
     }
@@ -81,37 +89,6 @@ impl DepthBuffer {
         (self.x, self.y) = (clamp(low.x - 1.0, camera.width), clamp(low.y - 1.0, camera.height));
         self.width = (clamp(high.x + 3.0, camera.width) - self.x).max(0);
         self.height = (clamp(high.y + 3.0, camera.height) - self.y).max(0);
-    }
-
-    /// Rasterises a triangle if it faces the camera: pixels whose centres it holds, 1/depth being linear in the image.
-    fn fill(&mut self, corners: [Vec3; 3]) {
-        let [a, b, c] = corners;
-        let area = (b.x - a.x) * (c.y - a.y) - (c.x - a.x) * (b.y - a.y);
-        // With y down a triangle that is counter-clockwise seen from the camera has negative area.
-        if area.is_nan() || area >= 0.0 || a.z <= 0.0 || b.z <= 0.0 || c.z <= 0.0 {
-            return;
-        }
-        let (x, y) = (self.x as f32, self.y as f32);
-        let x0 = libm::ceilf(a.x.min(b.x).min(c.x) - x).max(0.0) as i32;
-        let x1 = libm::floorf(a.x.max(b.x).max(c.x) - x).min((self.width - 1) as f32) as i32;
-        let y0 = libm::ceilf(a.y.min(b.y).min(c.y) - y).max(0.0) as i32;
-        let y1 = libm::floorf(a.y.max(b.y).max(c.y) - y).min((self.height - 1) as f32) as i32;
-        if x0 > x1 || y0 > y1 {
-            return;
-        }
-        let inverse = [1.0 / a.z, 1.0 / b.z, 1.0 / c.z];
-        for py in y0..=y1 {
-            for px in x0..=x1 {
-                let (u, v) = (px as f32 + x, py as f32 + y);
-                let edge = |p: Vec3, q: Vec3| (q.x - p.x) * (v - p.y) - (u - p.x) * (q.y - p.y);
-                let (wa, wb, wc) = (edge(b, c), edge(c, a), edge(a, b));
-                if wa <= 0.0 && wb <= 0.0 && wc <= 0.0 {
-                    let depth = (wa * inverse[0] + wb * inverse[1] + wc * inverse[2]) / area;
-                    let i = (py * self.width + px) as usize;
-                    self.inverse[i] = self.inverse[i].max(depth);
-                }
-            }
-        }
     }
 
     /// Chessboard distance of every pixel to the nearest step, by two sweeps.

@@ -1,7 +1,7 @@
 //! §4.4: frontier points, where a silhouette's contour touches the surface.
 
 use crate::{
-    hull::VisualHull,
+    hull::{VisualHull, Walk},
     point_cloud::{Point, PointCloud, Rank},
     silhouette::Silhouette,
     view::View,
@@ -83,6 +83,7 @@ fn touch(hull: &VisualHull, view: &View, ray: Vec3, longest: f32) -> Option<(f32
     let (mut t, end) = hull.span(view.camera.centre, ray)?;
     let mut inside = None;
     let mut piece: Option<(f32, f32)> = None;
+    let mut others = Walk::new(hull, view.index);
     let (mut nearest, mut nearest_at) = (f32::NEG_INFINITY, 0.0);
     while t < end {
         let p = view.camera.centre + ray * t;
@@ -91,7 +92,7 @@ fn touch(hull: &VisualHull, view: &View, ray: Vec3, longest: f32) -> Option<(f32
             t += (-coarse * 0.7 * unit).max(fine);
             continue;
         }
-        let d = hull.signed_distance_without(p, view.index);
+        let d = others.signed_distance(p, 2.0 * hull.footprint());
         if d > nearest {
             (nearest, nearest_at) = (d, t);
         }

@@ -146,7 +146,7 @@ pub(super) fn carve<'a>(views: &'a [View], params: &HullParams, progress: &dyn P
         for local in 0..BLOCK_NODES {
             let p = block_node(&hull.grid, slot, local);
             let list = hull.block_carvers(slot).iter().map(|&c| &hull.carvers[c as usize]);
-            let d = least(list, p, u16::MAX, voxel, hull.needed[slot]).clamp(-4.0 * voxel, 4.0 * voxel);
+            let d = least(list, p, u16::MAX, voxel, hull.needed[slot]).0.clamp(-4.0 * voxel, 4.0 * voxel);
             if d > 0.0 {
                 (lower, upper) = (lower.min(p), upper.max(p));
             }

@@ -86,14 +86,19 @@ impl<'a> VisualHull<'a> {
 
     /// As [`Self::signed_distance`], over all views but one.
     pub fn signed_distance_without(&self, p: Vec3, view: u16) -> f32 {
+        self.nearest_contour(p, view).0
+    }
+
+    /// [`Self::signed_distance_without`], and the view that it comes from.
+    fn nearest_contour(&self, p: Vec3, view: u16) -> (f32, Option<&Carver<'a>>) {
         let slot = self.slot(p);
         if slot < SparseGrid::INSIDE {
             let list = self.block_carvers(slot as usize);
             least(list.iter().map(|&c| &self.carvers[c as usize]), p, view, self.grid.voxel, self.needed[slot as usize])
         } else {
             // Whatever single views say, the block as a whole was judged.
-            let d = least(self.carvers.iter(), p, view, self.grid.voxel, self.least_silhouettes);
-            if slot == SparseGrid::INSIDE { d.max(self.grid.voxel) } else { d.min(-self.grid.voxel) }
+            let (d, from) = least(self.carvers.iter(), p, view, self.grid.voxel, self.least_silhouettes);
+            (if slot == SparseGrid::INSIDE { d.max(self.grid.voxel) } else { d.min(-self.grid.voxel) }, from)
         }
     }
 
@@ -158,24 +163,52 @@ impl Envelope for VisualHull<'_> {
     }
 }
 
-/// The least distance over some views; outside where fewer than `needed` of them see the point.
+/// The signed distance at the places of a walk. A view that sees one place clearly outside mostly does so for the next
+/// as well, and one that does is enough.
+pub(crate) struct Walk<'h, 'a> {
+    hull: &'h VisualHull<'a>,
+    without: u16,
+    excluding: Option<&'h Carver<'a>>,
+}
+
+impl<'h, 'a> Walk<'h, 'a> {
+    /// Over all views but one.
+    pub(crate) fn new(hull: &'h VisualHull<'a>, without: u16) -> Self {
+        Self { hull, without, excluding: None }
+    }
+
+    /// [`VisualHull::signed_distance_without`]; where that is below `-clear`, a larger value that is below too.
+    #[inline]
+    pub(crate) fn signed_distance(&mut self, p: Vec3, clear: f32) -> f32 {
+        if let Some(d) = self.excluding.and_then(|carver| carver.distance(p)).filter(|&d| d < -clear) {
+            return d;
+        }
+        let (d, from) = self.hull.nearest_contour(p, self.without);
+        self.excluding = from;
+        d
+    }
+}
+
+/// The least distance over some views and whose it is; outside where fewer than `needed` of them see the point.
 fn least<'c, 'a: 'c>(
     carvers: impl Iterator<Item = &'c Carver<'a>>,
     p: Vec3,
     without: u16,
     voxel: f32,
     needed: u32,
-) -> f32 {
-    let (mut nearest, mut seen) = (FAR * voxel, 0);
+) -> (f32, Option<&'c Carver<'a>>) {
+    let (mut nearest, mut from, mut seen) = (FAR * voxel, None, 0);
     for carver in carvers {
         if carver.index != without
             && let Some(d) = carver.distance(p)
         {
-            nearest = nearest.min(d);
+            if d < nearest {
+                (nearest, from) = (d, Some(carver));
+            }
             seen += 1;
         }
     }
-    if seen < needed { nearest.min(-voxel) } else { nearest }
+    (if seen < needed { nearest.min(-voxel) } else { nearest }, from)
 }
 
 /// Position of a node of a stored block.

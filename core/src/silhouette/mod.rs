@@ -77,11 +77,11 @@ impl Silhouette {
         if !(u >= 0.0 && v >= 0.0 && u <= (w - 1) as f32 && v <= (h - 1) as f32) {
             return None;
         }
-        let (x, y) = ((u as usize).min(w - 2), (v as usize).min(h - 2));
+        // Signed conversions are one instruction.
+        let (x, y) = ((u as i32).min(w as i32 - 2), (v as i32).min(h as i32 - 2));
         let (fx, fy) = (u - x as f32, v - y as f32);
-        let i = y * w + x;
-        let d = &self.distance;
-        let corners = [d[i], d[i + 1], d[i + w], d[i + w + 1]];
+        let d = &self.distance[y as usize * w + x as usize..][..w + 2];
+        let corners = [d[0], d[1], d[w], d[w + 1]];
         if corners.contains(&Self::UNKNOWN) {
             return None;
         }
