@@ -92,7 +92,14 @@ fn touch(hull: &VisualHull, view: &View, ray: Vec3, longest: f32) -> Option<(f32
             t += (-coarse * 0.7 * unit).max(fine);
             continue;
         }
-        let d = others.signed_distance(p, 2.0 * hull.footprint());
+        // Such a block is carved by other views: this one's contour passes through it.
+        let (d, step) = match hull.outside_block(p, ray) {
+            Some(step) => (-2.0 * hull.footprint(), step + 0.01 * fine),
+            None => {
+                let d = others.signed_distance(p, 2.0 * hull.footprint());
+                (d, (d.abs() * 0.7 * unit).max(fine))
+            }
+        };
         if d > nearest {
             (nearest, nearest_at) = (d, t);
         }
@@ -108,7 +115,7 @@ fn touch(hull: &VisualHull, view: &View, ray: Vec3, longest: f32) -> Option<(f32
             }
             _ => {}
         }
-        t += (d.abs() * 0.7 * unit).max(fine);
+        t += step;
     }
     match piece {
         Some((start, stop)) => {

@@ -58,6 +58,15 @@ impl VisualHull<'_> {
         }
     }
 
+    /// If the grid's block at a place is all outside: the parameter along a ray from there to its end.
+    pub(crate) fn outside_block(&self, place: Vec3, direction: Vec3) -> Option<f32> {
+        let edge = self.grid.voxel * BLOCK as f32;
+        let q = (place - self.grid.origin) / edge;
+        let cell = q.to_array().map(floor);
+        let outside = self.grid.slot(cell[0], cell[1], cell[2]) == SparseGrid::OUTSIDE;
+        outside.then(|| leave(q, direction / edge, cell))
+    }
+
     /// Where a ray runs through the hull's bounding box.
     pub(crate) fn span(&self, start: Vec3, direction: Vec3) -> Option<(f32, f32)> {
         clip(start, direction, self.lower, self.upper)

@@ -68,11 +68,18 @@ pub(super) fn solve(
     }
     steps.step()?;
     samples::weigh(&mut samples, &finest, count, || steps.step())?;
+    // What is finer than a level acts there and above as a whole.
+    let mut samples = vec![samples];
+    for level in 1..count {
+        let settled = |sample: &Sample| sample.detail <= (level - 1) as f32;
+        samples.push(samples::coarser(&samples[level - 1], settled));
+    }
 
     let mut levels: Vec<Level> = Vec::with_capacity(count);
     let mut sparse: Vec<f32> = Vec::new();
     let (mut iso, mut distances) = (0.5, None);
     for level in (0..count).rev() {
+        let samples = samples.pop().expect("there is one list a level");
         let mut next = if levels.is_empty() {
             Level::coarsest(&finest, level)
         } else {

@@ -23,6 +23,8 @@ pub(super) struct Sample {
     pub(super) area: f32,
     /// Level at which points are about one voxel apart, 0 the finest; between two levels the point acts on both.
     pub(super) detail: f32,
+    /// Its cell, in an order in which eight neighbouring cells' keys differ in the last three bits only.
+    cell: u64,
 }
 
 /// The points with a normal and a positive weight, merged cell by cell, in an order that does not depend on the order
@@ -35,7 +37,7 @@ pub(super) fn collect(points: &[Point], grid: &SparseGrid) -> Vec<Sample> {
         let usable = point.weight > 0.0 && point.weight.is_finite() && at.is_finite() && point.normal.length() > 0.5;
         if usable && (0..3).all(|k| at[k] >= 2.0 && at[k] < size[k] - 3.0) {
             let [x, y, z] = (at / MERGED).to_array().map(|v| v as u64);
-            keyed.push((blockwise(x, y, z), i as u32));
+            keyed.push((spread(x) | spread(y) << 1 | spread(z) << 2, i as u32));
         }
     }
     keyed.sort_unstable_by(|a, b| {
@@ -48,11 +50,13 @@ pub(super) fn collect(points: &[Point], grid: &SparseGrid) -> Vec<Sample> {
     keyed.chunk_by(|a, b| a.0 == b.0).map(|cell| merged(cell, points, grid)).collect()
 }
 
-/// A key that sorts cells by blocks and within a block by place, so that neighbours in space are near in memory.
-fn blockwise(x: u64, y: u64, z: u64) -> u64 {
-    const CELLS: u64 = (BLOCK as f32 / MERGED) as u64;
-    let block = (z / CELLS) << 26 | (y / CELLS) << 13 | x / CELLS;
-    block << 15 | (z % CELLS) << 10 | (y % CELLS) << 5 | x % CELLS
+/// Moves the lowest 21 bits three places apart (Morton order).
+fn spread(v: u64) -> u64 {
+    let v = (v | v << 32) & 0x001f_0000_0000_ffff;
+    let v = (v | v << 16) & 0x001f_0000_ff00_00ff;
+    let v = (v | v << 8) & 0x100f_00f0_0f00_f00f;
+    let v = (v | v << 4) & 0x10c3_0c30_c30c_30c3;
+    (v | v << 2) & 0x1249_2492_4924_9249
 }
 
 /// Means by weight of a cell's points: the field of their normals stays the same but for its finest detail.
@@ -64,7 +68,33 @@ fn merged(cell: &[(u64, u32)], points: &[Point], grid: &SparseGrid) -> Sample {
         normal += point.normal * (point.weight / point.normal.length());
         area += point.weight;
     }
-    Sample { at: at / area, normal: normal / area, count: cell.len() as f32, area, detail: 0.0 }
+    let count = cell.len() as f32;
+    Sample { at: at / area, normal: normal / area, count, area, detail: 0.0, cell: cell[0].0 }
+}
+
+/// Samples for a level from those for the next finer one: in cells of twice the size, those that are `settled` merged.
+pub(super) fn coarser(samples: &[Sample], settled: impl Fn(&Sample) -> bool) -> Vec<Sample> {
+    let mut merged = Vec::with_capacity(samples.len() / 2);
+    for family in samples.chunk_by(|a, b| a.cell >> 3 == b.cell >> 3) {
+        let cell = family[0].cell >> 3;
+        let empty = Sample { at: Vec3::ZERO, normal: Vec3::ZERO, count: 0.0, area: 0.0, detail: 0.0, cell };
+        let (mut sum, first) = (empty, merged.len());
+        for sample in family {
+            if settled(sample) {
+                sum.at += sample.at * sample.area;
+                sum.normal += sample.normal * sample.area;
+                sum.count += sample.count;
+                sum.area += sample.area;
+                sum.detail = sum.detail.max(sample.detail);
+            } else {
+                merged.push(Sample { cell, ..*sample });
+            }
+        }
+        if sum.area > 0.0 {
+            merged.insert(first, Sample { at: sum.at / sum.area, normal: sum.normal / sum.area, ..sum });
+        }
+    }
+    merged
 }
 
 /// What the autocorrelation of the quadratic B-spline sums to over a plane with one point a square voxel.
@@ -88,10 +118,12 @@ pub(super) fn weigh(
 ) -> Result<()> {
     let mut waiting: Vec<u32> = (0..samples.len() as u32).collect();
     let mut shares = vec![(0.0, 0.0); samples.len()];
+    let mut merged = coarser(samples, |_| true);
     for level in 1..levels {
         let scale = 1.0 / (1 << level) as f32;
-        let grid = around(samples, finest, level, 1.5);
-        let density = density(samples, &grid, scale);
+        let grid = around(&merged, finest, level, 2.0);
+        let density = density(&merged, &grid, scale);
+        merged = coarser(&merged, |_| true);
         step()?;
         let last = level == levels - 1;
         waiting.retain(|&i| {
