@@ -1,38 +1,96 @@
 //! Eigenvectors of symmetric 3 x 3 matrices: local surface normals by PCA.
 
 use crate::math::inverse_sqrt;
-use glam::Vec3;
 
-/// Eigenvalues, largest first, and the unit eigenvector of the smallest, by cyclic Jacobi rotations. The matrix is
-/// given by its upper triangle xx, xy, xz, yy, yz, zz.
-pub fn principal([xx, xy, xz, yy, yz, zz]: [f32; 6]) -> ([f32; 3], Vec3) {
+/// Matrices solved side by side, as wide as a vector register.
+pub const LANES: usize = 8;
+/// A number of each matrix.
+pub type Lanes = [f32; LANES];
+
+/// Eigenvalues, largest first, and the unit eigenvector of the smallest of [`LANES`] matrices, by cyclic Jacobi
+/// rotations. The matrices are given by their upper triangles xx, xy, xz, yy, yz, zz.
+#[inline(always)]
+pub fn principal([xx, xy, xz, yy, yz, zz]: [Lanes; 6]) -> ([Lanes; 3], [Lanes; 3]) {
+    let (zero, one) = ([0.0; LANES], [1.0; LANES]);
     let mut a = [[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]];
-    let mut v = [[1.0f32, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+    let mut v = [[one, zero, zero], [zero, one, zero], [zero, zero, one]];
     // Three sweeps reach single precision: convergence is quadratic.
     for _ in 0..3 {
         for (p, q) in [(0, 1), (0, 2), (1, 2)] {
-            if a[p][q] == 0.0 {
-                continue;
-            }
-            let theta = (a[q][q] - a[p][p]) / (2.0 * a[p][q]);
-            let t = 1.0 / (theta.abs() + libm::sqrtf(theta * theta + 1.0));
-            let t = if theta < 0.0 { -t } else { t };
-            let c = inverse_sqrt(t * t + 1.0);
-            let s = t * c;
             let r = 3 - p - q;
-            let (apq, apr, aqr) = (a[p][q], a[p][r], a[q][r]);
-            a[p][p] -= t * apq;
-            a[q][q] += t * apq;
-            (a[p][q], a[q][p]) = (0.0, 0.0);
-            (a[p][r], a[q][r]) = (c * apr - s * aqr, s * apr + c * aqr);
-            (a[r][p], a[r][q]) = (a[p][r], a[q][r]);
-            for row in &mut v {
-                (row[p], row[q]) = (c * row[p] - s * row[q], s * row[p] + c * row[q]);
+            for l in 0..LANES {
+                let (apq, apr, aqr) = (a[p][q][l], a[p][r][l], a[q][r][l]);
+                let tangent = tangent(a[p][p][l], a[q][q][l], apq);
+                let c = inverse_sqrt(tangent * tangent + 1.0);
+                let s = tangent * c;
+                a[p][p][l] -= tangent * apq;
+                a[q][q][l] += tangent * apq;
+                (a[p][q][l], a[q][p][l]) = (0.0, 0.0);
+                (a[p][r][l], a[q][r][l]) = (c * apr - s * aqr, s * apr + c * aqr);
+                (a[r][p][l], a[r][q][l]) = (a[p][r][l], a[q][r][l]);
+                for row in &mut v {
+                    (row[p][l], row[q][l]) = (c * row[p][l] - s * row[q][l], s * row[p][l] + c * row[q][l]);
+                }
             }
         }
     }
-    let mut order = [0, 1, 2];
-    order.sort_by(|&i, &j| a[j][j].total_cmp(&a[i][i]));
-    let least = order[2];
-    (order.map(|i| a[i][i]), Vec3::new(v[0][least], v[1][least], v[2][least]).normalize_or_zero())
+    let (mut values, mut least) = ([zero; 3], [zero; 3]);
+    for l in 0..LANES {
+        let [x, y, z] = [a[0][0][l], a[1][1][l], a[2][2][l]];
+        let (high, low) = (x.max(y), x.min(y));
+        values[0][l] = high.max(z);
+        values[1][l] = low.max(high.min(z));
+        values[2][l] = low.min(z);
+        let column = |row: &[Lanes; 3]| if z <= low { row[2][l] } else { if y <= x { row[1][l] } else { row[0][l] } };
+        let n = [column(&v[0]), column(&v[1]), column(&v[2])];
+        // The rotations leave a length of 1 but for rounding.
+        let scale = inverse_sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]);
+        for k in 0..3 {
+            least[k][l] = n[k] * scale;
+        }
+    }
+    (values, least)
+}
+
+/// Tangent of the angle by which a rotation makes `off` vanish beside `first` and `second` on the diagonal.
+#[inline(always)]
+fn tangent(first: f32, second: f32, off: f32) -> f32 {
+    // Beyond this the tangent is nothing beside 1, and squares stay finite.
+    const STEEP: f32 = 1e15;
+    let theta = (second - first) / (2.0 * off);
+    let size = if theta.abs() < STEEP { theta.abs() } else { STEEP };
+    let square = size * size + 1.0;
+    let tangent = 1.0 / (size + square * inverse_sqrt(square));
+    let tangent = if theta < 0.0 { -tangent } else { tangent };
+    if off == 0.0 { 0.0 } else { tangent }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::{Mat3, Quat, Vec3};
+
+    #[test]
+    fn the_least_eigenvector_is_found() {
+        let spectra = [[3.0, 2.0, 1.0], [1.0, 1.0, 0.0], [1e-6, 1e-6, 1e-9], [5.0, 1e-3, 1e-3 * 0.5], [0.0; 3]];
+        for (i, spectrum) in spectra.into_iter().enumerate() {
+            let rotations: [Mat3; LANES] = core::array::from_fn(|k| {
+                Mat3::from_quat(Quat::from_xyzw(0.3, k as f32 - 3.0, 0.2 * i as f32, 1.0).normalize())
+            });
+            let matrices = rotations.map(|r| r * Mat3::from_diagonal(Vec3::from_array(spectrum)) * r.transpose());
+            let entry = |c: usize, r: usize| matrices.map(|m| m.col(c)[r]);
+            let (values, least) =
+                principal([entry(0, 0), entry(1, 0), entry(2, 0), entry(1, 1), entry(2, 1), entry(2, 2)]);
+            for l in 0..LANES {
+                for k in 0..3 {
+                    assert!((values[k][l] - spectrum[k]).abs() <= 1e-6 * spectrum[0], "{spectrum:?}");
+                }
+                let n = Vec3::from_array(least.map(|lanes| lanes[l]));
+                assert!((n.length() - 1.0).abs() < 1e-6);
+                let expected = rotations[l].col(2);
+                let alone = spectrum[2] < 0.9 * spectrum[1];
+                assert!(!alone || n.dot(expected).abs() > 0.9999, "{spectrum:?}: {n} for {expected}");
+            }
+        }
+    }
 }

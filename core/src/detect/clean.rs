@@ -2,9 +2,10 @@
 
 use super::{depth::DepthMap, level::Level};
 use crate::{
-    eigen::principal,
+    eigen::{LANES, Lanes, principal},
     point_cloud::{Point, PointCloud, Rank},
     report::Counts,
+    simd::Simd,
 };
 use alloc::{vec, vec::Vec};
 use glam::Vec3;
@@ -36,103 +37,154 @@ pub fn clean(
     counts: &mut Counts,
 ) -> PointCloud {
     let (w, h) = (level.camera.width as usize, level.camera.height as usize);
-    let positions: Vec<Vec3> =
-        (0..w * h).map(|i| level.camera.unproject((i % w) as f32, (i / w) as f32, map.depth[i])).collect();
-    // Points of one view lie on a pixel each, so a ball's points are within a window of pixels.
-    let reach = libm::ceilf(params.radius_pixels) as usize;
-    // A wide window is read at every second pixel.
-    let stride = if reach < WIDE { 1 } else { 2 };
-    let window = |v: usize, n: usize| (v - (v.min(reach) / stride) * stride..(v + reach + 1).min(n)).step_by(stride);
-    let mut fits: Vec<Option<([f32; 3], Vec3)>> = vec![None; w * h];
-    let mut neighbours = vec![0u16; w * h];
-    let (mut total, mut points) = (0u64, 0u64);
+    let points = Points::new(level, map, params);
+    let simd = Simd::detect();
+    let (mut fits, mut pixels): (Vec<Fit>, Vec<u32>) = (Vec::new(), Vec::new());
     for y in 0..h {
-        for x in 0..w {
-            let i = y * w + x;
-            if map.depth[i] <= 0.0 {
-                continue;
+        let mut x = 0;
+        while let Some(first) = (x..w).find(|&x| map.depth[y * w + x] > 0.0) {
+            let lanes = simd.run(|| points.fit(first, y));
+            x = first + LANES;
+            for l in (0..LANES.min(w - first)).filter(|&l| map.depth[y * w + first + l] > 0.0) {
+                fits.push(Fit {
+                    neighbours: lanes.count[l],
+                    values: lanes.values.map(|v| v[l]),
+                    normal: Vec3::from_array(lanes.normal.map(|v| v[l])),
+                });
+                pixels.push((y * w + first + l) as u32);
             }
-            let radius = params.radius_pixels * level.camera.footprint(map.depth[i]);
-            let mut moments = Moments::default();
-            for ny in window(y, h) {
-                for nx in window(x, w) {
-                    let j = ny * w + nx;
-                    let offset = positions[j] - positions[i];
-                    if map.depth[j] > 0.0 && offset.length_squared() <= radius * radius {
-                        moments.add(offset);
-                    }
-                }
-            }
-            neighbours[i] = moments.count as u16;
-            fits[i] = moments.fit();
-            total += u64::from(neighbours[i]);
-            points += 1;
         }
     }
-    let fewest = params.density * total as f32 / points.max(1) as f32;
+    let total: f64 = fits.iter().fold(0.0, |sum, fit| sum + f64::from(fit.neighbours));
+    let fewest = params.density * (total / fits.len().max(1) as f64) as f32;
     let mut cloud = PointCloud::new();
-    for i in 0..w * h {
-        if map.depth[i] <= 0.0 {
-            continue;
-        }
-        if f32::from(neighbours[i]) < fewest {
+    for (fit, &pixel) in fits.iter().zip(&pixels) {
+        let i = pixel as usize;
+        if fit.neighbours < fewest.max(FEWEST) {
             counts.cleaned_density += 1;
             continue;
         }
-        let Some(([l1, l2, l3], normal)) = fits[i] else {
-            counts.cleaned_density += 1;
-            continue;
-        };
+        let [l1, l2, l3] = fit.values;
         if l3 > params.flatness * l1 || l3 > params.flatness * l2 {
             counts.cleaned_pca += 1;
             continue;
         }
-        let toward = (level.camera.centre - positions[i]).normalize_or_zero();
-        let facing = normal.dot(toward);
+        let position = level.camera.unproject((i % w) as f32, (i / w) as f32, map.depth[i]);
+        let toward = (level.camera.centre - position).normalize_or_zero();
+        let facing = fit.normal.dot(toward);
         if facing.abs() < params.facing {
             counts.cleaned_normal += 1;
             continue;
         }
-        let normal = if facing < 0.0 { -normal } else { normal };
+        let normal = if facing < 0.0 { -fit.normal } else { fit.normal };
         let fidelity = map.fidelity[i];
-        cloud.push(Point { position: positions[i], normal, fidelity, weight: fidelity.max(0.0), view, rank: rank[i] });
+        cloud.push(Point { position, normal, fidelity, weight: fidelity.max(0.0), view, rank: rank[i] });
     }
     cloud
 }
 
-/// Sums over a neighbourhood, relative to its centre point.
-#[derive(Default)]
-struct Moments {
-    count: u32,
-    sum: Vec3,
-    products: [f32; 6],
+/// Fewer points than this have no normal.
+const FEWEST: f32 = 4.0;
+
+/// A point's neighbourhood.
+struct Fit {
+    neighbours: f32,
+    /// Eigenvalues of its covariance, largest first.
+    values: [f32; 3],
+    normal: Vec3,
 }
 
-impl Moments {
-    #[inline]
-    fn add(&mut self, o: Vec3) {
-        self.count += 1;
-        self.sum += o;
-        for (p, v) in self.products.iter_mut().zip([o.x * o.x, o.x * o.y, o.x * o.z, o.y * o.y, o.y * o.z, o.z * o.z]) {
-            *p += v;
+/// [`Fit`]s of pixels side by side.
+struct Fits {
+    count: Lanes,
+    values: [Lanes; 3],
+    normal: [Lanes; 3],
+}
+
+/// A depth map's points, each coordinate a picture of its own with a margin all round. Points of one view lie on a
+/// pixel each, so a ball's points are within a window of pixels.
+struct Points {
+    /// x, y, z and whether (1) or not (0) there is a point.
+    planes: [Vec<f32>; 4],
+    /// Row length of the planes.
+    stride: usize,
+    /// How far a window reaches, in pixels; a wide one is read at every second pixel.
+    reach: usize,
+    step: usize,
+    /// Radius of a neighbourhood per unit of depth.
+    radius: f32,
+    /// The camera's optical axis and its offset: depth is their sum with a point.
+    axis: Vec3,
+    offset: f32,
+}
+
+impl Points {
+    fn new(level: &Level, map: &DepthMap, params: &CleanParams) -> Self {
+        let (w, h) = (level.camera.width as usize, level.camera.height as usize);
+        let reach = libm::ceilf(params.radius_pixels) as usize;
+        let step = if reach < WIDE { 1 } else { 2 };
+        // Lanes at the end of a row run over it.
+        let stride = w + 2 * reach + LANES;
+        let mut planes = [0; 4].map(|_| vec![0.0; stride * (h + 2 * reach)]);
+        for (i, &depth) in map.depth.iter().enumerate().filter(|&(_, &depth)| depth > 0.0) {
+            let p = level.camera.unproject((i % w) as f32, (i / w) as f32, depth);
+            let place = (i / w + reach) * stride + i % w + reach;
+            for (plane, value) in planes.iter_mut().zip([p.x, p.y, p.z, 1.0]) {
+                plane[place] = value;
+            }
         }
+        let radius = params.radius_pixels * level.camera.footprint(1.0);
+        let (rows, offset) = level.camera.projection();
+        Self { planes, stride, reach, step, radius, axis: rows[2], offset: offset.z }
     }
 
-    /// Eigenvalues of the covariance and the normal; none of fewer than four points.
-    fn fit(&self) -> Option<([f32; 3], Vec3)> {
-        if self.count < 4 {
-            return None;
+    /// PCA of the neighbourhoods of pixels (x, y) to (x + LANES - 1, y).
+    #[inline(always)]
+    fn fit(&self, x: usize, y: usize) -> Fits {
+        let lanes = |plane: usize, row: usize, column: usize| -> &Lanes {
+            self.planes[plane][row * self.stride + column..].first_chunk().expect("planes have a margin")
+        };
+        let centre = [0, 1, 2].map(|k| *lanes(k, y + self.reach, x + self.reach));
+        let mut within: Lanes = [0.0; LANES];
+        for l in 0..LANES {
+            let depth = self.axis.x * centre[0][l] + self.axis.y * centre[1][l] + self.axis.z * centre[2][l];
+            let radius = self.radius * (depth + self.offset);
+            within[l] = radius * radius;
         }
-        let n = self.count as f32;
-        let m = self.sum / n;
-        let [xx, xy, xz, yy, yz, zz] = self.products.map(|p| p / n);
-        Some(principal([
-            xx - m.x * m.x,
-            xy - m.x * m.y,
-            xz - m.x * m.z,
-            yy - m.y * m.y,
-            yz - m.y * m.z,
-            zz - m.z * m.z,
-        ]))
+        // Odd reaches of sparse windows begin one further in, so that the centre is among the pixels read.
+        let first = self.reach % self.step;
+        let (mut count, mut sum, mut products) = ([0.0; LANES], [[0.0; LANES]; 3], [[0.0; LANES]; 6]);
+        for dy in (first..=2 * self.reach).step_by(self.step) {
+            for dx in (first..=2 * self.reach).step_by(self.step) {
+                let at = [0, 1, 2, 3].map(|k| lanes(k, y + dy, x + dx));
+                for l in 0..LANES {
+                    let o = [0, 1, 2].map(|k| at[k][l] - centre[k][l]);
+                    let near = o[0] * o[0] + o[1] * o[1] + o[2] * o[2] <= within[l];
+                    let weight = if near { at[3][l] } else { 0.0 };
+                    let weighted = o.map(|v| v * weight);
+                    count[l] += weight;
+                    for k in 0..3 {
+                        sum[k][l] += weighted[k];
+                    }
+                    for (product, (i, j)) in products.iter_mut().zip(TRIANGLE) {
+                        product[l] += weighted[i] * o[j];
+                    }
+                }
+            }
+        }
+        for l in 0..LANES {
+            let inverse = 1.0 / count[l].max(1.0);
+            for k in 0..3 {
+                sum[k][l] *= inverse;
+            }
+            for (product, (i, j)) in products.iter_mut().zip(TRIANGLE) {
+                product[l] = product[l] * inverse - sum[i][l] * sum[j][l];
+            }
+        }
+        let (values, normal) = principal(products);
+        Fits { count, values, normal }
     }
 }
+
+/// Rows and columns of a symmetric matrix's upper triangle.
+const TRIANGLE: [(usize, usize); 6] = [(0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2)];
