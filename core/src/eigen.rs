@@ -10,39 +10,23 @@ pub type Lanes = [f32; LANES];
 /// Eigenvalues, largest first, and the unit eigenvector of the smallest of [`LANES`] matrices, by cyclic Jacobi
 /// rotations. The matrices are given by their upper triangles xx, xy, xz, yy, yz, zz.
 #[inline(always)]
-pub fn principal([xx, xy, xz, yy, yz, zz]: [Lanes; 6]) -> ([Lanes; 3], [Lanes; 3]) {
+pub fn principal([mut xx, mut xy, mut xz, mut yy, mut yz, mut zz]: [Lanes; 6]) -> ([Lanes; 3], [Lanes; 3]) {
     let (zero, one) = ([0.0; LANES], [1.0; LANES]);
-    let mut a = [[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]];
-    let mut v = [[one, zero, zero], [zero, one, zero], [zero, zero, one]];
+    let [mut x, mut y, mut z] = [[one, zero, zero], [zero, one, zero], [zero, zero, one]];
     // Three sweeps reach single precision: convergence is quadratic.
     for _ in 0..3 {
-        for (p, q) in [(0, 1), (0, 2), (1, 2)] {
-            let r = 3 - p - q;
-            for l in 0..LANES {
-                let (apq, apr, aqr) = (a[p][q][l], a[p][r][l], a[q][r][l]);
-                let tangent = tangent(a[p][p][l], a[q][q][l], apq);
-                let c = inverse_sqrt(tangent * tangent + 1.0);
-                let s = tangent * c;
-                a[p][p][l] -= tangent * apq;
-                a[q][q][l] += tangent * apq;
-                (a[p][q][l], a[q][p][l]) = (0.0, 0.0);
-                (a[p][r][l], a[q][r][l]) = (c * apr - s * aqr, s * apr + c * aqr);
-                (a[r][p][l], a[r][q][l]) = (a[p][r][l], a[q][r][l]);
-                for row in &mut v {
-                    (row[p][l], row[q][l]) = (c * row[p][l] - s * row[q][l], s * row[p][l] + c * row[q][l]);
-                }
-            }
-        }
+        rotate([&mut xx, &mut yy, &mut xy, &mut xz, &mut yz], &mut x, &mut y);
+        rotate([&mut xx, &mut zz, &mut xz, &mut xy, &mut yz], &mut x, &mut z);
+        rotate([&mut yy, &mut zz, &mut yz, &mut xy, &mut xz], &mut y, &mut z);
     }
     let (mut values, mut least) = ([zero; 3], [zero; 3]);
     for l in 0..LANES {
-        let [x, y, z] = [a[0][0][l], a[1][1][l], a[2][2][l]];
-        let (high, low) = (x.max(y), x.min(y));
-        values[0][l] = high.max(z);
-        values[1][l] = low.max(high.min(z));
-        values[2][l] = low.min(z);
-        let column = |row: &[Lanes; 3]| if z <= low { row[2][l] } else { if y <= x { row[1][l] } else { row[0][l] } };
-        let n = [column(&v[0]), column(&v[1]), column(&v[2])];
+        let (high, low) = (xx[l].max(yy[l]), xx[l].min(yy[l]));
+        values[0][l] = high.max(zz[l]);
+        values[1][l] = low.max(high.min(zz[l]));
+        values[2][l] = low.min(zz[l]);
+        let (third, second) = (zz[l] <= low, yy[l] <= xx[l]);
+        let n = [0, 1, 2].map(|k| if third { z[k][l] } else { if second { y[k][l] } else { x[k][l] } });
         // The rotations leave a length of 1 but for rounding.
         let scale = inverse_sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]);
         for k in 0..3 {
@@ -50,6 +34,29 @@ pub fn principal([xx, xy, xz, yy, yz, zz]: [Lanes; 6]) -> ([Lanes; 3], [Lanes; 3
         }
     }
     (values, least)
+}
+
+/// Rotates axes p and q, whose eigenvectors so far are `vp` and `vq`, so that the entry pq vanishes; r is the third axis.
+#[inline(always)]
+fn rotate([app, aqq, apq, apr, aqr]: [&mut Lanes; 5], vp: &mut [Lanes; 3], vq: &mut [Lanes; 3]) {
+    let (mut cosine, mut sine) = ([0.0; LANES], [0.0; LANES]);
+    for l in 0..LANES {
+        let tangent = tangent(app[l], aqq[l], apq[l]);
+        app[l] -= tangent * apq[l];
+        aqq[l] += tangent * apq[l];
+        apq[l] = 0.0;
+        cosine[l] = inverse_sqrt(tangent * tangent + 1.0);
+        sine[l] = tangent * cosine[l];
+    }
+    let turn = |p: &mut Lanes, q: &mut Lanes| {
+        for l in 0..LANES {
+            (p[l], q[l]) = (cosine[l] * p[l] - sine[l] * q[l], sine[l] * p[l] + cosine[l] * q[l]);
+        }
+    };
+    turn(apr, aqr);
+    for k in 0..3 {
+        turn(&mut vp[k], &mut vq[k]);
+    }
 }
 
 /// Tangent of the angle by which a rotation makes `off` vanish beside `first` and `second` on the diagonal.

@@ -24,11 +24,11 @@ impl Simd {
         Self::Baseline
     }
 
-    /// Runs `work` with these instructions: as far as it is inlined, which its parts must ask for.
+    /// Does `work` with these instructions.
     #[inline(always)]
-    pub fn run<R>(self, work: impl FnOnce() -> R) -> R {
+    pub fn run<W: Work>(self, work: W) -> W::Output {
         match self {
-            Self::Baseline => work(),
+            Self::Baseline => work.run(),
             // SAFETY: the variant is made only where the processor has AVX2.
             #[cfg(target_arch = "x86_64")]
             Self::Avx2 => unsafe { x86::with_avx2(work) },
@@ -36,13 +36,23 @@ impl Simd {
     }
 }
 
+/// Work for [`Simd::run`]. It is compiled anew for each set of instructions as far as it is inlined: `run` and all that
+/// should be wide must be `#[inline(always)]`, which closures cannot be.
+pub trait Work {
+    /// What comes out.
+    type Output;
+    /// Does it.
+    fn run(self) -> Self::Output;
+}
+
 #[cfg(target_arch = "x86_64")]
 mod x86 {
+    use super::Work;
     use core::arch::x86_64::{__cpuid, __cpuid_count, __get_cpuid_max, _xgetbv};
 
     #[target_feature(enable = "avx2")]
-    pub(super) fn with_avx2<R>(work: impl FnOnce() -> R) -> R {
-        work()
+    pub(super) fn with_avx2<W: Work>(work: W) -> W::Output {
+        work.run()
     }
 
     /// AVX2 exists, and the operating system keeps its registers.

@@ -5,7 +5,7 @@ use crate::{
     eigen::{LANES, Lanes, principal},
     point_cloud::{Point, PointCloud, Rank},
     report::Counts,
-    simd::Simd,
+    simd::{Simd, Work},
 };
 use alloc::{vec, vec::Vec};
 use glam::Vec3;
@@ -43,7 +43,7 @@ pub fn clean(
     for y in 0..h {
         let mut x = 0;
         while let Some(first) = (x..w).find(|&x| map.depth[y * w + x] > 0.0) {
-            let lanes = simd.run(|| points.fit(first, y));
+            let lanes = simd.run(FitAt { points: &points, x: first, y });
             x = first + LANES;
             for l in (0..LANES.min(w - first)).filter(|&l| map.depth[y * w + first + l] > 0.0) {
                 fits.push(Fit {
@@ -116,6 +116,22 @@ struct Points {
     /// The camera's optical axis and its offset: depth is their sum with a point.
     axis: Vec3,
     offset: f32,
+}
+
+/// [`Points::fit`] at a place.
+struct FitAt<'a> {
+    points: &'a Points,
+    x: usize,
+    y: usize,
+}
+
+impl Work for FitAt<'_> {
+    type Output = Fits;
+
+    #[inline(always)]
+    fn run(self) -> Fits {
+        self.points.fit(self.x, self.y)
+    }
 }
 
 impl Points {

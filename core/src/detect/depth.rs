@@ -6,7 +6,10 @@ use super::{
     sweep::{TILE, TILE_PIXELS, Tile},
     vote::{Curves, VoteParams},
 };
-use crate::{error::Result, simd::Simd};
+use crate::{
+    error::Result,
+    simd::{Simd, Work},
+};
 use alloc::{vec, vec::Vec};
 use glam::Vec3;
 
@@ -60,7 +63,8 @@ pub fn depth_map(
         let mut x0 = 0;
         // A tile begins at the first column with a pixel to search: thin limbs take one, not two.
         while let Some(first) = (x0..w).find(|&x| (y0..(y0 + TILE).min(h)).any(|y| !range.of(y * w + x).is_empty())) {
-            simd.run(|| sweep_tile(target, neighbours, range, params, (first, y0), &mut scratch, &mut map));
+            let (scratch, map) = (&mut scratch, &mut map);
+            simd.run(TileSweep { target, neighbours, range, params, corner: (first, y0), scratch, map });
             x0 = first + TILE;
         }
     }
@@ -92,16 +96,29 @@ impl Sheets {
     }
 }
 
+/// Finds the depths of one tile's pixels.
+struct TileSweep<'a> {
+    target: &'a Level,
+    neighbours: &'a [&'a Level],
+    range: &'a SearchRange,
+    params: &'a SearchParams,
+    corner: (usize, usize),
+    scratch: &'a mut Scratch,
+    map: &'a mut DepthMap,
+}
+
+impl Work for TileSweep<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        sweep_tile(self);
+    }
+}
+
 #[inline(always)]
-fn sweep_tile(
-    target: &Level,
-    neighbours: &[&Level],
-    range: &SearchRange,
-    params: &SearchParams,
-    (x0, y0): (usize, usize),
-    scratch: &mut Scratch,
-    map: &mut DepthMap,
-) {
+fn sweep_tile(tile: TileSweep) {
+    let TileSweep { target, neighbours, range, params, corner: (x0, y0), scratch, map } = tile;
     let Scratch { tile, curves, flat } = scratch;
     let (w, h) = (target.camera.width as usize, target.camera.height as usize);
     let pixels = (y0..(y0 + TILE).min(h)).flat_map(move |y| (x0..(x0 + TILE).min(w)).map(move |x| (x, y)));

@@ -228,7 +228,8 @@ fn windows(column: &Row, radius: usize) -> [f32; TILE] {
 
 #[inline(always)]
 fn correlate(columns: &[Row; 3], radius: usize, moments: &Moments, out: &mut [f32; TILE]) {
-    let [sum, squares, products] = columns.each_ref().map(|column| windows(column, radius));
+    let [sum, squares, products] =
+        [windows(&columns[0], radius), windows(&columns[1], radius), windows(&columns[2], radius)];
     for x in 0..TILE {
         let (b, inverse) = (sum[x], moments.inverse_count[x]);
         let covariance = products[x] - moments.sum[x] * b * inverse;
