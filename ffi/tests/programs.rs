@@ -6,8 +6,8 @@ use common::{C99, CPP17, Link, Sample, build, has, libraries, output, root, run}
 use std::{ffi::OsString, fs, process::Command, sync::atomic::AtomicBool};
 
 #[test]
-fn api_keeps_its_promises() {
-    let source = fs::read_to_string(root().join("tests/c/api.c")).unwrap();
+fn misuse_fails_as_the_header_says() {
+    let source = fs::read_to_string(root().join("tests/c/misuse.c")).unwrap();
     let header = fs::read_to_string(root().join("include/pcmvs.h")).unwrap();
     let functions = header.lines().filter(|line| line.starts_with("pcmvs_status pcmvs_"));
     for function in functions.filter_map(|line| line.split([' ', '(']).nth(1)) {
@@ -15,8 +15,22 @@ fn api_keeps_its_promises() {
         assert!(null.iter().any(|call| source.contains(call)), "{function} is not called with NULL");
     }
     let sample = Sample::new();
-    let program = build(sample.path(), C99, "tests/c/api.c", Link::Shared);
+    let program = build(sample.path(), C99, "tests/c/misuse.c", Link::Shared);
     output(&program, [sample.plain()]);
+}
+
+#[test]
+fn results_are_the_same_in_every_way_to_make_them() {
+    let sample = Sample::new();
+    let program = build(sample.path(), C99, "tests/c/results.c", Link::Shared);
+    output(&program, [sample.plain()]);
+}
+
+#[test]
+fn silhouettes_come_from_masks_keys_and_plates() {
+    let folder = tempfile::tempdir().unwrap();
+    let program = build(folder.path(), C99, "tests/c/silhouettes.c", Link::Static);
+    println!("{}", output(&program, [""; 0]));
 }
 
 #[test]
