@@ -80,6 +80,28 @@ fn threads_of_the_host_give_the_same_bytes() {
 }
 
 #[test]
+fn readme_tells_a_program_that_runs() {
+    let sample = Sample::new();
+    let readme = fs::read_to_string(root().join("README.md")).unwrap();
+    let program = readme.split("```cpp\n").nth(1).and_then(|rest| rest.split("```").next()).unwrap();
+    assert_eq!(program.lines().count(), 20);
+    fs::write(sample.path().join("readme.inc"), program).unwrap();
+    let glb = |name: &str| sample.path().join(name);
+    let whole = build(sample.path(), C99, "examples/c/reconstruct.c", Link::Shared);
+    output(&whole, [sample.plain(), glb("whole.glb")]);
+    let readme = build(sample.path(), CPP17, "tests/cpp/readme.cpp", Link::Shared);
+    output(&readme, [sample.plain(), glb("readme.glb")]);
+    assert!(fs::read(glb("readme.glb")).unwrap() == fs::read(glb("whole.glb")).unwrap());
+}
+
+#[test]
+fn frames_of_one_rig_are_made_at_once() {
+    let sample = Sample::sized(4, 40, 32);
+    let program = build(sample.path(), CPP17, "tests/cpp/threads.cpp", Link::Shared);
+    output(&program, [sample.plain()]);
+}
+
+#[test]
 fn opencv_and_python_make_the_same_bytes() {
     let sample = Sample::new();
     let whole = build(sample.path(), C99, "examples/c/reconstruct.c", Link::Shared);
