@@ -50,8 +50,8 @@
  * Callbacks must not throw exceptions or jump out.
  *
  * Panics. A bug in the library is caught at its border and becomes PCMVS_STATUS_PANIC; only that handle is lost. Rust
- * has then written where it happened, one line, to stderr: to keep that back, the library would have to change state
- * that all Rust code it is linked with shares. Nothing else is ever printed.
+ * has then written to stderr, in a few lines, where it happened: to keep that back, the library would have to change
+ * state that all Rust code it is linked with shares. Nothing else is ever printed.
  *
  * Coordinates: the scene's frame and unit are those of the cameras' R and t. Colours are sRGB.
  */
