@@ -22,13 +22,21 @@
  * run again, or another frame begun.
  *
  * Status. Every call that can fail returns a pcmvs_status. On failure it has written nothing to the caller's memory.
- * What went wrong with which camera is told by pcmvs_frame_error and pcmvs_rig_error.
+ * Of every call on a handle, reading results included, pcmvs_frame_error and pcmvs_rig_error tell what went wrong in
+ * which frame, stage and camera, until another call on that handle fails; where several threads use a handle, it is
+ * the last failure of any of them. Calls without a valid handle (NULL, pcmvs_..._init) have their status only.
  *
  * Pointers. NULL is an error for every pointer that is not said to be optional. Inputs are read during the call only.
  *
  * Ownership. Handles are freed by their own function, which takes NULL too. Pointers that the library gives out stay
  * the library's; their comments say how long they are valid. Nothing else has to be freed. Rigs and frames may be
  * freed in any order.
+ *
+ * Memory. Results can be had in memory of the caller's choice: pcmvs_frame_copy_... and ..._to_buffer write to its
+ * buffers, ..._export_... calls back with a file's bytes. There is no allocator to be given for working memory: Rust
+ * has one for a whole program, not one for a handle. It comes from the C library's malloc, calloc, realloc,
+ * posix_memalign and free, so an allocator that replaces these in the process serves the shared library too. There is
+ * no limit either: if memory runs out, the process is aborted.
  *
  * Structs. Those that callers fill in begin with struct_size; call their init function first and set members then.
  * Arrays of them hold elements of one size. Later versions add members at the end only, so programs built with an
@@ -40,6 +48,10 @@
  * while another one excludes it fails with PCMVS_STATUS_BUSY. Free a handle only when no other thread uses it.
  *
  * Callbacks must not throw exceptions or jump out.
+ *
+ * Panics. A bug in the library is caught at its border and becomes PCMVS_STATUS_PANIC; only that handle is lost. Rust
+ * has then written to stderr, in a few lines, where it happened: to keep that back, the library would have to change
+ * state that all Rust code it is linked with shares. Nothing else is ever printed.
  *
  * Coordinates: the scene's frame and unit are those of the cameras' R and t. Colours are sRGB.
  */
@@ -354,7 +366,7 @@ typedef struct pcmvs_camera {
 typedef struct pcmvs_error {
   // What the call returned, a `pcmvs_status`; `PCMVS_STATUS_OK` if none has failed yet.
   uint32_t status;
-  // The stage in which it failed, a `pcmvs_stage`; -1 if none.
+  // The stage in which it failed, or whose result was asked for, a `pcmvs_stage`; -1 if none.
   int32_t stage;
   // Index of the camera that is to blame; -1 if none.
   int32_t camera;
@@ -558,9 +570,6 @@ typedef struct pcmvs_report {
   uint32_t faces;
 } pcmvs_report;
 
-// All of them, each at the place of its number.
-#define pcmvs_status_ALL { pcmvs_status_Ok, pcmvs_status_NullPointer, pcmvs_status_InvalidHandle, pcmvs_status_InvalidStruct, pcmvs_status_InvalidArgument, pcmvs_status_Busy, pcmvs_status_WrongOrder, pcmvs_status_Cancelled, pcmvs_status_Camera, pcmvs_status_Image, pcmvs_status_Silhouette, pcmvs_status_DuplicateCamera, pcmvs_status_TooFewViews, pcmvs_status_EmptyHull, pcmvs_status_NoSurface, pcmvs_status_OutOfMemory, pcmvs_status_BufferTooSmall, pcmvs_status_WriteFailed, pcmvs_status_Panic, pcmvs_status_Other, }
-
 #ifdef __cplusplus
 extern "C" {
 #endif // __cplusplus
@@ -598,8 +607,10 @@ pcmvs_status pcmvs_rig_camera_count(const struct pcmvs_rig *rig, uint32_t *count
 // World position (x, y, z) that is the origin of the positions in `pcmvs_mesh` and `pcmvs_point`.
 pcmvs_status pcmvs_rig_origin(const struct pcmvs_rig *rig, double *xyz);
 
-// Why the last failed call on this rig failed. `size` is `sizeof *error`.
-pcmvs_status pcmvs_rig_error(const struct pcmvs_rig *rig, struct pcmvs_error *error, size_t size);
+// Why the last failed call on this rig, or the last `pcmvs_frame_new` of it, failed. `size` is `sizeof *error`.
+pcmvs_status pcmvs_rig_error(const struct pcmvs_rig *rig,
+                             struct pcmvs_error *error,
+                             size_t size);
 
 // Sets a picture to RGB without padding, its size and data to nothing. `size` is `sizeof *image`.
 pcmvs_status pcmvs_image_init(struct pcmvs_image *image, size_t size);
@@ -613,7 +624,8 @@ pcmvs_status pcmvs_view_init(struct pcmvs_view *view, size_t size);
 // Sets options to their defaults. `size` is `sizeof *options`.
 pcmvs_status pcmvs_options_init(struct pcmvs_options *options, size_t size);
 
-// Makes a frame of a rig that has its cameras. Free it with `pcmvs_frame_free`.
+// Makes a frame of a rig that has its cameras. Free it with `pcmvs_frame_free`. Why it failed is told by
+// `pcmvs_rig_error`.
 pcmvs_status pcmvs_frame_new(const struct pcmvs_rig *rig, struct pcmvs_frame **frame);
 
 // Frees a frame and all that points into it. NULL does nothing. Fails with `PCMVS_STATUS_BUSY` while a call is running.
@@ -655,9 +667,11 @@ pcmvs_status pcmvs_frame_mesh(struct pcmvs_frame *frame);
 // Colours the mesh.
 pcmvs_status pcmvs_frame_colour(struct pcmvs_frame *frame);
 
-// Why the last failed call on this frame failed; calls that only read results keep no detail. `size` is
-// `sizeof *error`.
-pcmvs_status pcmvs_frame_error(const struct pcmvs_frame *frame, struct pcmvs_error *error, size_t size);
+// Why the last failed call on this frame failed, calls that only read results included; a failure of this function
+// itself changes nothing. `size` is `sizeof *error`.
+pcmvs_status pcmvs_frame_error(const struct pcmvs_frame *frame,
+                               struct pcmvs_error *error,
+                               size_t size);
 
 // Looks at a mesh (`kind` is a `pcmvs_mesh_kind`) where it lies. `size` is `sizeof *mesh`.
 pcmvs_status pcmvs_frame_get_mesh(const struct pcmvs_frame *frame,

@@ -96,7 +96,7 @@ private:
 namespace detail {
 
 #if defined(__cpp_exceptions)
-/// For calls that keep no detail on their handle.
+/// For calls that have no detail to tell.
 inline void check(pcmvs_status status) {
     if (status != PCMVS_STATUS_OK) {
         pcmvs_error error{};
@@ -277,7 +277,7 @@ public:
     const pcmvs_frame *get() const noexcept { return frame_.get(); }
 
 #if defined(__cpp_exceptions)
-    explicit Frame(const Rig &rig) { detail::check(try_make(rig, *this)); }
+    explicit Frame(const Rig &rig) { detail::check(try_make(rig, *this), rig.get(), pcmvs_rig_error); }
 
     void reconstruct(Span<pcmvs_view> views, const pcmvs_options *options = nullptr) {
         check(try_reconstruct(views, options));
@@ -294,13 +294,13 @@ public:
 
     Mesh get_mesh(pcmvs_mesh_kind kind = PCMVS_MESH_KIND_FINAL) const {
         Mesh mesh;
-        detail::check(try_get_mesh(mesh, kind));
+        check(try_get_mesh(mesh, kind));
         return mesh;
     }
 
     pcmvs_report get_report() const {
         pcmvs_report report;
-        detail::check(try_get_report(report));
+        check(try_get_report(report));
         return report;
     }
 
@@ -311,7 +311,7 @@ public:
         detail::Guarded<std::remove_reference_t<F>> guarded{write};
         const pcmvs_status status = pcmvs_frame_export_mesh(get(), kind, options, guarded.write, &guarded);
         guarded.rethrow();
-        detail::check(status);
+        check(status);
     }
 #endif
 

@@ -1,4 +1,4 @@
-//! Renders a small capture as the plain files that the examples in C read: plain_capture FOLDER
+//! Renders a small capture as the plain files that the examples in C read: plain_capture FOLDER [VIEWS WIDTH HEIGHT]
 
 use std::{env, io, path::Path};
 
@@ -6,6 +6,13 @@ use std::{env, io, path::Path};
 mod plain;
 
 fn main() -> io::Result<()> {
-    let folder = env::args_os().nth(1).ok_or_else(|| io::Error::other("usage: plain_capture FOLDER"))?;
-    plain::write(&plain::capture(10, 160, 120), Path::new(&folder))
+    let arguments: Vec<String> = env::args().skip(1).collect();
+    let numbers: Option<Vec<u32>> = arguments.iter().skip(1).map(|a| a.parse().ok()).collect();
+    let capture = match numbers.as_deref() {
+        Some([]) => plain::capture(10, 160, 120),
+        Some(&[views, width, height]) => plain::capture(views, width, height),
+        _ => return Err(io::Error::other("usage: plain_capture FOLDER [VIEWS WIDTH HEIGHT]")),
+    };
+    let folder = arguments.first().ok_or_else(|| io::Error::other("name a folder"))?;
+    plain::write(&capture, Path::new(folder))
 }

@@ -102,14 +102,18 @@ pub(crate) fn out<T>(pointer: *mut T, name: &str) -> Result<*mut T> {
     Ok(pointer)
 }
 
-/// A struct that callers hand in: begins with its size, grows at its end only.
+/// A struct that grows at its end only.
+pub(crate) trait Growing: Copy {
+    /// Size in the first version that had the struct. It stays when the struct grows.
+    const FIRST_SIZE: usize;
+}
+
+/// A struct that callers hand in: begins with its size.
 ///
 /// # Safety
 /// Any bytes are a valid value (numbers, raw pointers, nullable function pointers), the first member is
 /// `struct_size: u32`, and there is no padding.
-pub(crate) unsafe trait Versioned: Copy {
-    /// Size in the first version that had the struct.
-    const FIRST_SIZE: usize;
+pub(crate) unsafe trait Versioned: Growing {
     /// What members hold that an older caller does not know.
     fn defaults() -> Self;
 }
@@ -173,15 +177,10 @@ pub(crate) unsafe fn read_array<T: Versioned>(first: *const T, count: usize, nam
 ///
 /// # Safety
 /// `target` is NULL or has `size` writable bytes.
-pub(crate) unsafe fn write<T: Copy>(
-    target: *mut T,
-    size: usize,
-    first_size: usize,
-    value: &T,
-    name: &str,
-) -> Result<()> {
+pub(crate) unsafe fn write<T: Growing>(target: *mut T, size: usize, value: &T, name: &str) -> Result<()> {
+    const { assert!(T::FIRST_SIZE <= size_of::<T>()) };
     let target: *mut u8 = out(target, name)?.cast();
-    if !(first_size..=MOST_BYTES).contains(&size) {
+    if !(T::FIRST_SIZE..=MOST_BYTES).contains(&size) {
         return Err(Failure::new(InvalidStruct, format!("`{name}`: {size} bytes are no version of it")));
     }
     let known = size.min(size_of::<T>());
@@ -199,7 +198,7 @@ pub(crate) unsafe fn write<T: Copy>(
 /// As for [`write`].
 pub(crate) unsafe fn init<T: Versioned>(target: *mut T, size: usize, name: &str) -> pcmvs_status {
     // SAFETY: the caller's promise; the struct begins with its size.
-    status(unsafe { write(target, size, T::FIRST_SIZE, &T::defaults(), name) }.map(|()| unsafe {
+    status(unsafe { write(target, size, &T::defaults(), name) }.map(|()| unsafe {
         target.cast::<u32>().write_unaligned(size as u32);
     }))
 }
@@ -226,19 +225,23 @@ mod tests {
         b: u32,
     }
 
+    impl Growing for First {
+        const FIRST_SIZE: usize = 8;
+    }
+
     // SAFETY: numbers only, the size first, no padding.
     unsafe impl Versioned for First {
-        const FIRST_SIZE: usize = 8;
-
         fn defaults() -> Self {
             Self { struct_size: 8, a: 1 }
         }
     }
 
+    impl Growing for Second {
+        const FIRST_SIZE: usize = 8;
+    }
+
     // SAFETY: as above.
     unsafe impl Versioned for Second {
-        const FIRST_SIZE: usize = 8;
-
         fn defaults() -> Self {
             Self { struct_size: 12, a: 1, b: 2 }
         }

@@ -1,7 +1,7 @@
 //! Calibrated cameras.
 
 use crate::{
-    boundary::{Versioned, init},
+    boundary::{Growing, Versioned, init},
     status::pcmvs_status,
 };
 use pcmvs_core::Camera;
@@ -30,10 +30,12 @@ pub struct pcmvs_camera {
     pub t: [f64; 3],
 }
 
+impl Growing for pcmvs_camera {
+    const FIRST_SIZE: usize = 224;
+}
+
 // SAFETY: numbers only, the size first, no padding.
 unsafe impl Versioned for pcmvs_camera {
-    const FIRST_SIZE: usize = 224;
-
     fn defaults() -> Self {
         let identity = [1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0];
         Self {

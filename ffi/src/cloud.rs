@@ -1,12 +1,15 @@
 //! A frame's clouds and silhouettes.
 
 use crate::{
-    boundary::{Result, body, catch, status, write},
+    boundary::{Growing, Result, write},
     error::Failure,
-    frame::pcmvs_frame,
+    frame::{Work, pcmvs_frame, shared},
     mesh::Target,
     pipeline::Pipeline,
-    status::pcmvs_status::{self, InvalidArgument, WrongOrder},
+    status::{
+        pcmvs_stage,
+        pcmvs_status::{self, InvalidArgument, WrongOrder},
+    },
 };
 use pcmvs_core::{Point, Stage};
 use std::mem::size_of;
@@ -70,16 +73,26 @@ pub struct pcmvs_silhouette {
     pub distances: *const i16,
 }
 
+impl Growing for pcmvs_silhouette {
+    const FIRST_SIZE: usize = 8 + size_of::<usize>();
+}
+
 impl Pipeline {
-    /// A cloud by its number; `camera` chooses among the detected ones.
-    pub(crate) fn cloud_of_kind(&self, kind: u32, camera: u32) -> Result<&[Point]> {
-        Ok(match kind {
-            0 => &self.stages(Stage::Contours)?.frontier,
-            1 => &self.stages(Stage::Contours)?.implicit,
-            2 => &self.stages(Stage::Merge)?.detected[self.place(camera as usize)?],
-            3 => &self.stages(Stage::Merge)?.merged,
+    /// A cloud by its number, and the stage that makes it; `camera` chooses among the detected ones.
+    pub(crate) fn cloud_of_kind(&self, kind: u32, camera: u32) -> Result<(&[Point], pcmvs_stage)> {
+        let stage = match kind {
+            0 | 1 => Stage::Contours,
+            2 | 3 => Stage::Merge,
             _ => return Err(Failure::new(InvalidArgument, format!("cloud {kind} is not known"))),
-        })
+        };
+        self.require(stage)?;
+        let cloud = match kind {
+            0 => &self.stages.frontier,
+            1 => &self.stages.implicit,
+            2 => &self.stages.detected[self.place(camera as usize).map_err(|f| f.at(stage.into()))?],
+            _ => &self.stages.merged,
+        };
+        Ok((cloud, stage.into()))
     }
 }
 
@@ -95,11 +108,8 @@ pub unsafe extern "C" fn pcmvs_frame_copy_cloud(
     stride: usize,
     count: *mut usize,
 ) -> pcmvs_status {
-    status(catch(|| {
-        // SAFETY: the caller's promise.
-        let frame = unsafe { body(frame)? };
-        let work = frame.shared()?;
-        let cloud = work.pipeline.cloud_of_kind(kind, camera)?;
+    let copy = |work: &Work| {
+        let (cloud, stage) = work.pipeline.cloud_of_kind(kind, camera)?;
         let order = work.pipeline.rig.order();
         let point = |p: &Point| pcmvs_point {
             position: p.position.to_array(),
@@ -111,8 +121,10 @@ pub unsafe extern "C" fn pcmvs_frame_copy_cloud(
         };
         let target = Target { buffer: buffer.cast(), capacity, stride, count };
         // SAFETY: the caller's promise.
-        unsafe { target.fill(cloud.iter().map(point)) }
-    }))
+        unsafe { target.fill(cloud.iter().map(point)) }.map_err(|f| f.at(stage))
+    };
+    // SAFETY: the caller's promise.
+    unsafe { shared(frame, copy) }
 }
 
 /// Looks at a view's silhouette where it lies, after `pcmvs_frame_hull`. Fails with `PCMVS_STATUS_WRONG_ORDER` for a
@@ -124,16 +136,16 @@ pub unsafe extern "C" fn pcmvs_frame_get_silhouette(
     silhouette: *mut pcmvs_silhouette,
     size: usize,
 ) -> pcmvs_status {
-    status(catch(|| {
-        // SAFETY: the caller's promise.
-        let frame = unsafe { body(frame)? };
-        let work = frame.shared()?;
-        let view = &work.pipeline.carved_views()?[work.pipeline.place(camera as usize)?];
-        let found = view.silhouette.as_ref();
-        let found = found.ok_or_else(|| Failure::new(WrongOrder, format!("camera {camera} has no silhouette")))?;
+    let look = |work: &Work| {
+        let views = work.pipeline.carved_views()?;
+        let at = |failure: Failure| failure.of_camera(camera).at(pcmvs_stage::Views);
+        let found = views[work.pipeline.place(camera as usize)?].silhouette.as_ref();
+        let found = found.ok_or_else(|| at(Failure::new(WrongOrder, "this view was given no silhouette")))?;
         let (width, height, distances) = (found.width, found.height, found.distances().as_ptr());
         let found = pcmvs_silhouette { width, height, distances };
         // SAFETY: the caller's promise.
-        unsafe { write(silhouette, size, size_of::<pcmvs_silhouette>(), &found, "silhouette") }
-    }))
+        unsafe { write(silhouette, size, &found, "silhouette") }.map_err(at)
+    };
+    // SAFETY: the caller's promise.
+    unsafe { shared(frame, look) }
 }

@@ -1,6 +1,9 @@
 //! Why a call failed.
 
-use crate::status::{pcmvs_stage, pcmvs_status};
+use crate::{
+    boundary::Growing,
+    status::{pcmvs_stage, pcmvs_status},
+};
 use pcmvs_core::Error;
 use std::{
     ffi::c_char,
@@ -16,7 +19,7 @@ pub const PCMVS_MESSAGE_SIZE: usize = 480;
 pub struct pcmvs_error {
     /// What the call returned, a `pcmvs_status`; `PCMVS_STATUS_OK` if none has failed yet.
     pub status: u32,
-    /// The stage in which it failed, a `pcmvs_stage`; -1 if none.
+    /// The stage in which it failed, or whose result was asked for, a `pcmvs_stage`; -1 if none.
     pub stage: i32,
     /// Index of the camera that is to blame; -1 if none.
     pub camera: i32,
@@ -26,6 +29,10 @@ pub struct pcmvs_error {
     pub frame: i64,
     /// What is wrong and what to do, in English, UTF-8, ended by a zero.
     pub message: [c_char; PCMVS_MESSAGE_SIZE],
+}
+
+impl Growing for pcmvs_error {
+    const FIRST_SIZE: usize = 24 + PCMVS_MESSAGE_SIZE;
 }
 
 /// A failure on its way to the caller.

@@ -1,12 +1,15 @@
 //! A frame's results as files' bytes.
 
 use crate::{
-    boundary::{Result, Versioned, body, catch, init, read, status},
+    boundary::{Growing, Result, Versioned, init, read},
     error::Failure,
-    frame::pcmvs_frame,
+    frame::{Work, pcmvs_frame, shared},
     mesh::Target,
     pipeline::Pipeline,
-    status::pcmvs_status::{self, InvalidArgument, NullPointer, WriteFailed},
+    status::{
+        pcmvs_stage,
+        pcmvs_status::{self, InvalidArgument, NullPointer, WriteFailed},
+    },
 };
 use pcmvs_core::export::{glb, ply};
 use std::{
@@ -40,10 +43,12 @@ pub struct pcmvs_export_options {
     pub up: [f64; 3],
 }
 
+impl Growing for pcmvs_export_options {
+    const FIRST_SIZE: usize = 40;
+}
+
 // SAFETY: numbers only, the size first, no padding.
 unsafe impl Versioned for pcmvs_export_options {
-    const FIRST_SIZE: usize = 40;
-
     fn defaults() -> Self {
         let format = pcmvs_file_format::Glb as u32;
         Self { struct_size: size_of::<Self>() as u32, format, normals: 1, has_up: 0, up: [0.0; 3] }
@@ -62,37 +67,51 @@ pub unsafe extern "C" fn pcmvs_export_options_init(options: *mut pcmvs_export_op
 pub type pcmvs_write_fn = Option<unsafe extern "C" fn(user: *mut c_void, data: *const c_void, size: usize) -> c_int>;
 
 impl Pipeline {
+    /// A mesh as a file's bytes, and the stage that makes it.
+    ///
     /// # Safety
     /// `options` is NULL or true.
-    unsafe fn mesh_file(&self, kind: u32, options: *const pcmvs_export_options) -> Result<Vec<u8>> {
-        // SAFETY: the caller's promise.
-        let options =
-            if options.is_null() { pcmvs_export_options::defaults() } else { unsafe { read(options, "options")? } };
-        let (mesh, origin) = (self.mesh_of_kind(kind)?, self.rig.origin());
+    unsafe fn mesh_file(&self, kind: u32, options: *const pcmvs_export_options) -> Result<(Vec<u8>, pcmvs_stage)> {
+        let (mesh, stage) = self.mesh_of_kind(kind)?;
+        let options = if options.is_null() {
+            pcmvs_export_options::defaults()
+        } else {
+            // SAFETY: the caller's promise.
+            unsafe { read(options, "options") }.map_err(|f| f.at(stage))?
+        };
+        let refused = |problem: String| Err(Failure::new(InvalidArgument, problem).at(stage));
         if options.normals > 1 || options.has_up > 1 {
-            return Err(Failure::new(InvalidArgument, "normals and has_up are 0 or 1"));
+            return refused("normals and has_up are 0 or 1".to_owned());
         }
         if options.has_up == 1 && options.up.iter().any(|v| !v.is_finite()) {
-            return Err(Failure::new(InvalidArgument, "up is not finite"));
+            return refused("up is not finite".to_owned());
         }
-        match options.format {
+        let file = match options.format {
             0 => {
                 let up = (options.has_up == 1).then_some(options.up);
-                Ok(glb::write(mesh, origin, &glb::Options { normals: options.normals == 1, up }))
+                glb::write(mesh, self.rig.origin(), &glb::Options { normals: options.normals == 1, up })
             }
-            1 => Ok(ply::write_mesh(mesh, origin)),
-            other => Err(Failure::new(InvalidArgument, format!("file format {other} is not known"))),
-        }
+            1 => ply::write_mesh(mesh, self.rig.origin()),
+            other => return refused(format!("file format {other} is not known")),
+        };
+        Ok((file, stage))
     }
 }
 
+/// Makes a file and hands it over.
+///
 /// # Safety
 /// The callback is sound.
-unsafe fn hand_over(bytes: &[u8], write: pcmvs_write_fn, user: *mut c_void) -> Result<()> {
+unsafe fn hand_over(
+    write: pcmvs_write_fn,
+    user: *mut c_void,
+    file: impl FnOnce() -> Result<(Vec<u8>, pcmvs_stage)>,
+) -> Result<()> {
     let write = write.ok_or_else(|| Failure::new(NullPointer, "`write` is NULL"))?;
+    let (bytes, stage) = file()?;
     // SAFETY: the caller's promise.
     if unsafe { write(user, bytes.as_ptr().cast(), bytes.len()) } != 0 {
-        return Err(Failure::new(WriteFailed, "the write callback refused"));
+        return Err(Failure::new(WriteFailed, "the write callback refused").at(stage));
     }
     Ok(())
 }
@@ -107,13 +126,7 @@ pub unsafe extern "C" fn pcmvs_frame_export_mesh(
     user: *mut c_void,
 ) -> pcmvs_status {
     // SAFETY: the caller's promise.
-    status(catch(|| unsafe {
-        let work = body(frame)?.shared()?;
-        if write.is_none() {
-            return Err(Failure::new(NullPointer, "`write` is NULL"));
-        }
-        hand_over(&work.pipeline.mesh_file(kind, options)?, write, user)
-    }))
+    unsafe { shared(frame, |work| hand_over(write, user, || work.pipeline.mesh_file(kind, options))) }
 }
 
 /// Writes a mesh as a file's bytes to a buffer of `capacity` bytes; `size`, if not NULL, gets their number. With a NULL
@@ -128,12 +141,16 @@ pub unsafe extern "C" fn pcmvs_frame_export_mesh_to_buffer(
     capacity: usize,
     size: *mut usize,
 ) -> pcmvs_status {
-    // SAFETY: the caller's promise.
-    status(catch(|| unsafe {
-        let work = body(frame)?.shared()?;
+    let copy = |work: &Work| {
         let target = Target { buffer: buffer.cast(), capacity, stride: 0, count: size };
-        target.fill(work.pipeline.mesh_file(kind, options)?.iter().copied())
-    }))
+        // SAFETY: the caller's promise.
+        unsafe {
+            let (file, stage) = work.pipeline.mesh_file(kind, options)?;
+            target.fill(file.iter().copied()).map_err(|f| f.at(stage))
+        }
+    };
+    // SAFETY: the caller's promise.
+    unsafe { shared(frame, copy) }
 }
 
 /// Hands a cloud (as for `pcmvs_frame_copy_cloud`) as a PLY file's bytes to a callback.
@@ -145,13 +162,10 @@ pub unsafe extern "C" fn pcmvs_frame_export_cloud(
     write: pcmvs_write_fn,
     user: *mut c_void,
 ) -> pcmvs_status {
+    let file = |work: &Work| {
+        let (cloud, stage) = work.pipeline.cloud_of_kind(kind, camera)?;
+        Ok((ply::write_cloud(&cloud.to_vec(), work.pipeline.rig.origin()), stage))
+    };
     // SAFETY: the caller's promise.
-    status(catch(|| unsafe {
-        let work = body(frame)?.shared()?;
-        if write.is_none() {
-            return Err(Failure::new(NullPointer, "`write` is NULL"));
-        }
-        let cloud = work.pipeline.cloud_of_kind(kind, camera)?.to_vec();
-        hand_over(&ply::write_cloud(&cloud, work.pipeline.rig.origin()), write, user)
-    }))
+    unsafe { shared(frame, |work| hand_over(write, user, || file(work))) }
 }

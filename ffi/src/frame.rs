@@ -6,7 +6,7 @@ use crate::{
     options::pcmvs_options,
     pipeline::Pipeline,
     progress::HostProgress,
-    rig::pcmvs_rig,
+    rig::{RigBody, pcmvs_rig, with_rig},
     status::{
         pcmvs_stage,
         pcmvs_status::{self, Busy, InvalidArgument},
@@ -15,7 +15,7 @@ use crate::{
 };
 use pcmvs_core::Rig;
 use std::sync::{
-    Arc, RwLock, RwLockReadGuard,
+    Arc, RwLock, TryLockError,
     atomic::{AtomicU32, Ordering},
 };
 
@@ -51,10 +51,10 @@ impl Opaque for pcmvs_frame {
 const BUSY: &str = "the frame is in use by another call: wait until that has returned";
 
 impl FrameBody {
-    /// What is there, for reading, together with other readers and stages of single views.
-    pub fn shared(&self) -> Result<RwLockReadGuard<'_, Work>> {
+    fn shared(&self, work: impl FnOnce(&Work) -> Result<()>) -> Result<()> {
         self.failure.check()?;
-        self.work.try_read().map_err(|_| Failure::new(Busy, BUSY))
+        let guard = self.work.try_read().map_err(|_| Failure::new(Busy, BUSY))?;
+        catch(|| work(&guard))
     }
 
     fn alone<T>(&self, work: impl FnOnce(&mut Work) -> Result<T>) -> Result<T> {
@@ -83,16 +83,14 @@ unsafe fn alone(frame: *mut pcmvs_frame, work: impl FnOnce(&mut Work, &HostProgr
     }
 }
 
-/// Runs a stage of one view, together with those of other views.
+/// Reads results or runs a stage of one view, together with readers and stages of other views.
 ///
 /// # Safety
 /// As for [`body`].
-unsafe fn shared(frame: *mut pcmvs_frame, work: impl FnOnce(&Pipeline, &HostProgress) -> Result<()>) -> pcmvs_status {
+pub(crate) unsafe fn shared(frame: *const pcmvs_frame, work: impl FnOnce(&Work) -> Result<()>) -> pcmvs_status {
     // SAFETY: the caller's promise.
-    match unsafe { body(frame.cast_const()) } {
-        Ok(frame) => {
-            frame.keep(frame.shared().and_then(|w| catch(|| work(&w.pipeline, &HostProgress::new(&w.options)))))
-        }
+    match unsafe { body(frame) } {
+        Ok(frame) => frame.keep(frame.shared(work)),
         Err(failure) => failure.status,
     }
 }
@@ -112,12 +110,11 @@ unsafe fn begin(frame: &FrameBody, work: &mut Work, options: *const pcmvs_option
     Ok(())
 }
 
-/// Makes a frame of a rig that has its cameras. Free it with `pcmvs_frame_free`.
+/// Makes a frame of a rig that has its cameras. Free it with `pcmvs_frame_free`. Why it failed is told by
+/// `pcmvs_rig_error`.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn pcmvs_frame_new(rig: *const pcmvs_rig, frame: *mut *mut pcmvs_frame) -> pcmvs_status {
-    status(catch(|| {
-        // SAFETY: the caller's promise.
-        let rig = unsafe { body(rig)? };
+    let make = |rig: &RigBody| {
         let frame = out(frame, "frame")?;
         let rig = rig.get()?;
         let options = pcmvs_options::defaults();
@@ -127,14 +124,20 @@ pub unsafe extern "C" fn pcmvs_frame_new(rig: *const pcmvs_rig, frame: *mut *mut
         // SAFETY: the caller's promise.
         unsafe { frame.write(into_handle(made)) };
         Ok(())
-    }))
+    };
+    // SAFETY: the caller's promise.
+    unsafe { with_rig(rig, make) }
 }
 
 /// Frees a frame and all that points into it. NULL does nothing. Fails with `PCMVS_STATUS_BUSY` while a call is running.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn pcmvs_frame_free(frame: *mut pcmvs_frame) -> pcmvs_status {
     let idle = |frame: &FrameBody| match frame.work.try_write() {
-        Err(std::sync::TryLockError::WouldBlock) => Err(Failure::new(Busy, BUSY)),
+        Err(TryLockError::WouldBlock) => {
+            let failure = Failure::new(Busy, BUSY);
+            frame.keep(Err(failure.clone()));
+            Err(failure)
+        }
         _ => Ok(()),
     };
     // SAFETY: the caller's promise.
@@ -200,10 +203,10 @@ pub unsafe extern "C" fn pcmvs_frame_view(
 ) -> pcmvs_status {
     // SAFETY: the caller's promise.
     unsafe {
-        shared(frame, |pipeline, progress| {
+        shared(frame, |work| {
             let at = |failure: Failure| failure.of_camera(camera).at(pcmvs_stage::Views);
             let given = read(view, "view").and_then(|view| GivenView::new(&view)).map_err(at)?;
-            pipeline.view(camera as usize, &given.input(), progress)
+            work.pipeline.view(camera as usize, &given.input(), &HostProgress::new(&work.options))
         })
     }
 }
@@ -234,7 +237,7 @@ pub unsafe extern "C" fn pcmvs_frame_coarse(frame: *mut pcmvs_frame) -> pcmvs_st
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn pcmvs_frame_detect(frame: *mut pcmvs_frame, camera: u32) -> pcmvs_status {
     // SAFETY: the caller's promise.
-    unsafe { shared(frame, |pipeline, progress| pipeline.detect(camera as usize, progress)) }
+    unsafe { shared(frame, |work| work.pipeline.detect(camera as usize, &HostProgress::new(&work.options))) }
 }
 
 /// Merges all points to one cloud, once every view has been detected.
@@ -258,8 +261,8 @@ pub unsafe extern "C" fn pcmvs_frame_colour(frame: *mut pcmvs_frame) -> pcmvs_st
     unsafe { alone(frame, |work, progress| work.pipeline.colour(progress)) }
 }
 
-/// Why the last failed call on this frame failed; calls that only read results keep no detail. `size` is
-/// `sizeof *error`.
+/// Why the last failed call on this frame failed, calls that only read results included; a failure of this function
+/// itself changes nothing. `size` is `sizeof *error`.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn pcmvs_frame_error(
     frame: *const pcmvs_frame,
@@ -267,5 +270,5 @@ pub unsafe extern "C" fn pcmvs_frame_error(
     size: usize,
 ) -> pcmvs_status {
     // SAFETY: the caller's promise.
-    status(catch(|| unsafe { write(error, size, 8, &body(frame)?.failure.get(), "error") }))
+    status(catch(|| unsafe { write(error, size, &body(frame)?.failure.get(), "error") }))
 }

@@ -1,7 +1,7 @@
 //! Pictures by pointer.
 
 use crate::{
-    boundary::{Result, Versioned, init},
+    boundary::{Growing, Result, Versioned, init},
     error::Failure,
     status::pcmvs_status::{self, Image, InvalidArgument, NullPointer},
 };
@@ -50,10 +50,12 @@ pub struct pcmvs_image {
     pub chroma_stride: isize,
 }
 
+impl Growing for pcmvs_image {
+    const FIRST_SIZE: usize = 16 + 4 * size_of::<usize>();
+}
+
 // SAFETY: numbers and raw pointers, the size first, no padding.
 unsafe impl Versioned for pcmvs_image {
-    const FIRST_SIZE: usize = 16 + 4 * size_of::<usize>();
-
     fn defaults() -> Self {
         Self {
             struct_size: size_of::<Self>() as u32,

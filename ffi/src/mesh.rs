@@ -1,11 +1,14 @@
 //! A frame's meshes.
 
 use crate::{
-    boundary::{Result, body, catch, out, status, write},
+    boundary::{Growing, Result, out, write},
     error::Failure,
-    frame::pcmvs_frame,
+    frame::{Work, pcmvs_frame, shared},
     pipeline::Pipeline,
-    status::pcmvs_status::{self, BufferTooSmall, InvalidArgument, WrongOrder},
+    status::{
+        pcmvs_stage,
+        pcmvs_status::{self, BufferTooSmall, InvalidArgument, WrongOrder},
+    },
 };
 use pcmvs_core::{Mesh, Stage};
 use std::{
@@ -60,15 +63,20 @@ pub struct pcmvs_mesh {
     pub origin: [f64; 3],
 }
 
+impl Growing for pcmvs_mesh {
+    const FIRST_SIZE: usize = 8 + 4 * size_of::<usize>() + 24;
+}
+
 impl Pipeline {
-    /// A mesh by its number.
-    pub(crate) fn mesh_of_kind(&self, kind: u32) -> Result<&Mesh> {
-        match kind {
-            0 => self.final_mesh(),
-            1 => self.stages(Stage::Hull).map(|s| &s.hull),
-            2 => self.stages(Stage::Coarse).map(|s| &s.coarse),
-            _ => Err(Failure::new(InvalidArgument, format!("mesh {kind} is not known"))),
-        }
+    /// A mesh by its number, and the stage that makes it.
+    pub(crate) fn mesh_of_kind(&self, kind: u32) -> Result<(&Mesh, pcmvs_stage)> {
+        let (stage, mesh) = match kind {
+            0 => (Stage::Mesh, &self.mesh),
+            1 => (Stage::Hull, &self.stages.hull),
+            2 => (Stage::Coarse, &self.stages.coarse),
+            _ => return Err(Failure::new(InvalidArgument, format!("mesh {kind} is not known"))),
+        };
+        self.require(stage).map(|()| (mesh, stage.into()))
     }
 }
 
@@ -80,11 +88,8 @@ pub unsafe extern "C" fn pcmvs_frame_get_mesh(
     mesh: *mut pcmvs_mesh,
     size: usize,
 ) -> pcmvs_status {
-    status(catch(|| {
-        // SAFETY: the caller's promise.
-        let frame = unsafe { body(frame)? };
-        let work = frame.shared()?;
-        let found = work.pipeline.mesh_of_kind(kind)?;
+    let look = |work: &Work| {
+        let (found, stage) = work.pipeline.mesh_of_kind(kind)?;
         let view = pcmvs_mesh {
             vertex_count: found.positions.len() as u32,
             triangle_count: found.triangles.len() as u32,
@@ -95,8 +100,10 @@ pub unsafe extern "C" fn pcmvs_frame_get_mesh(
             origin: work.pipeline.rig.origin().to_array(),
         };
         // SAFETY: the caller's promise.
-        unsafe { write(mesh, size, size_of::<pcmvs_mesh>(), &view, "mesh") }
-    }))
+        unsafe { write(mesh, size, &view, "mesh") }.map_err(|f| f.at(stage))
+    };
+    // SAFETY: the caller's promise.
+    unsafe { shared(frame, look) }
 }
 
 /// Copies one attribute of a mesh, a `pcmvs_attribute`, to the caller's memory. `buffer` has room for `capacity`
@@ -112,14 +119,11 @@ pub unsafe extern "C" fn pcmvs_frame_copy_mesh(
     stride: usize,
     count: *mut usize,
 ) -> pcmvs_status {
-    status(catch(|| {
-        // SAFETY: the caller's promise.
-        let frame = unsafe { body(frame)? };
-        let work = frame.shared()?;
-        let mesh = work.pipeline.mesh_of_kind(kind)?;
+    let copy = |work: &Work| {
+        let (mesh, stage) = work.pipeline.mesh_of_kind(kind)?;
         let target = Target { buffer: buffer.cast(), capacity, stride, count };
         // SAFETY: the caller's promise.
-        unsafe {
+        let copied = unsafe {
             match attribute {
                 0 => {
                     let origin = work.pipeline.rig.origin();
@@ -129,14 +133,17 @@ pub unsafe extern "C" fn pcmvs_frame_copy_mesh(
                 }
                 1 => target.fill(mesh.normals.iter().map(|n| n.to_array())),
                 2 if mesh.colours.len() != mesh.positions.len() => {
-                    Err(Failure::new(WrongOrder, "this mesh has no colours"))
+                    return Err(Failure::new(WrongOrder, "this mesh has no colours").at(pcmvs_stage::Colour));
                 }
                 2 => target.fill(mesh.colours.iter().copied()),
                 3 => target.fill(mesh.triangles.iter().copied()),
                 _ => Err(Failure::new(InvalidArgument, format!("attribute {attribute} is not known"))),
             }
-        }
-    }))
+        };
+        copied.map_err(|f| f.at(stage))
+    };
+    // SAFETY: the caller's promise.
+    unsafe { shared(frame, copy) }
 }
 
 /// The caller's memory for elements.
@@ -162,7 +169,10 @@ impl Target {
         }
         if !self.buffer.is_null() {
             if self.capacity < length {
-                let problem = format!("{} elements are too few for {length}", self.capacity);
+                let problem = format!(
+                    "there is room for {} elements, but there are {length}: ask for their number with a NULL buffer",
+                    self.capacity
+                );
                 return Err(Failure::new(BufferTooSmall, problem));
             }
             for (i, element) in elements.enumerate() {

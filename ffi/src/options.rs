@@ -1,7 +1,7 @@
 //! How a frame is made.
 
 use crate::{
-    boundary::{Result, Versioned, init},
+    boundary::{Growing, Result, Versioned, init},
     error::Failure,
     executor::{HostThreads, pcmvs_parallel_fn},
     progress::pcmvs_progress_fn,
@@ -46,10 +46,12 @@ pub struct pcmvs_options {
     pub parallel_user: *mut c_void,
 }
 
+impl Growing for pcmvs_options {
+    const FIRST_SIZE: usize = 16 + 4 * size_of::<usize>();
+}
+
 // SAFETY: numbers, raw pointers and nullable function pointers, the size first, no padding.
 unsafe impl Versioned for pcmvs_options {
-    const FIRST_SIZE: usize = 16 + 4 * size_of::<usize>();
-
     fn defaults() -> Self {
         Self {
             struct_size: size_of::<Self>() as u32,

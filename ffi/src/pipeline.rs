@@ -43,8 +43,8 @@ pub(crate) struct Pipeline {
     carved: Option<Carved>,
     levels: Vec<Level>,
     detected: Vec<Mutex<Option<(PointCloud, Counts)>>>,
-    stages: Stages,
-    mesh: Mesh,
+    pub stages: Stages,
+    pub mesh: Mesh,
     counts: Counts,
     hashes: [u64; Stage::ALL.len()],
     seconds: Mutex<[f64; Stage::ALL.len()]>,
@@ -83,12 +83,13 @@ impl Pipeline {
         })
     }
 
-    /// Fails unless `stage` is complete.
+    /// Fails unless `stage` is complete, by the name of that stage as long as the caller has no better one.
     pub fn require(&self, stage: Stage) -> Result<()> {
         if self.reached >= Some(stage) {
             return Ok(());
         }
-        Err(Failure::new(WrongOrder, format!("this needs the stage `{}`, which has not run yet", stage.name())))
+        let problem = format!("this needs the stage `{}`, which has not run yet", stage.name());
+        Err(Failure::new(WrongOrder, problem).at(stage.into()))
     }
 
     /// Reads a camera's picture and silhouette.
@@ -270,16 +271,6 @@ impl Pipeline {
         self.merge(progress)?;
         self.mesh(progress)?;
         self.colour(progress)
-    }
-
-    /// The final mesh, without colours as long as these are to come.
-    pub fn final_mesh(&self) -> Result<&Mesh> {
-        self.require(Stage::Mesh).map(|()| &self.mesh)
-    }
-
-    /// What the stages have passed on, if `stage` is complete.
-    pub fn stages(&self, stage: Stage) -> Result<&Stages> {
-        self.require(stage).map(|()| &self.stages)
     }
 
     /// The views, once the hull is there.

@@ -1,9 +1,9 @@
 //! What a frame took and counted.
 
 use crate::{
-    boundary::{body, catch, status, write},
-    frame::pcmvs_frame,
-    status::{PCMVS_STAGE_COUNT, pcmvs_status},
+    boundary::{Growing, write},
+    frame::{Work, pcmvs_frame, shared},
+    status::{PCMVS_STAGE_COUNT, pcmvs_stage, pcmvs_status},
 };
 
 /// What a frame took and counted.
@@ -48,6 +48,10 @@ pub struct pcmvs_report {
     pub faces: u32,
 }
 
+impl Growing for pcmvs_report {
+    const FIRST_SIZE: usize = 192;
+}
+
 /// Tells what the frame took and counted, when all its stages have run. `size` is `sizeof *report`.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn pcmvs_frame_get_report(
@@ -55,10 +59,7 @@ pub unsafe extern "C" fn pcmvs_frame_get_report(
     report: *mut pcmvs_report,
     size: usize,
 ) -> pcmvs_status {
-    status(catch(|| {
-        // SAFETY: the caller's promise.
-        let frame = unsafe { body(frame)? };
-        let work = frame.shared()?;
+    let tell = |work: &Work| {
         let (counts, hashes, seconds) = work.pipeline.report()?;
         let found = pcmvs_report {
             seconds,
@@ -81,6 +82,8 @@ pub unsafe extern "C" fn pcmvs_frame_get_report(
             faces: counts.faces,
         };
         // SAFETY: the caller's promise.
-        unsafe { write(report, size, size_of::<pcmvs_report>(), &found, "report") }
-    }))
+        unsafe { write(report, size, &found, "report") }.map_err(|f| f.at(pcmvs_stage::Colour))
+    };
+    // SAFETY: the caller's promise.
+    unsafe { shared(frame, tell) }
 }

@@ -29,10 +29,21 @@ impl Opaque for pcmvs_rig {
     const TAG: u64 = u64::from_be_bytes(*b"pcmvsrig");
 }
 
+/// Runs what needs a rig; why it failed is kept.
+///
+/// # Safety
+/// As for [`body`].
+pub(crate) unsafe fn with_rig(rig: *const pcmvs_rig, work: impl FnOnce(&RigBody) -> Result<()>) -> pcmvs_status {
+    // SAFETY: the caller's promise.
+    match unsafe { body(rig) } {
+        Ok(rig) => rig.failure.keep(rig.failure.check().and_then(|()| catch(|| work(rig))), None),
+        Err(failure) => failure.status,
+    }
+}
+
 impl RigBody {
     /// The rig, if cameras have been set.
     pub fn get(&self) -> Result<Arc<Rig>> {
-        self.failure.check()?;
         let rig = self.rig.read().unwrap_or_else(PoisonError::into_inner);
         rig.clone().ok_or_else(|| Failure::new(WrongOrder, "the rig has no cameras yet: call pcmvs_rig_set_cameras"))
     }
@@ -64,58 +75,53 @@ pub unsafe extern "C" fn pcmvs_rig_set_cameras(
     cameras: *const pcmvs_camera,
     count: usize,
 ) -> pcmvs_status {
-    // SAFETY: the caller's promise.
-    let rig: &RigBody = match unsafe { body(rig.cast_const()) } {
-        Ok(rig) => rig,
-        Err(failure) => return failure.status,
+    let prepare = |rig: &RigBody| {
+        if count > PCMVS_MOST_CAMERAS as usize {
+            let problem = format!("{count} cameras are more than the most, {PCMVS_MOST_CAMERAS}");
+            return Err(Failure::new(InvalidArgument, problem));
+        }
+        // SAFETY: the caller's promise.
+        let cameras = unsafe { read_array(cameras, count, "cameras")? };
+        let cameras: Vec<Camera> = cameras.into_iter().map(pcmvs_camera::to_core).collect();
+        let made = Rig::new(&cameras)?;
+        *rig.rig.try_write().map_err(|_| Failure::new(Busy, "the rig is in use"))? = Some(Arc::new(made));
+        Ok(())
     };
-    let result = rig.failure.check().and_then(|()| {
-        catch(|| {
-            if count > PCMVS_MOST_CAMERAS as usize {
-                let problem = format!("{count} cameras are more than the most, {PCMVS_MOST_CAMERAS}");
-                return Err(Failure::new(InvalidArgument, problem));
-            }
-            // SAFETY: the caller's promise.
-            let cameras = unsafe { read_array(cameras, count, "cameras")? };
-            let cameras: Vec<Camera> = cameras.into_iter().map(pcmvs_camera::to_core).collect();
-            let made = Rig::new(&cameras)?;
-            *rig.rig.try_write().map_err(|_| Failure::new(Busy, "the rig is in use"))? = Some(Arc::new(made));
-            Ok(())
-        })
-    });
-    rig.failure.keep(result, None)
+    // SAFETY: the caller's promise.
+    unsafe { with_rig(rig, prepare) }
 }
 
 /// Number of cameras; 0 before they are set.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn pcmvs_rig_camera_count(rig: *const pcmvs_rig, count: *mut u32) -> pcmvs_status {
-    status(catch(|| {
-        // SAFETY: the caller's promise.
-        let rig = unsafe { body(rig)? };
+    let tell = |rig: &RigBody| {
         let count = out(count, "count")?;
         let cameras = rig.rig.read().unwrap_or_else(PoisonError::into_inner).as_ref().map_or(0, |r| r.cameras().len());
         // SAFETY: the caller's promise.
         unsafe { count.write(cameras as u32) };
         Ok(())
-    }))
+    };
+    // SAFETY: the caller's promise.
+    unsafe { with_rig(rig, tell) }
 }
 
 /// World position (x, y, z) that is the origin of the positions in `pcmvs_mesh` and `pcmvs_point`.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn pcmvs_rig_origin(rig: *const pcmvs_rig, xyz: *mut f64) -> pcmvs_status {
-    status(catch(|| {
-        // SAFETY: the caller's promise.
-        let rig = unsafe { body(rig)? }.get()?;
+    let tell = |rig: &RigBody| {
+        let rig = rig.get()?;
         let xyz: *mut [f64; 3] = out(xyz, "xyz")?.cast();
         // SAFETY: the caller's promise.
         unsafe { xyz.write(rig.origin().to_array()) };
         Ok(())
-    }))
+    };
+    // SAFETY: the caller's promise.
+    unsafe { with_rig(rig, tell) }
 }
 
-/// Why the last failed call on this rig failed. `size` is `sizeof *error`.
+/// Why the last failed call on this rig, or the last `pcmvs_frame_new` of it, failed. `size` is `sizeof *error`.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn pcmvs_rig_error(rig: *const pcmvs_rig, error: *mut pcmvs_error, size: usize) -> pcmvs_status {
     // SAFETY: the caller's promise.
-    status(catch(|| unsafe { write(error, size, 8, &body(rig)?.failure.get(), "error") }))
+    status(catch(|| unsafe { write(error, size, &body(rig)?.failure.get(), "error") }))
 }

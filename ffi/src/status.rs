@@ -54,7 +54,7 @@ pub enum pcmvs_status {
 
 impl pcmvs_status {
     /// All of them, each at the place of its number.
-    pub const ALL: [Self; 20] = [
+    const ALL: [Self; 20] = [
         Self::Ok,
         Self::NullPointer,
         Self::InvalidHandle,

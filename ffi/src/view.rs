@@ -1,7 +1,7 @@
 //! What a camera gives for a frame: picture and silhouette.
 
 use crate::{
-    boundary::{Result, Versioned, init, read},
+    boundary::{Growing, Result, Versioned, init, read},
     error::Failure,
     image::{Pixels, pcmvs_image},
     status::pcmvs_status::{self, InvalidArgument},
@@ -28,10 +28,12 @@ pub struct pcmvs_chroma_key {
     pub smallest_hole: f32,
 }
 
+impl Growing for pcmvs_chroma_key {
+    const FIRST_SIZE: usize = 24;
+}
+
 // SAFETY: numbers only, the size first, no padding.
 unsafe impl Versioned for pcmvs_chroma_key {
-    const FIRST_SIZE: usize = 24;
-
     fn defaults() -> Self {
         let ChromaKey { rgb: [r, g, b], tolerance, darkest_shadow, smallest_part, smallest_hole } =
             ChromaKey::default();
@@ -73,10 +75,12 @@ pub struct pcmvs_view {
     pub chroma_key: *const pcmvs_chroma_key,
 }
 
+impl Growing for pcmvs_view {
+    const FIRST_SIZE: usize = 8 + 4 * size_of::<usize>();
+}
+
 // SAFETY: numbers and raw pointers, the size first, no padding.
 unsafe impl Versioned for pcmvs_view {
-    const FIRST_SIZE: usize = 8 + 4 * size_of::<usize>();
-
     fn defaults() -> Self {
         let size = size_of::<Self>() as u32;
         Self { struct_size: size, reserved: 0, image: null(), mask: null(), clean_plate: null(), chroma_key: null() }

@@ -41,15 +41,3 @@ fn header_stands_alone_in_every_standard() {
         }
     }
 }
-
-#[test]
-fn documented_program_compiles() {
-    let text = fs::read_to_string(common::root().join("docs/c.md")).unwrap();
-    let program = text.split("```cpp\n").nth(1).and_then(|rest| rest.split("```").next()).unwrap();
-    let folder = tempfile::tempdir().unwrap();
-    let source = folder.path().join("documented.cpp");
-    fs::write(&source, program).unwrap();
-    let mut command = std::process::Command::new(common::CPP17[0]);
-    command.args(&common::CPP17[1..]).args(["-fsyntax-only", "-Wall", "-Wextra", "-Wpedantic", "-Werror"]);
-    common::run(command.arg("-I").arg(common::root().join("include")).arg(source));
-}

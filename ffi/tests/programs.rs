@@ -6,8 +6,8 @@ use common::{C99, CPP17, Link, Sample, build, has, libraries, output, root, run}
 use std::{ffi::OsString, fs, process::Command, sync::atomic::AtomicBool};
 
 #[test]
-fn api_keeps_its_promises() {
-    let source = fs::read_to_string(root().join("tests/c/api.c")).unwrap();
+fn misuse_fails_as_the_header_says() {
+    let source = fs::read_to_string(root().join("tests/c/misuse.c")).unwrap();
     let header = fs::read_to_string(root().join("include/pcmvs.h")).unwrap();
     let functions = header.lines().filter(|line| line.starts_with("pcmvs_status pcmvs_"));
     for function in functions.filter_map(|line| line.split([' ', '(']).nth(1)) {
@@ -15,8 +15,22 @@ fn api_keeps_its_promises() {
         assert!(null.iter().any(|call| source.contains(call)), "{function} is not called with NULL");
     }
     let sample = Sample::new();
-    let program = build(sample.path(), C99, "tests/c/api.c", Link::Shared);
+    let program = build(sample.path(), C99, "tests/c/misuse.c", Link::Shared);
     output(&program, [sample.plain()]);
+}
+
+#[test]
+fn results_are_the_same_in_every_way_to_make_them() {
+    let sample = Sample::new();
+    let program = build(sample.path(), C99, "tests/c/results.c", Link::Shared);
+    output(&program, [sample.plain()]);
+}
+
+#[test]
+fn silhouettes_come_from_masks_keys_and_plates() {
+    let folder = tempfile::tempdir().unwrap();
+    let program = build(folder.path(), C99, "tests/c/silhouettes.c", Link::Static);
+    println!("{}", output(&program, [""; 0]));
 }
 
 #[test]
@@ -63,6 +77,28 @@ fn threads_of_the_host_give_the_same_bytes() {
         output(&live, arguments);
         assert!(fs::read(glb("live.glb")).unwrap() == fs::read(glb("whole.glb")).unwrap(), "{threads} threads");
     }
+}
+
+#[test]
+fn readme_tells_a_program_that_runs() {
+    let sample = Sample::new();
+    let readme = fs::read_to_string(root().join("README.md")).unwrap();
+    let program = readme.split("```cpp\n").nth(1).and_then(|rest| rest.split("```").next()).unwrap();
+    assert_eq!(program.lines().count(), 20);
+    fs::write(sample.path().join("readme.inc"), program).unwrap();
+    let glb = |name: &str| sample.path().join(name);
+    let whole = build(sample.path(), C99, "examples/c/reconstruct.c", Link::Shared);
+    output(&whole, [sample.plain(), glb("whole.glb")]);
+    let readme = build(sample.path(), CPP17, "tests/cpp/readme.cpp", Link::Shared);
+    output(&readme, [sample.plain(), glb("readme.glb")]);
+    assert!(fs::read(glb("readme.glb")).unwrap() == fs::read(glb("whole.glb")).unwrap());
+}
+
+#[test]
+fn frames_of_one_rig_are_made_at_once() {
+    let sample = Sample::sized(4, 40, 32);
+    let program = build(sample.path(), CPP17, "tests/cpp/threads.cpp", Link::Shared);
+    output(&program, [sample.plain()]);
 }
 
 #[test]

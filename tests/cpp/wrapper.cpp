@@ -3,6 +3,7 @@
 
 #include <iostream>
 #include <pcmvs.hpp>
+#include <string>
 
 static_assert(!std::is_copy_constructible_v<pcmvs::Rig> && std::is_nothrow_move_constructible_v<pcmvs::Rig>);
 static_assert(!std::is_copy_constructible_v<pcmvs::Frame> && std::is_nothrow_move_constructible_v<pcmvs::Frame>);
@@ -57,6 +58,21 @@ int main(int argc, char **argv) {
     }
     check(frame.try_merge() == PCMVS_STATUS_WRONG_ORDER, "the same as a value");
     check(frame.error().stage == PCMVS_STAGE_MERGE, "with its detail");
+
+    try {
+        static_cast<void>(frame.get_mesh());
+        check(false, "there is no mesh yet");
+    } catch (const pcmvs::Error &error) {
+        check(error.stage() == PCMVS_STAGE_MESH && error.frame() == 5, "reading tells as much");
+        check(std::string(error.what()).find("has not run yet") != std::string::npos, "and why");
+    }
+    try {
+        const pcmvs::Rig none;
+        pcmvs::Frame of_none(none);
+        check(false, "a rig without cameras has no frames");
+    } catch (const pcmvs::Error &error) {
+        check(std::string(error.what()).find("pcmvs_rig_set_cameras") != std::string::npos, "the rig says why");
+    }
 
     frame.reconstruct(views, &options);
     const pcmvs::Mesh mesh = frame.get_mesh();

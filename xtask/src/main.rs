@@ -1,6 +1,7 @@
 //! Set-up and checks: `cargo xtask demo | test | bench | web | wasm | install | header`.
 
 mod abi;
+mod abi_check;
 mod bench;
 mod captured;
 mod demo;
@@ -37,7 +38,8 @@ enum Task {
     },
     /// Set up what is missing and check everything
     Test {
-        /// Also the captured scenes: PCMVS_DATA names their folder, PCMVS_SCORE the tool that scores them
+        /// Also the long checks of the C library (which install compilers and tools) and the captured scenes:
+        /// PCMVS_DATA names their folder, PCMVS_SCORE the tool that scores them
         #[arg(long)]
         all: bool,
     },
@@ -55,9 +57,9 @@ enum Task {
     /// Build the C library and install it with headers, pkg-config file and CMake package
     Install {
         /// The folder that gets include and lib; it may be moved afterwards
-        #[arg(long)]
-        prefix: std::path::PathBuf,
-        /// Check what C and C++ build systems make of an installed copy instead (installs compilers and tools)
+        #[arg(long, required_unless_present = "check")]
+        prefix: Option<std::path::PathBuf>,
+        /// Make the C library's long checks instead (installs compilers and tools)
         #[arg(long)]
         check: bool,
     },
@@ -82,8 +84,8 @@ fn main() -> ExitCode {
         Task::Web { test: true, .. } => web::test(),
         Task::Web { .. } => web::demo(),
         Task::Wasm => web::wasm(),
-        Task::Install { check: true, .. } => abi::check(),
-        Task::Install { prefix, .. } => abi::install(&prefix),
+        Task::Install { prefix: Some(prefix), check: false } => abi::install(&prefix),
+        Task::Install { .. } => test::c_library(),
         Task::Header => abi::header(),
         Task::Bench { quick, part } => bench::run(quick, part.as_deref()),
     };

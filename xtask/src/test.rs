@@ -1,13 +1,13 @@
 //! `cargo xtask test`: all checks, the quick ones first.
 
 use crate::{
-    Result, captured, no_std,
+    Result, abi_check, captured, no_std,
     process::{cargo, program, root, run as run_program, target},
     steps::{Outcome, Steps, passed},
 };
 use std::{fs, path::PathBuf};
 
-/// Sets up what is missing and checks everything; with `all` the captured scenes as well.
+/// Sets up what is missing and checks everything; with `all` the C library's long checks and the captured scenes too.
 pub fn run(all: bool) -> Result<()> {
     let mut steps = Steps::default();
     steps.step("toolchain", || components().map(passed))?;
@@ -24,8 +24,17 @@ pub fn run(all: bool) -> Result<()> {
     steps.step("from pictures to meshes", || pipeline().map(Outcome::Passed))?;
     steps.step("Khronos glTF validator", || validator().map(Outcome::Passed))?;
     if all {
+        abi_check::check(&mut steps)?;
         captured::check(&mut steps)?;
     }
+    steps.finish();
+    Ok(())
+}
+
+/// The long checks of the C library alone.
+pub fn c_library() -> Result<()> {
+    let mut steps = Steps::default();
+    abi_check::check(&mut steps)?;
     steps.finish();
     Ok(())
 }
@@ -40,7 +49,7 @@ fn components() -> Result<()> {
     Ok(())
 }
 
-/// All Rust tests; says how many.
+/// All Rust tests, those of the C library among them; says how many.
 fn tests() -> Result<String> {
     let printed = run_program(&mut cargo("test --workspace --all-features"))?;
     let count = |line: &str| {

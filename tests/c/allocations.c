@@ -1,0 +1,143 @@
+/* What is allocated when: allocations FOLDER FRAMES (see capture.h). Rust asks the C library for memory, so
+ * that this program's own malloc, over glibc's, sees everything; both are on one thread. */
+#include "capture.h"
+#include "check.h"
+
+#include <errno.h>
+#include <malloc.h>
+#include <string.h>
+
+extern void *__libc_malloc(size_t size);
+extern void *__libc_calloc(size_t count, size_t size);
+extern void *__libc_realloc(void *old, size_t size);
+extern void *__libc_memalign(size_t alignment, size_t size);
+extern void __libc_free(void *memory);
+
+/* Calls and the bytes they asked for since the last `start`; bytes in use, with what glibc rounds them up by. */
+static struct counts {
+    size_t calls, bytes, used, peak;
+} counts;
+
+static void *took(void *memory, size_t size) {
+    counts.calls++;
+    counts.bytes += size;
+    counts.used += malloc_usable_size(memory);
+    counts.peak = counts.peak > counts.used ? counts.peak : counts.used;
+    return memory;
+}
+
+void *malloc(size_t size) { return took(__libc_malloc(size), size); }
+
+void *calloc(size_t count, size_t size) { return took(__libc_calloc(count, size), count * size); }
+
+void *realloc(void *old, size_t size) {
+    const size_t before = malloc_usable_size(old);
+    void *memory = __libc_realloc(old, size);
+    if (memory != NULL || size == 0) {
+        counts.used -= before;
+    }
+    return took(memory, size);
+}
+
+void *aligned_alloc(size_t alignment, size_t size) { return took(__libc_memalign(alignment, size), size); }
+
+int posix_memalign(void **memory, size_t alignment, size_t size) {
+    *memory = aligned_alloc(alignment, size);
+    return *memory == NULL ? ENOMEM : 0;
+}
+
+void free(void *memory) {
+    counts.used -= malloc_usable_size(memory);
+    __libc_free(memory);
+}
+
+static void start(void) {
+    counts.calls = counts.bytes = 0;
+    counts.peak = counts.used;
+}
+
+/* Says what has happened since `start`; `used` was in use then. */
+static void tell(const char *what, size_t used) {
+    printf("%-16s %8zu allocations of %9.1f KiB, %8.1f KiB at most at a time, %8.1f KiB kept\n", what, counts.calls,
+           (double)counts.bytes / 1024, (double)(counts.peak - used) / 1024,
+           ((double)counts.used - (double)used) / 1024);
+}
+
+static int count_bytes(void *user, const void *data, size_t size) {
+    (void)data;
+    *(size_t *)user += size;
+    return 0;
+}
+
+/* Everything that reads results to memory that is there. */
+static void check_reading(pcmvs_rig *rig, pcmvs_frame *frame) {
+    static float positions[3 << 20];
+    static pcmvs_point points[1 << 20];
+    pcmvs_mesh mesh;
+    pcmvs_silhouette silhouette;
+    pcmvs_report report;
+    pcmvs_error error;
+    double origin[3];
+    const size_t used = counts.used;
+    start();
+    OK(pcmvs_rig_origin(rig, origin));
+    OK(pcmvs_frame_get_mesh(frame, PCMVS_MESH_KIND_FINAL, &mesh, sizeof mesh));
+    OK(pcmvs_frame_copy_mesh(frame, PCMVS_MESH_KIND_FINAL, PCMVS_ATTRIBUTE_POSITION, positions, 1 << 20, 0, NULL));
+    OK(pcmvs_frame_copy_cloud(frame, PCMVS_CLOUD_KIND_MERGED, 0, points, 1 << 20, 0, NULL));
+    OK(pcmvs_frame_get_silhouette(frame, 0, &silhouette, sizeof silhouette));
+    OK(pcmvs_frame_get_report(frame, &report, sizeof report));
+    OK(pcmvs_frame_error(frame, &error, sizeof error));
+    CHECK(counts.calls == 0);
+    tell("reading results", used);
+}
+
+int main(int argc, char **argv) {
+    struct capture capture;
+    pcmvs_rig *rig = NULL;
+    pcmvs_frame *frame = NULL;
+    struct counts first = {0, 0, 0, 0};
+    size_t before, used, file = 0;
+    unsigned i, frames;
+    char name[32];
+    if (argc != 3 || !capture_read(argv[1], &capture)) {
+        return 2;
+    }
+    printf("%u views of %u x %u\n", capture.count, capture.cameras[0].width, capture.cameras[0].height);
+    frames = (unsigned)strtoul(argv[2], NULL, 10);
+    before = counts.used;
+    start();
+    OK(pcmvs_rig_new(&rig));
+    OK(pcmvs_rig_set_cameras(rig, capture.cameras, capture.count));
+    tell("rig", before);
+    used = counts.used;
+    start();
+    OK(pcmvs_frame_new(rig, &frame));
+    tell("new frame", used);
+    used = counts.used;
+    for (i = 0; i < frames; i++) {
+        start();
+        OK(pcmvs_frame_reconstruct(frame, capture.views, capture.count, NULL));
+        if (i == 0) {
+            first = counts;
+        }
+        /* Frame after frame the same; how much glibc rounds up depends on what it has at hand. */
+        CHECK(counts.calls == first.calls && counts.bytes == first.bytes);
+        CHECK(counts.used < first.used + first.used / 100);
+        if (i == 0 || i == frames - 1) {
+            snprintf(name, sizeof name, "frame %u", i);
+            tell(name, used);
+        }
+    }
+    check_reading(rig, frame);
+    used = counts.used;
+    start();
+    OK(pcmvs_frame_export_mesh(frame, PCMVS_MESH_KIND_FINAL, NULL, count_bytes, &file));
+    tell("export as GLB", used);
+    CHECK(counts.used == used);
+    OK(pcmvs_frame_free(frame));
+    OK(pcmvs_rig_free(rig));
+    /* All of it has been given back. */
+    CHECK(counts.used == before);
+    capture_free(&capture);
+    return verdict();
+}

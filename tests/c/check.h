@@ -1,0 +1,37 @@
+/* Checks that are counted. */
+#ifndef CHECK_H
+#define CHECK_H
+
+#include <pcmvs.h>
+#include <stdio.h>
+
+static int failures;
+
+#define CHECK(condition)                                                                                              \
+    do {                                                                                                              \
+        if (!(condition)) {                                                                                           \
+            printf("line %d: %s\n", __LINE__, #condition);                                                            \
+            failures++;                                                                                               \
+        }                                                                                                             \
+    } while (0)
+
+#define EXPECT(call, expected)                                                                                        \
+    do {                                                                                                              \
+        pcmvs_status got = (call);                                                                                    \
+        if (got != (expected)) {                                                                                      \
+            printf("line %d: %s is %s\n", __LINE__, #call, pcmvs_status_name(got));                                    \
+            failures++;                                                                                               \
+        }                                                                                                             \
+    } while (0)
+
+#define OK(call) EXPECT(call, PCMVS_STATUS_OK)
+
+/* The exit status of a test. */
+static int verdict(void) {
+    if (failures > 0) {
+        printf("%d failures\n", failures);
+    }
+    return failures > 0;
+}
+
+#endif

@@ -1,0 +1,293 @@
+/* What frames give, in every way in which they can be made: results FOLDER (see capture.h) */
+#include "capture.h"
+#include "files.h"
+
+static int refuse(void *user, const void *data, size_t size) {
+    (void)user, (void)data, (void)size;
+    return 1;
+}
+
+/* A sink that cancels at its k-th call, and checks the order of what it is told. */
+struct sink {
+    pcmvs_frame *frame;
+    uint32_t calls, cancel_at;
+    uint32_t stage, done;
+};
+
+static int follow(void *user, pcmvs_stage stage, uint32_t done, uint32_t total) {
+    struct sink *sink = user;
+    CHECK(stage < PCMVS_STAGE_COUNT && done <= total && total > 0);
+    CHECK(stage > sink->stage || (stage == sink->stage && done >= sink->done));
+    sink->stage = stage;
+    sink->done = done;
+    if (sink->calls == 0) {
+        pcmvs_error error;
+        size_t count;
+        EXPECT(pcmvs_frame_hull(sink->frame), PCMVS_STATUS_BUSY);
+        EXPECT(pcmvs_frame_free(sink->frame), PCMVS_STATUS_BUSY);
+        EXPECT(pcmvs_frame_copy_mesh(sink->frame, 0, 0, NULL, 0, 0, &count), PCMVS_STATUS_BUSY);
+        OK(pcmvs_frame_error(sink->frame, &error, sizeof error));
+        CHECK(error.status == PCMVS_STATUS_BUSY);
+    }
+    sink->calls += 1;
+    return sink->calls == sink->cancel_at;
+}
+
+static void check_cancel(const struct capture *capture, pcmvs_frame *frame, const struct bytes *expected) {
+    pcmvs_options options;
+    struct sink sink = {frame, 0, 0, 0, 0};
+    struct bytes bytes;
+    uint32_t total, k;
+    pcmvs_options_init(&options, sizeof options);
+    options.progress = follow;
+    options.progress_user = &sink;
+    OK(pcmvs_frame_reconstruct(frame, capture->views, capture->count, &options));
+    CHECK(sink.stage == PCMVS_STAGE_COLOUR && sink.done == 1000);
+    total = sink.calls;
+    CHECK(total > 20);
+    /* Every k-th call: with the step widening, so that the test stays short, and the last two. */
+    for (k = 1; k <= total; k = k + 1 + k / 8 < total - 1 ? k + 1 + k / 8 : k + 1) {
+        pcmvs_error error;
+        size_t count = 7;
+        memset(&sink, 0, sizeof sink);
+        sink.frame = frame;
+        sink.cancel_at = k;
+        EXPECT(pcmvs_frame_reconstruct(frame, capture->views, capture->count, &options), PCMVS_STATUS_CANCELLED);
+        CHECK(sink.calls == k);
+        OK(pcmvs_frame_error(frame, &error, sizeof error));
+        CHECK(error.status == PCMVS_STATUS_CANCELLED && error.stage == (int32_t)sink.stage);
+        EXPECT(pcmvs_frame_copy_mesh(frame, 0, 0, NULL, 0, 0, &count), PCMVS_STATUS_WRONG_ORDER);
+        CHECK(count == 7);
+    }
+    OK(pcmvs_frame_reconstruct(frame, capture->views, capture->count, NULL));
+    bytes = glb(frame);
+    CHECK(same(&bytes, expected));
+    free(bytes.data);
+    printf("cancelled at calls 1 to %u\n", total);
+}
+
+/* Runs the pieces backwards, leaves one out and runs another twice. */
+static void backwards(void *user, uint32_t count, pcmvs_job_fn run, void *job) {
+    uint32_t i;
+    (void)user;
+    for (i = count; i-- > 1;) {
+        run(job, i);
+    }
+    run(job, count - 1);
+}
+
+static void check_stages(const struct capture *capture, pcmvs_frame *frame, const struct bytes *expected) {
+    pcmvs_options options;
+    struct bytes bytes;
+    uint32_t i;
+    pcmvs_options_init(&options, sizeof options);
+    options.parallel = backwards;
+    OK(pcmvs_frame_begin(frame, &options));
+    for (i = capture->count; i-- > 0;) {
+        OK(pcmvs_frame_view(frame, i, &capture->views[i]));
+    }
+    OK(pcmvs_frame_hull(frame));
+    OK(pcmvs_frame_contours(frame));
+    OK(pcmvs_frame_coarse(frame));
+    for (i = capture->count; i-- > 0;) {
+        OK(pcmvs_frame_detect(frame, i));
+    }
+    OK(pcmvs_frame_merge(frame));
+    EXPECT(pcmvs_frame_detect(frame, 0), PCMVS_STATUS_WRONG_ORDER);
+    OK(pcmvs_frame_mesh(frame));
+    OK(pcmvs_frame_mesh(frame)); /* a stage may run again */
+    OK(pcmvs_frame_colour(frame));
+    bytes = glb(frame);
+    CHECK(same(&bytes, expected));
+    free(bytes.data);
+    OK(pcmvs_frame_reconstruct(frame, capture->views, capture->count, &options));
+    bytes = glb(frame);
+    CHECK(same(&bytes, expected));
+    free(bytes.data);
+}
+
+/* The same pictures in another form give the same bytes. */
+static void check_formats(const struct capture *capture, pcmvs_frame *frame, const struct bytes *expected) {
+    uint32_t n = capture->count, i, x, y;
+    uint32_t width = capture->pictures[0].width, height = capture->pictures[0].height;
+    size_t stride = 4 * (size_t)width + 12, mask_stride = 2 * (size_t)width + 6;
+    unsigned char *pixels = malloc(n * stride * height);
+    unsigned char *masks = malloc(n * mask_stride * height);
+    pcmvs_image *images = calloc(2 * (size_t)n, sizeof *images);
+    pcmvs_view *views = calloc(n, sizeof *views);
+    struct bytes bytes;
+    if (pixels == NULL || masks == NULL || images == NULL || views == NULL) {
+        exit(3);
+    }
+    for (i = 0; i < n; i++) {
+        const unsigned char *rgb = capture->pictures[i].data, *mask = capture->pictures[n + i].data;
+        unsigned char *bgra = pixels + i * stride * height, *gray16 = masks + i * mask_stride * height;
+        for (y = 0; y < height; y++) {
+            for (x = 0; x < width; x++) {
+                const unsigned char *from = rgb + 3 * ((size_t)y * width + x);
+                /* Rows from the bottom up. */
+                unsigned char *to = bgra + (height - 1 - y) * stride + 4 * (size_t)x;
+                uint16_t wide = (uint16_t)(mask[(size_t)y * width + x] * 257);
+                to[0] = from[2], to[1] = from[1], to[2] = from[0], to[3] = (unsigned char)x;
+                memcpy(gray16 + y * mask_stride + 2 * (size_t)x, &wide, 2);
+            }
+        }
+        images[i] = capture->pictures[i];
+        images[i].format = PCMVS_PIXEL_FORMAT_BGRA8;
+        images[i].data = bgra + (height - 1) * stride;
+        images[i].stride = -(ptrdiff_t)stride;
+        images[n + i] = capture->pictures[n + i];
+        images[n + i].format = PCMVS_PIXEL_FORMAT_GRAY16;
+        images[n + i].data = gray16;
+        images[n + i].stride = (ptrdiff_t)mask_stride;
+        views[i] = capture->views[i];
+        views[i].image = &images[i];
+        views[i].mask = &images[n + i];
+    }
+    OK(pcmvs_frame_reconstruct(frame, views, n, NULL));
+    bytes = glb(frame);
+    CHECK(same(&bytes, expected));
+    free(bytes.data);
+    free(pixels);
+    free(masks);
+    free(images);
+    free(views);
+}
+
+static void check_outputs(const struct capture *capture, const pcmvs_rig *rig, const pcmvs_frame *frame) {
+    struct vertex {
+        float position[3];
+        unsigned char colour[3], alpha;
+        float normal[3];
+    } *vertices;
+    pcmvs_mesh mesh, hull;
+    pcmvs_report report;
+    pcmvs_silhouette silhouette;
+    pcmvs_export_options options;
+    pcmvs_point *points;
+    struct bytes bytes = {NULL, 0, 0};
+    uint32_t (*triangles)[3];
+    double origin[3];
+    size_t count = 0, size = 0, i, detected = 0;
+    char *buffer;
+
+    OK(pcmvs_frame_get_mesh(frame, PCMVS_MESH_KIND_FINAL, &mesh, sizeof mesh));
+    OK(pcmvs_frame_get_mesh(frame, PCMVS_MESH_KIND_HULL, &hull, sizeof hull));
+    CHECK(mesh.vertex_count > 100 && mesh.colours != NULL && hull.vertex_count > 100 && hull.colours == NULL);
+    OK(pcmvs_rig_origin(rig, origin));
+    CHECK(memcmp(origin, mesh.origin, sizeof origin) == 0);
+
+    OK(pcmvs_frame_copy_mesh(frame, 0, PCMVS_ATTRIBUTE_POSITION, NULL, 0, 0, &count));
+    CHECK(count == mesh.vertex_count);
+    vertices = malloc(count * sizeof *vertices);
+    triangles = malloc(mesh.triangle_count * sizeof *triangles);
+    if (vertices == NULL || triangles == NULL) {
+        exit(3);
+    }
+    memset(vertices, 0xAB, count * sizeof *vertices);
+    OK(pcmvs_frame_copy_mesh(frame, 0, PCMVS_ATTRIBUTE_POSITION, vertices[0].position, count, sizeof *vertices, NULL));
+    OK(pcmvs_frame_copy_mesh(frame, 0, PCMVS_ATTRIBUTE_NORMAL, vertices[0].normal, count, sizeof *vertices, NULL));
+    OK(pcmvs_frame_copy_mesh(frame, 0, PCMVS_ATTRIBUTE_COLOUR, vertices[0].colour, count, sizeof *vertices, NULL));
+    for (i = 0; i < count; i++) {
+        int k;
+        for (k = 0; k < 3; k++) {
+            CHECK(vertices[i].position[k] == (float)(mesh.origin[k] + mesh.positions[3 * i + k]));
+            CHECK(vertices[i].normal[k] == mesh.normals[3 * i + k]);
+            CHECK(vertices[i].colour[k] == mesh.colours[3 * i + k]);
+        }
+        CHECK(vertices[i].alpha == 0xAB);
+    }
+    count = 7;
+    EXPECT(pcmvs_frame_copy_mesh(frame, 0, PCMVS_ATTRIBUTE_POSITION, vertices, mesh.vertex_count - 1, 0, &count),
+           PCMVS_STATUS_BUFFER_TOO_SMALL);
+    EXPECT(pcmvs_frame_copy_mesh(frame, 0, PCMVS_ATTRIBUTE_POSITION, vertices, mesh.vertex_count, 11, &count),
+           PCMVS_STATUS_INVALID_ARGUMENT);
+    EXPECT(pcmvs_frame_copy_mesh(frame, 0, 99, vertices, mesh.vertex_count, 0, &count), PCMVS_STATUS_INVALID_ARGUMENT);
+    EXPECT(pcmvs_frame_copy_mesh(frame, PCMVS_MESH_KIND_HULL, PCMVS_ATTRIBUTE_COLOUR, NULL, 0, 0, &count),
+           PCMVS_STATUS_WRONG_ORDER);
+    CHECK(count == 7);
+    OK(pcmvs_frame_copy_mesh(frame, 0, PCMVS_ATTRIBUTE_TRIANGLE, triangles, mesh.triangle_count, 0, &count));
+    CHECK(count == mesh.triangle_count);
+    CHECK(memcmp(triangles, mesh.triangles, count * sizeof *triangles) == 0);
+    for (i = 0; i < count; i++) {
+        CHECK(triangles[i][0] < mesh.vertex_count && triangles[i][1] < mesh.vertex_count);
+    }
+    free(vertices);
+    free(triangles);
+
+    OK(pcmvs_frame_get_report(frame, &report, sizeof report));
+    CHECK(report.vertices == mesh.vertex_count && report.faces == mesh.triangle_count);
+    for (i = 0; i < PCMVS_STAGE_COUNT; i++) {
+        CHECK(report.seconds[i] > 0 && report.hashes[i] != 0);
+    }
+    OK(pcmvs_frame_copy_cloud(frame, PCMVS_CLOUD_KIND_MERGED, 0, NULL, 0, 0, &count));
+    CHECK(count == report.merged);
+    for (i = 0; i < capture->count; i++) {
+        OK(pcmvs_frame_copy_cloud(frame, PCMVS_CLOUD_KIND_DETECTED, (uint32_t)i, NULL, 0, 0, &size));
+        detected += size;
+    }
+    OK(pcmvs_frame_copy_cloud(frame, PCMVS_CLOUD_KIND_IMPLICIT, 0, NULL, 0, 0, &size));
+    CHECK(size == report.implicit);
+    OK(pcmvs_frame_copy_cloud(frame, PCMVS_CLOUD_KIND_FRONTIER, 0, NULL, 0, 0, &size));
+    CHECK(size == report.frontier && detected + report.frontier + report.implicit == count);
+    points = malloc(count * sizeof *points);
+    if (points == NULL) {
+        exit(3);
+    }
+    OK(pcmvs_frame_copy_cloud(frame, PCMVS_CLOUD_KIND_MERGED, 0, points, count, 0, NULL));
+    for (i = 0; i < count; i++) {
+        CHECK(points[i].rank <= PCMVS_RANK_FRONTIER && points[i].camera < (int32_t)capture->count);
+        CHECK((points[i].camera == -1) == (points[i].rank == PCMVS_RANK_IMPLICIT));
+    }
+    free(points);
+    EXPECT(pcmvs_frame_copy_cloud(frame, PCMVS_CLOUD_KIND_DETECTED, 99, NULL, 0, 0, &count),
+           PCMVS_STATUS_INVALID_ARGUMENT);
+    OK(pcmvs_frame_get_silhouette(frame, 3, &silhouette, sizeof silhouette));
+    CHECK(silhouette.width == capture->pictures[3].width && silhouette.height == capture->pictures[3].height);
+    EXPECT(pcmvs_frame_get_silhouette(frame, 99, &silhouette, sizeof silhouette), PCMVS_STATUS_INVALID_ARGUMENT);
+
+    OK(pcmvs_export_options_init(&options, sizeof options));
+    options.format = PCMVS_FILE_FORMAT_PLY;
+    OK(pcmvs_frame_export_mesh(frame, 0, &options, append, &bytes));
+    OK(pcmvs_frame_export_mesh_to_buffer(frame, 0, &options, NULL, 0, &size));
+    CHECK(size == bytes.size && memcmp(bytes.data, "ply\n", 4) == 0);
+    buffer = malloc(size);
+    if (buffer == NULL) {
+        exit(3);
+    }
+    EXPECT(pcmvs_frame_export_mesh_to_buffer(frame, 0, &options, buffer, size - 1, NULL), PCMVS_STATUS_BUFFER_TOO_SMALL);
+    OK(pcmvs_frame_export_mesh_to_buffer(frame, 0, &options, buffer, size, NULL));
+    CHECK(memcmp(buffer, bytes.data, size) == 0);
+    free(buffer);
+    options.format = 99;
+    EXPECT(pcmvs_frame_export_mesh(frame, 0, &options, append, &bytes), PCMVS_STATUS_INVALID_ARGUMENT);
+    EXPECT(pcmvs_frame_export_mesh(frame, 0, NULL, refuse, NULL), PCMVS_STATUS_WRITE_FAILED);
+    OK(pcmvs_frame_export_cloud(frame, PCMVS_CLOUD_KIND_MERGED, 0, append, &bytes));
+    free(bytes.data);
+}
+
+int main(int argc, char **argv) {
+    struct capture capture;
+    pcmvs_rig *rig = NULL;
+    pcmvs_frame *frame = NULL;
+    struct bytes expected;
+    if (argc != 2 || !capture_read(argv[1], &capture)) {
+        return 2;
+    }
+    OK(pcmvs_rig_new(&rig));
+    OK(pcmvs_rig_set_cameras(rig, capture.cameras, capture.count));
+    OK(pcmvs_frame_new(rig, &frame));
+    OK(pcmvs_frame_reconstruct(frame, capture.views, capture.count, NULL));
+    expected = glb(frame);
+    check_outputs(&capture, rig, frame);
+    check_cancel(&capture, frame, &expected);
+    check_stages(&capture, frame, &expected);
+    check_formats(&capture, frame, &expected);
+    /* A frame outlives its rig. */
+    OK(pcmvs_rig_free(rig));
+    OK(pcmvs_frame_reconstruct(frame, capture.views, capture.count, NULL));
+    OK(pcmvs_frame_free(frame));
+    free(expected.data);
+    capture_free(&capture);
+    return verdict();
+}

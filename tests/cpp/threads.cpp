@@ -1,0 +1,111 @@
+// Everything that threads may do at a time, for ThreadSanitizer: threads FOLDER [race] (see capture.h). Two frames of
+// one rig are made at once, each on threads of its own, while another thread reads both; with `race` two threads hand
+// the library the same memory to write to, which a sanitizer that sees into the library must find.
+#include "capture.h"
+
+#include <atomic>
+#include <cstring>
+#include <iostream>
+#include <pcmvs.hpp>
+#include <thread>
+
+namespace {
+
+// Two threads share the pieces.
+void on_two(void *, std::uint32_t count, pcmvs_job_fn run, void *job) {
+    std::atomic<std::uint32_t> next{0};
+    const auto work = [&] {
+        for (std::uint32_t i = next++; i < count; i = next++) {
+            run(job, i);
+        }
+    };
+    std::thread other(work);
+    work();
+    other.join();
+}
+
+// Only ever called on the thread that called, so that this needs no lock.
+int count_calls(void *calls, pcmvs_stage, std::uint32_t, std::uint32_t) {
+    ++*static_cast<unsigned *>(calls);
+    return 0;
+}
+
+struct Run {
+    explicit Run(const pcmvs::Rig &rig) : frame(rig) {}
+    pcmvs::Frame frame;
+    unsigned calls = 0;
+    bool good = true;
+};
+
+void make(Run &run, pcmvs::Span<pcmvs_view> views) {
+    auto options = pcmvs::make<pcmvs_options>();
+    options.parallel = on_two;
+    options.progress = count_calls;
+    options.progress_user = &run.calls;
+    for (options.frame = 0; options.frame < 2; options.frame++) {
+        // Busy is what a reader that is there first makes of it.
+        pcmvs_status status = PCMVS_STATUS_BUSY;
+        while (status == PCMVS_STATUS_BUSY) {
+            status = run.frame.try_reconstruct(views, &options);
+        }
+        run.good = run.good && status == PCMVS_STATUS_OK;
+    }
+}
+
+// Gets results, or is told that there are none yet or that the frame is busy. True if all went as it may.
+bool read(const Run &run, const pcmvs::Rig &rig) {
+    pcmvs_report report;
+    std::size_t count = 0;
+    const pcmvs_status told[] = {run.frame.try_get_report(report),
+                                 pcmvs_frame_copy_mesh(run.frame.get(), 0, 0, nullptr, 0, 0, &count)};
+    bool good = rig.camera_count() > 0;
+    for (const pcmvs_status status : told) {
+        good = good && (status == PCMVS_STATUS_OK || status == PCMVS_STATUS_BUSY || status == PCMVS_STATUS_WRONG_ORDER);
+    }
+    const pcmvs_error error = run.frame.error();
+    return good && std::memchr(error.message, 0, sizeof error.message) != nullptr;
+}
+
+int run(const capture &capture, bool race) {
+    const pcmvs::Rig rig(pcmvs::Span<pcmvs_camera>(capture.cameras, capture.count));
+    const pcmvs::Span<pcmvs_view> views(capture.views, capture.count);
+    if (race) {
+        std::uint32_t shared = 0;
+        const auto write = [&] { pcmvs_rig_camera_count(rig.get(), &shared); };
+        std::thread one(write), other(write);
+        one.join();
+        other.join();
+        return 0;
+    }
+    Run runs[2] = {Run(rig), Run(rig)};
+    std::atomic<bool> done{false};
+    bool good = true;
+    std::thread reader([&] {
+        while (!done) {
+            good = read(runs[0], rig) && read(runs[1], rig) && good;
+            std::this_thread::yield();
+        }
+    });
+    std::thread first([&] { make(runs[0], views); }), second([&] { make(runs[1], views); });
+    first.join();
+    second.join();
+    done = true;
+    reader.join();
+    const pcmvs::Mesh a = runs[0].frame.get_mesh(), b = runs[1].frame.get_mesh();
+    good = good && runs[0].good && runs[1].good && runs[0].calls > 0 && a.positions.size() == b.positions.size() &&
+           std::memcmp(a.positions.data(), b.positions.data(), a.positions.size() * sizeof(float)) == 0;
+    std::cout << a.positions.size() / 3 << " vertices, " << runs[0].calls << " calls back\n";
+    return good ? 0 : 1;
+}
+
+} // namespace
+
+int main(int argc, char **argv) {
+    capture capture;
+    if (argc < 2 || !capture_read(argv[1], &capture)) {
+        return 2;
+    }
+    const int status = run(capture, argc > 2);
+    capture_free(&capture);
+    return status;
+}
