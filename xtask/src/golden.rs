@@ -163,13 +163,14 @@ impl Build {
 
     /// Runs the program on a capture, which is rendered here.
     fn measure(&self, golden: &Path, case: &Case, detail: &str) -> Result<Record> {
-        let folder = target().join("golden/captures");
-        let file = format!("{}.capture", case.name);
+        let folder = target().join("golden/records");
+        let [capture, record] = ["capture", "record"].map(|kind| format!("{}.{kind}", case.name));
         let fail = |e| format!("{}: {e}", folder.display());
         fs::create_dir_all(&folder).map_err(fail)?;
-        fs::write(folder.join(&file), case.render().to_bytes()).map_err(fail)?;
+        fs::write(folder.join(&capture), case.render().to_bytes()).map_err(fail)?;
         let mut command = self.machine.runner(golden);
-        run(command.current_dir(folder).args([case.preset, detail, &file]))?.parse()
+        run(command.current_dir(&folder).args([case.preset, detail, &capture, &record]))?;
+        fs::read_to_string(folder.join(record)).map_err(fail)?.parse()
     }
 }
 

@@ -109,8 +109,7 @@ impl Captured {
     /// tool's reader takes the colours of a GLB with a material for a texture and drops them.
     pub fn measure(&self, job: &Job) -> Result<Measured> {
         let (scene, out) = (self.data.join(job.scene), target().join("captured").join(job.folder()));
-        let mut command =
-            program(&self.pcmvs, &format!("reconstruct --threads 1 --format ply --preset {}", job.preset));
+        let mut command = program(&self.pcmvs, &format!("reconstruct --threads 1 --format ply --preset {}", job.preset));
         command.args(job.frames.into_iter().flat_map(|list| ["--frames", list]));
         command.args(job.cameras.into_iter().flat_map(|list| ["--cameras", list]));
         command.args(job.set.iter().flat_map(|assignment| ["--set", assignment]));

@@ -1,7 +1,7 @@
 //! The same bytes everywhere: what every stage gives for a few captures, and how that is compared.
 //!
 //! `golden.txt` has for every [`case`] the hash of each stage's output, how many numbers that is, and some of them.
-//! `cargo xtask test` runs the program `golden`, which reads a capture and prints such a [`Record`], in several builds
+//! `cargo xtask test` runs the program `golden`, which reads a capture and writes such a [`Record`], in several builds
 //! and on several machines (`xtask/src/golden.rs`); `cargo xtask golden --renew` writes the file anew after a change
 //! that is meant to change results.
 
