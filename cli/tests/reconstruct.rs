@@ -1,4 +1,5 @@
 //! `pcmvs reconstruct` from files to files.
+#![allow(clippy::disallowed_methods, reason = "no result depends on the tests' own numbers")]
 
 mod common;
 
