@@ -32,8 +32,10 @@ struct Build {
 #[derive(Clone, Copy, PartialEq)]
 enum Machine {
     This,
-    Wasi,
+    /// An x86-64 without AVX2, which the core uses where it finds it.
+    OldX86,
     Aarch64,
+    Wasi,
 }
 
 /// What ships, for every machine of this kind. The others are compared with it.
@@ -42,8 +44,9 @@ const BASELINE: Build = Build { name: "release", machine: Machine::This, flags: 
 const AVX2: Build = Build { name: "AVX2", flags: "-Ctarget-feature=+avx2", ..BASELINE };
 
 /// The unoptimised build of `cargo test` has a test of its own.
-const BUILDS: [Build; 6] = [
+const BUILDS: [Build; 7] = [
     AVX2,
+    Build { name: "x86-64 without AVX2", machine: Machine::OldX86, ..BASELINE },
     // All it has: AVX-512 maybe, and fused multiply-add, which the compiler may use only where the source says so.
     Build { name: "this processor", flags: "-Ctarget-cpu=native", slow: true, ..BASELINE },
     Build { name: "unoptimised", setting: Some("profile.release.opt-level=0"), slow: true, ..BASELINE },
@@ -52,11 +55,13 @@ const BUILDS: [Build; 6] = [
     Build { name: "AArch64", machine: Machine::Aarch64, ..BASELINE },
 ];
 
-/// Debian's packages for AArch64 on another machine, and a file of each.
-const PACKAGES: [(&str, &str); 3] = [
+/// One of Debian's packages, and a file of it.
+type Package = (&'static str, &'static str);
+
+const EMULATOR: Package = ("qemu-user", "/usr/bin/qemu-aarch64");
+const LINKER: [Package; 2] = [
     ("gcc-aarch64-linux-gnu", "/usr/bin/aarch64-linux-gnu-gcc"),
     ("libc6-dev-arm64-cross", "/usr/aarch64-linux-gnu/lib/libc.so.6"),
-    ("qemu-user", "/usr/bin/qemu-aarch64"),
 ];
 
 /// One check a build; with `all` the slow builds and the large capture as well.
@@ -138,7 +143,8 @@ fn counts(records: &[Record]) -> String {
 impl Build {
     /// Installs what the build needs; says why it cannot be made here, if so.
     fn missing(&self) -> Option<String> {
-        if self.flags == AVX2.flags && !has_avx2() {
+        let of_x86 = self.flags == AVX2.flags || self.machine == Machine::OldX86;
+        if of_x86 && !has_avx2() {
             return Some("this processor has no AVX2".to_owned());
         }
         if self.machine == Machine::Aarch64 && cfg!(target_arch = "aarch64") {
@@ -185,45 +191,48 @@ impl Machine {
     /// The compiler's name for it.
     fn triple(self) -> Result<String> {
         Ok(match self {
-            Self::This => run(&mut program("rustc", "--print host-tuple"))?.trim().to_owned(),
+            Self::This | Self::OldX86 => run(&mut program("rustc", "--print host-tuple"))?.trim().to_owned(),
             Self::Wasi => "wasm32-wasip1".to_owned(),
             Self::Aarch64 => "aarch64-unknown-linux-gnu".to_owned(),
         })
     }
 
-    /// Installs the standard library, and for AArch64 a linker and an emulator.
+    /// Installs the standard library for it, a linker and an emulator.
     fn set_up(self) -> Result<()> {
-        if self == Self::This {
-            return Ok(());
+        let packages = match self {
+            Self::This | Self::Wasi => vec![],
+            Self::OldX86 => vec![EMULATOR],
+            Self::Aarch64 => vec![LINKER[0], LINKER[1], EMULATOR],
+        };
+        let missing: Vec<&str> = packages.iter().filter(|(_, file)| !Path::new(file).exists()).map(|p| p.0).collect();
+        if !missing.is_empty() {
+            run(&mut program("apt-get", "-qq update"))?;
+            let mut install = program("apt-get", "-qq install -y --no-install-recommends");
+            run(install.args(missing).env("DEBIAN_FRONTEND", "noninteractive"))?;
         }
         let triple = self.triple()?;
         let installed = run(&mut program("rustup", "target list --installed"))?;
         if !installed.lines().any(|line| line == triple) {
             run(program("rustup", "target add").arg(&triple))?;
         }
-        let missing = PACKAGES.iter().filter(|(_, file)| self == Self::Aarch64 && !Path::new(file).exists());
-        let missing: Vec<&str> = missing.map(|&(package, _)| package).collect();
-        if !missing.is_empty() {
-            run(&mut program("apt-get", "-qq update"))?;
-            let mut install = program("apt-get", "-qq install -y --no-install-recommends");
-            run(install.args(missing).env("DEBIAN_FRONTEND", "noninteractive"))?;
-        }
         Ok(())
     }
 
     /// What runs a program for it; the program sees the folder in which this is started.
     fn runner(self, built: &Path) -> Command {
+        let through = |name: &str, arguments: &str| {
+            let mut command = program(name, arguments);
+            command.arg(built);
+            command
+        };
         match self {
             Self::This => program(built, ""),
+            Self::OldX86 => through("qemu-x86_64", "-cpu Nehalem"),
+            Self::Aarch64 => through("qemu-aarch64", "-L /usr/aarch64-linux-gnu"),
             Self::Wasi => {
                 let mut node = program("node", "--no-warnings");
                 node.arg(root().join("tests/golden/wasi.mjs")).arg(built);
                 node
-            }
-            Self::Aarch64 => {
-                let mut emulator = program("qemu-aarch64", "-L /usr/aarch64-linux-gnu");
-                emulator.arg(built);
-                emulator
             }
         }
     }
