@@ -1,10 +1,11 @@
-//! Set-up and checks: `cargo xtask demo | test | bench | web | wasm | install | header`.
+//! Set-up and checks: `cargo xtask demo | test | golden | bench | web | wasm | install | header`.
 
 mod abi;
 mod abi_check;
 mod bench;
 mod captured;
 mod demo;
+mod golden;
 mod measure;
 mod no_std;
 mod process;
@@ -43,6 +44,12 @@ enum Task {
         #[arg(long)]
         all: bool,
     },
+    /// Check that results are the golden ones, in all builds and on all machines that can be had here
+    Golden {
+        /// Write tests/golden/golden.txt anew instead: for changes that are meant to change results
+        #[arg(long)]
+        renew: bool,
+    },
     /// Build the page and serve it on this machine
     Web {
         /// Only build the static site, in web/dist
@@ -80,6 +87,8 @@ fn main() -> ExitCode {
     let result = match Arguments::parse().task {
         Task::Demo { no_serve: _ } => demo::run(),
         Task::Test { all } => test::run(all),
+        Task::Golden { renew: true } => golden::renew(),
+        Task::Golden { .. } => golden::all(),
         Task::Web { dist: true, .. } => web::dist(),
         Task::Web { test: true, .. } => web::test(),
         Task::Web { .. } => web::demo(),

@@ -1,13 +1,13 @@
 //! `cargo xtask test`: all checks, the quick ones first.
 
 use crate::{
-    Result, abi_check, captured, no_std,
+    Result, abi_check, captured, golden, no_std,
     process::{cargo, program, root, run as run_program, target},
     steps::{Outcome, Steps, passed},
 };
 use std::{fs, path::PathBuf};
 
-/// Sets up what is missing and checks everything; with `all` the C library's long checks and the captured scenes too.
+/// Sets up what is missing and checks everything; with `all` also what takes long.
 pub fn run(all: bool) -> Result<()> {
     let mut steps = Steps::default();
     steps.step("toolchain", || components().map(passed))?;
@@ -17,6 +17,7 @@ pub fn run(all: bool) -> Result<()> {
     })?;
     steps.step("core without std", || no_std::check().map(Outcome::Passed))?;
     steps.step("tests", || tests().map(Outcome::Passed))?;
+    golden::check(&mut steps, all)?;
     steps.step("documentation", || {
         let mut doc = cargo("doc --quiet --workspace --no-deps --all-features");
         run_program(doc.env("RUSTDOCFLAGS", "-D warnings")).map(passed)

@@ -1,7 +1,7 @@
 //! What every mesh of the core has to be: a closed, oriented manifold.
 
 use pcmvs_core::Mesh;
-use std::collections::{BTreeSet, HashMap};
+use std::collections::{BTreeMap, BTreeSet};
 
 /// Fails unless a mesh is finite, closed, oriented outward and manifold, without triangles that are given twice or have
 /// no area; `what` says whose mesh it is.
@@ -13,7 +13,7 @@ pub fn assert_sound(mesh: &Mesh, what: &str) {
     assert!(unit, "{what}: a normal is not a unit vector");
 
     // For each directed edge the third corner of its triangle.
-    let mut edges: HashMap<(u32, u32), u32> = HashMap::new();
+    let mut edges: BTreeMap<(u32, u32), u32> = BTreeMap::new();
     let mut triangles = BTreeSet::new();
     for &t in &mesh.triangles {
         let mut sorted = t;

@@ -1,0 +1,39 @@
+//! The captures, rendered by the studio.
+
+use crate::Scene;
+use studio::{Capture, Faults, Ring, Subject};
+
+/// A capture and how it is reconstructed.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Case {
+    /// Its name in `golden.txt`.
+    pub name: &'static str,
+    /// Name of the preset.
+    pub preset: &'static str,
+    views: u32,
+    size: (u32, u32),
+}
+
+/// Small enough for emulators.
+pub const SMALL: [Case; 2] = [
+    Case { name: "small", preset: "default", views: 10, size: (128, 96) },
+    Case { name: "small-paper", preset: "paper", views: 10, size: (128, 96) },
+];
+
+/// Of the size of real captures.
+pub const LARGE: Case = Case { name: "large", preset: "default", views: 20, size: (1024, 768) };
+
+impl Case {
+    /// The person, with what real captures have: lenses that distort, sensors that differ.
+    pub fn render(&self) -> Scene {
+        let ring = Ring { count: self.views, distortion: [-0.1, 0.05, 0.001, -0.001, 0.0], ..Ring::default() };
+        let faults = Faults { noise: 1.5, gain: 0.04, ..Faults::default() };
+        let mut capture = Capture::still(Subject::Figure, &ring.sized(self.size.0, self.size.1).cameras(), &faults);
+        let frame = capture.frames.remove(0);
+        Scene {
+            cameras: capture.cameras,
+            pictures: frame.images.into_iter().map(|picture| picture.rgb).collect(),
+            masks: frame.masks.into_iter().flatten().collect(),
+        }
+    }
+}

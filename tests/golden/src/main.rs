@@ -1,0 +1,33 @@
+//! The program `golden`: reconstructs a capture and writes what every stage gave. It needs nothing but the core and two
+//! files, so that emulators can run it.
+
+use golden::{Detail, Scene, measure, preset};
+use std::{env, fs, process::ExitCode};
+
+const USAGE: &str =
+    "usage: golden default|paper sample|all CAPTURE RECORD (`cargo xtask golden` makes captures and runs it)";
+
+fn main() -> ExitCode {
+    let arguments: Vec<String> = env::args().skip(1).collect();
+    match run(&arguments.iter().map(String::as_str).collect::<Vec<_>>()) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(problem) => {
+            eprintln!("golden: {problem}");
+            ExitCode::FAILURE
+        }
+    }
+}
+
+fn run(arguments: &[&str]) -> Result<(), String> {
+    let &[preset_name, detail, capture, path] = arguments else { return Err(USAGE.to_owned()) };
+    let preset = preset(preset_name).ok_or(USAGE)?;
+    let detail = match detail {
+        "sample" => Detail::Sample,
+        "all" => Detail::All,
+        _ => return Err(USAGE.to_owned()),
+    };
+    let bytes = fs::read(capture).map_err(|e| format!("{capture}: {e}"))?;
+    let scene = Scene::from_bytes(&bytes).ok_or_else(|| format!("{capture}: is cut short: make it anew"))?;
+    let record = measure(&scene, preset, detail).map_err(|e| format!("{capture}: {e}"))?;
+    fs::write(path, record.to_string()).map_err(|e| format!("{path}: {e}"))
+}

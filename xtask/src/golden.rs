@@ -1,0 +1,239 @@
+//! `cargo xtask golden`: the same bytes from every build on every machine (see tests/golden).
+
+use crate::{
+    Result,
+    process::{cargo, program, root, run, target},
+    steps::{Outcome, Steps},
+};
+use ::golden::{
+    RENEW, Record,
+    case::{Case, LARGE, SMALL},
+    difference, file,
+};
+use std::{
+    fs,
+    path::{Path, PathBuf},
+    process::Command,
+};
+
+/// A way to compile the program.
+struct Build {
+    name: &'static str,
+    machine: Machine,
+    /// The compiler's.
+    flags: &'static str,
+    /// Cargo's.
+    setting: Option<&'static str>,
+    /// Only with `--all`.
+    slow: bool,
+}
+
+/// What the program runs on.
+#[derive(Clone, Copy, PartialEq)]
+enum Machine {
+    This,
+    /// An x86-64 without AVX2, which the core uses where it finds it.
+    OldX86,
+    Aarch64,
+    Wasi,
+}
+
+/// What ships, for every machine of this kind. The others are compared with it.
+const BASELINE: Build = Build { name: "release", machine: Machine::This, flags: "", setting: None, slow: false };
+
+const AVX2: Build = Build { name: "AVX2", flags: "-Ctarget-feature=+avx2", ..BASELINE };
+
+/// The unoptimised build of `cargo test` has a test of its own.
+const BUILDS: [Build; 7] = [
+    AVX2,
+    Build { name: "x86-64 without AVX2", machine: Machine::OldX86, ..BASELINE },
+    // All it has: AVX-512 maybe, and fused multiply-add, which the compiler may use only where the source says so.
+    Build { name: "this processor", flags: "-Ctarget-cpu=native", slow: true, ..BASELINE },
+    Build { name: "unoptimised", setting: Some("profile.release.opt-level=0"), slow: true, ..BASELINE },
+    Build { name: "WebAssembly", machine: Machine::Wasi, ..BASELINE },
+    Build { name: "WebAssembly SIMD", machine: Machine::Wasi, flags: "-Ctarget-feature=+simd128", ..BASELINE },
+    Build { name: "AArch64", machine: Machine::Aarch64, ..BASELINE },
+];
+
+/// One of Debian's packages, and a file of it.
+type Package = (&'static str, &'static str);
+
+const EMULATOR: Package = ("qemu-user", "/usr/bin/qemu-aarch64");
+const LINKER: [Package; 2] = [
+    ("gcc-aarch64-linux-gnu", "/usr/bin/aarch64-linux-gnu-gcc"),
+    ("libc6-dev-arm64-cross", "/usr/aarch64-linux-gnu/lib/libc.so.6"),
+];
+
+/// One check a build; with `all` the slow builds and the large capture as well.
+pub fn check(steps: &mut Steps, all: bool) -> Result<()> {
+    let mut baseline: Vec<Record> = Vec::new();
+    steps.step("golden: release", || {
+        let golden = BASELINE.compile()?;
+        baseline = SMALL.iter().map(|case| BASELINE.measure(&golden, case, "all")).collect::<Result<_>>()?;
+        SMALL.iter().zip(&baseline).try_for_each(|(case, got)| compare_with_file(case, got))?;
+        Ok(Outcome::Passed(counts(&baseline)))
+    })?;
+    for build in BUILDS.iter().filter(|build| all || !build.slow) {
+        steps.step(&format!("golden: {}", build.name), || {
+            if let Some(why) = build.missing() {
+                return Ok(Outcome::Skipped(why));
+            }
+            let golden = build.compile()?;
+            for (case, expected) in SMALL.iter().zip(&baseline) {
+                let got = build.measure(&golden, case, "all")?;
+                if let Some(difference) = difference(expected, &got) {
+                    return Err(format!("{}: {difference}{FIX}", case.name));
+                }
+            }
+            Ok(Outcome::Passed(String::new()))
+        })?;
+    }
+    if all {
+        steps.step("golden: large", || {
+            let got = BASELINE.measure(&BASELINE.compile()?, &LARGE, "sample")?;
+            compare_with_file(&LARGE, &got)?;
+            Ok(Outcome::Passed(counts(&[got])))
+        })?;
+    }
+    Ok(())
+}
+
+/// All of it.
+pub fn all() -> Result<()> {
+    let mut steps = Steps::default();
+    check(&mut steps, true)?;
+    steps.finish();
+    Ok(())
+}
+
+/// What to do if builds differ from each other.
+const FIX: &str = "This build rounds or orders differently from the release build of this machine, which has the golden values:\n\
+     renewing does not help. Look in the first stage that differs for what clippy.toml forbids, and for minima of zeros\n\
+     of both signs, `usize` in arithmetic, or sorting with ties.";
+
+/// Writes golden.txt anew.
+pub fn renew() -> Result<()> {
+    let golden = BASELINE.compile()?;
+    let mut records = Vec::new();
+    for case in SMALL.iter().chain([&LARGE]) {
+        records.push((case.name, BASELINE.measure(&golden, case, "sample")?));
+    }
+    let text = file::write(records.iter().map(|(name, record)| (*name, record)));
+    fs::write(path(), text).map_err(|e| format!("{}: {e}", path().display()))
+}
+
+fn path() -> PathBuf {
+    root().join("tests/golden/golden.txt")
+}
+
+fn compare_with_file(case: &Case, got: &Record) -> Result<()> {
+    let text = fs::read_to_string(path()).map_err(|e| format!("{}: {e}", path().display()))?;
+    match difference(&file::find(&text, case.name)?, got) {
+        None => Ok(()),
+        Some(difference) => Err(format!("{}: {difference}{RENEW}", case.name)),
+    }
+}
+
+/// How many numbers were compared.
+fn counts(records: &[Record]) -> String {
+    let arrays = records.iter().flat_map(|r| &r.stages).flat_map(|s| &s.arrays);
+    format!("{} numbers", arrays.map(|a| a.length).sum::<usize>())
+}
+
+impl Build {
+    /// Installs what the build needs; says why it cannot be made here, if so.
+    fn missing(&self) -> Option<String> {
+        let of_x86 = self.flags == AVX2.flags || self.machine == Machine::OldX86;
+        if of_x86 && !has_avx2() {
+            return Some("this processor has no AVX2".to_owned());
+        }
+        if self.machine == Machine::Aarch64 && cfg!(target_arch = "aarch64") {
+            return Some("it is this machine".to_owned());
+        }
+        self.machine.set_up().err()
+    }
+
+    /// Compiles the program and returns its path; the next build for the same machine takes its place.
+    fn compile(&self) -> Result<PathBuf> {
+        let triple = self.machine.triple()?;
+        let folder = target().join("golden");
+        let mut build = cargo("build --quiet --release --package golden --bin golden");
+        // This machine is named like any other: then the flags are not for what runs while Cargo compiles.
+        build.args(["--target", &triple, "--target-dir"]).arg(&folder).env("CARGO_ENCODED_RUSTFLAGS", self.flags);
+        build.env("CARGO_TARGET_AARCH64_UNKNOWN_LINUX_GNU_LINKER", "aarch64-linux-gnu-gcc");
+        self.setting.iter().for_each(|setting| _ = build.args(["--config", setting]));
+        run(&mut build)?;
+        let name = if self.machine == Machine::Wasi { "golden.wasm" } else { "golden" };
+        Ok(folder.join(triple).join("release").join(name))
+    }
+
+    /// Runs the program on a capture, which is rendered here.
+    fn measure(&self, golden: &Path, case: &Case, detail: &str) -> Result<Record> {
+        let folder = target().join("golden/records");
+        let [capture, record] = ["capture", "record"].map(|kind| format!("{}.{kind}", case.name));
+        let fail = |e| format!("{}: {e}", folder.display());
+        fs::create_dir_all(&folder).map_err(fail)?;
+        fs::write(folder.join(&capture), case.render().to_bytes()).map_err(fail)?;
+        let mut command = self.machine.runner(golden);
+        run(command.current_dir(&folder).args([case.preset, detail, &capture, &record]))?;
+        fs::read_to_string(folder.join(record)).map_err(fail)?.parse()
+    }
+}
+
+fn has_avx2() -> bool {
+    #[cfg(target_arch = "x86_64")]
+    return std::is_x86_feature_detected!("avx2");
+    #[cfg(not(target_arch = "x86_64"))]
+    return false;
+}
+
+impl Machine {
+    /// The compiler's name for it.
+    fn triple(self) -> Result<String> {
+        Ok(match self {
+            Self::This | Self::OldX86 => run(&mut program("rustc", "--print host-tuple"))?.trim().to_owned(),
+            Self::Wasi => "wasm32-wasip1".to_owned(),
+            Self::Aarch64 => "aarch64-unknown-linux-gnu".to_owned(),
+        })
+    }
+
+    /// Installs the standard library for it, a linker and an emulator.
+    fn set_up(self) -> Result<()> {
+        let packages = match self {
+            Self::This | Self::Wasi => vec![],
+            Self::OldX86 => vec![EMULATOR],
+            Self::Aarch64 => vec![LINKER[0], LINKER[1], EMULATOR],
+        };
+        let missing: Vec<&str> = packages.iter().filter(|(_, file)| !Path::new(file).exists()).map(|p| p.0).collect();
+        if !missing.is_empty() {
+            run(&mut program("apt-get", "-qq update"))?;
+            let mut install = program("apt-get", "-qq install -y --no-install-recommends");
+            run(install.args(missing).env("DEBIAN_FRONTEND", "noninteractive"))?;
+        }
+        let triple = self.triple()?;
+        let installed = run(&mut program("rustup", "target list --installed"))?;
+        if !installed.lines().any(|line| line == triple) {
+            run(program("rustup", "target add").arg(&triple))?;
+        }
+        Ok(())
+    }
+
+    /// What runs a program for it; the program sees the folder in which this is started.
+    fn runner(self, built: &Path) -> Command {
+        let through = |name: &str, arguments: &str| {
+            let mut command = program(name, arguments);
+            command.arg(built);
+            command
+        };
+        match self {
+            Self::This => program(built, ""),
+            Self::OldX86 => through("qemu-x86_64", "-cpu Nehalem"),
+            Self::Aarch64 => through("qemu-aarch64", "-L /usr/aarch64-linux-gnu"),
+            Self::Wasi => {
+                let mut node = program("node", "--no-warnings");
+                node.arg(root().join("tests/golden/wasi.mjs")).arg(built);
+                node
+            }
+        }
+    }
+}
