@@ -35,8 +35,8 @@
  * Memory. Results can be had in memory of the caller's choice: pcmvs_frame_copy_... and ..._to_buffer write to its
  * buffers, ..._export_... calls back with a file's bytes. There is no allocator to be given for working memory: Rust
  * has one for a whole program, not one for a handle. It comes from the C library's malloc, calloc, realloc,
- * posix_memalign and free, so an allocator that replaces these in the process serves the shared library too. There is
- * no limit either: if memory runs out, the process is aborted.
+ * posix_memalign and free, so an allocator that replaces these in the process serves the shared library too. The option
+ * max_memory refuses a frame that would need more before it takes it; if the process itself runs out, it is aborted.
  *
  * Structs. Those that callers fill in begin with struct_size; call their init function first and set members then.
  * Arrays of them hold elements of one size. Later versions add members at the end only, so programs built with an
@@ -465,6 +465,9 @@ typedef struct pcmvs_options {
   pcmvs_parallel_fn parallel;
   // Handed to `parallel`.
   void *parallel_user;
+  // Most bytes that a frame may need on one thread beside the pictures given to it, or 0 for no limit. A frame that
+  // needs more fails with `PCMVS_STATUS_OUT_OF_MEMORY` as soon as its hull is known, and tells how much it needs.
+  uint64_t max_memory;
 } pcmvs_options;
 
 // A mesh in the frame's memory: packed arrays, valid until the next call on the frame that is not const.

@@ -55,6 +55,9 @@ pub struct Reconstruct {
     /// Threads over frames and views; the result does not depend on it [default: all cores]
     #[arg(long, value_name = "N")]
     pub threads: Option<NonZeroUsize>,
+    /// Most memory that a frame may need, in MiB, beside its pictures: one that needs more fails at once
+    #[arg(long, value_name = "MIB")]
+    pub max_memory: Option<u64>,
     /// Format of the meshes
     #[arg(long, value_enum, default_value_t = Format::Glb)]
     pub format: Format,

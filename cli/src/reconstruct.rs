@@ -40,6 +40,7 @@ pub fn run(options: &Reconstruct, cancelled: &AtomicBool) -> Result<(), Failure>
     for assignment in &options.overrides {
         params = overrides::set(&params, assignment).map_err(Failure::Input)?;
     }
+    params.max_memory = options.max_memory.map(|mib| mib << 20);
     let key = chroma_key(options.masks, &scene)?;
     let settings = settings(options.format, &params, &cameras, key.as_ref())?;
     let threads = match options.threads {

@@ -32,6 +32,8 @@ pub struct Params {
     pub meshing: MeshingParams,
     /// Colours (§7).
     pub colour: ColourParams,
+    /// Most bytes that a frame may need ([`crate::memory`]); one that needs more fails before it takes them.
+    pub max_memory: Option<u64>,
 }
 
 /// Which result is made.
@@ -192,6 +194,7 @@ impl Params {
                 smallest_component: 0.01,
             },
             colour: ColourParams { gains: true, blended_views: 3 },
+            max_memory: None,
         };
         match preset {
             Preset::Default => default,

@@ -44,6 +44,9 @@ pub struct pcmvs_options {
     pub parallel: pcmvs_parallel_fn,
     /// Handed to `parallel`.
     pub parallel_user: *mut c_void,
+    /// Most bytes that a frame may need on one thread beside the pictures given to it, or 0 for no limit. A frame that
+    /// needs more fails with `PCMVS_STATUS_OUT_OF_MEMORY` as soon as its hull is known, and tells how much it needs.
+    pub max_memory: u64,
 }
 
 impl Growing for pcmvs_options {
@@ -62,6 +65,7 @@ unsafe impl Versioned for pcmvs_options {
             progress_user: null_mut(),
             parallel: None,
             parallel_user: null_mut(),
+            max_memory: 0,
         }
     }
 }
@@ -87,6 +91,7 @@ impl pcmvs_options {
             }
             params.meshing.voxel_pixels = self.voxel_pixels;
         }
+        params.max_memory = (self.max_memory != 0).then_some(self.max_memory);
         Ok(params)
     }
 

@@ -15,7 +15,7 @@ use crate::{
 };
 use pcmvs_core::{
     Counts, Executor, Mesh, Params, PointCloud, Progress, Rig, Stage, Stages, View, ViewInput, colour, detect::Level,
-    hull::VisualHull, params::Method, stages,
+    hull::VisualHull, memory, params::Method, stages,
 };
 use self_cell::self_cell;
 use std::{
@@ -120,10 +120,19 @@ impl Pipeline {
                 Some(carved) => carved.into_owner(),
                 None => this.views.iter_mut().filter_map(|slot| slot_of(slot).take()).collect(),
             };
-            match Carved::try_new_or_recover(views, |views| VisualHull::new(views, &this.params.hull, progress)) {
-                Ok(carved) => {
-                    (this.stages.hull, this.counts.components_dropped) =
-                        stages::hull_mesh(carved.borrow_dependent(), &this.params);
+            let carve = |views| {
+                let carved =
+                    Carved::try_new_or_recover(views, |views| VisualHull::new(views, &this.params.hull, progress))?;
+                let (mesh, dropped) = stages::hull_mesh(carved.borrow_dependent(), &this.params);
+                let needed = memory::needed(carved.borrow_owner(), &mesh, &this.params);
+                match memory::check(needed, this.params.max_memory) {
+                    Ok(()) => Ok((carved, mesh, dropped)),
+                    Err(error) => Err((carved.into_owner(), error)),
+                }
+            };
+            match carve(views) {
+                Ok((carved, mesh, dropped)) => {
+                    (this.stages.hull, this.counts.components_dropped) = (mesh, dropped);
                     this.carved = Some(carved);
                     Ok(())
                 }

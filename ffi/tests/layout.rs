@@ -154,7 +154,17 @@ fn c_and_rust_agree() {
     layout!(facts, pcmvs_view { struct_size, reserved, image, mask, clean_plate, chroma_key });
     layout!(
         facts,
-        pcmvs_options { struct_size, preset, frame, voxel_pixels, progress, progress_user, parallel, parallel_user }
+        pcmvs_options {
+            struct_size,
+            preset,
+            frame,
+            voxel_pixels,
+            progress,
+            progress_user,
+            parallel,
+            parallel_user,
+            max_memory
+        }
     );
     layout!(facts, pcmvs_mesh { vertex_count, triangle_count, positions, normals, colours, triangles, origin });
     layout!(facts, pcmvs_point { position, normal, fidelity, weight, camera, rank });

@@ -4,6 +4,7 @@ use crate::{
     Result,
     measure::{Captured, Job, Measured},
     process::root,
+    speed,
     tables::{Table, figure, replace_in},
 };
 use std::fs;
@@ -46,7 +47,8 @@ const CONFIGURATIONS: [(&str, Option<&str>); 3] = [
 ];
 
 /// The tables, each of which can be renewed alone.
-const PARTS: [&str; 4] = ["scores", "ablations-default", "configurations", "ablations-paper"];
+const PARTS: [&str; 7] =
+    ["scores", "ablations-default", "configurations", "ablations-paper", "scaling", "threads", "meshing"];
 
 /// Measures and writes the tables, all or one; `quick` takes one scene, one frame and two ideas, and prints them.
 pub fn run(quick: bool, part: Option<&str>) -> Result<()> {
@@ -56,7 +58,8 @@ pub fn run(quick: bool, part: Option<&str>) -> Result<()> {
     let captured = Captured::find()??;
     let ideas = if quick { &IDEAS[..2] } else { &IDEAS };
     let ablation_scenes = if quick { &ABLATION_SCENES[..1] } else { &ABLATION_SCENES };
-    for name in PARTS.into_iter().filter(|name| part.is_none_or(|part| part == *name)) {
+    let parts = if quick { &PARTS[..2] } else { &PARTS[..] };
+    for name in parts.iter().copied().filter(|name| part.is_none_or(|part| part == *name)) {
         let made = match name {
             "scores" => {
                 let results = results(&captured, if quick { &SCENES[..1] } else { &SCENES })?;
@@ -66,6 +69,9 @@ pub fn run(quick: bool, part: Option<&str>) -> Result<()> {
                 vec![("machine", machine()), ("scores", scores(&results)), ("seconds", seconds(&results))]
             }
             "configurations" => vec![(name, configurations(&captured)?)],
+            "scaling" => vec![(name, speed::scaling()?)],
+            "threads" => vec![(name, speed::threads()?)],
+            "meshing" => vec![(name, speed::meshing()?)],
             _ => vec![(name, ablations(&captured, &name["ablations-".len()..], ideas, ablation_scenes)?)],
         };
         if quick {

@@ -3,11 +3,12 @@
 use crate::{
     Result,
     process::{cargo, program, root, show, target},
+    web,
 };
 use std::time::Instant;
 
-/// Makes out/sample, out/demo and out/demo/look.png; keeps what is there.
-pub fn run() -> Result<()> {
+/// Makes out/sample, out/demo and out/demo/look.png, keeping what is there; then serves the page unless `no_serve`.
+pub fn run(no_serve: bool) -> Result<()> {
     println!("Building pcmvs and the studio ...");
     show(&mut cargo("build --quiet --release --package pcmvs-cli --package studio --bins"))?;
     let start = Instant::now();
@@ -29,5 +30,9 @@ pub fn run() -> Result<()> {
     println!("                    on any glTF viewer's page; up is +z, most viewers take it for +y");
     println!("  sequence.json     the clip's manifest, for players");
     println!("  report.json       seconds, counts and hashes of every stage");
-    Ok(())
+    if no_serve {
+        return Ok(());
+    }
+    println!("Building the page, which reconstructs the sample in the browser ...");
+    web::demo()
 }

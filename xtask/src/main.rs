@@ -4,6 +4,7 @@ mod abi;
 mod abi_check;
 mod bench;
 mod captured;
+mod compiler;
 mod demo;
 mod golden;
 mod measure;
@@ -11,6 +12,7 @@ mod no_std;
 mod process;
 mod sample;
 mod serve;
+mod speed;
 mod steps;
 mod tables;
 mod test;
@@ -31,9 +33,9 @@ struct Arguments {
 
 #[derive(Debug, Subcommand)]
 enum Task {
-    /// Reconstruct a sample capture, made on the spot, into out/demo
+    /// Reconstruct a sample capture, made on the spot, into out/demo; then build the page that does the same, and serve it
     Demo {
-        /// Do not open the page that plays the result (there is none yet)
+        /// Neither build the page nor serve it
         #[arg(long)]
         no_serve: bool,
     },
@@ -77,7 +79,8 @@ enum Task {
         /// One scene only, and the tables go to the terminal
         #[arg(long)]
         quick: bool,
-        /// One table only: scores, ablations-default, configurations or ablations-paper
+        /// One table only: scores, ablations-default, configurations, ablations-paper,
+        /// scaling, threads or meshing
         #[arg(long)]
         part: Option<String>,
     },
@@ -85,7 +88,7 @@ enum Task {
 
 fn main() -> ExitCode {
     let result = match Arguments::parse().task {
-        Task::Demo { no_serve: _ } => demo::run(),
+        Task::Demo { no_serve } => demo::run(no_serve),
         Task::Test { all } => test::run(all),
         Task::Golden { renew: true } => golden::renew(),
         Task::Golden { .. } => golden::all(),

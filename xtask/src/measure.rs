@@ -153,7 +153,7 @@ fn masked_cameras(scene: &Path, index: u64) -> Result<Option<String>> {
     Ok((masked.len() < masks.len()).then(|| masked.join(",")))
 }
 
-fn packages() -> PathBuf {
+pub fn packages() -> PathBuf {
     target().join("python")
 }
 

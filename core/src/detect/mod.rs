@@ -95,3 +95,6 @@ pub fn detect(
     }
     Ok((cloud, counts))
 }
+
+#[cfg(test)]
+mod tests;

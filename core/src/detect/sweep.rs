@@ -20,7 +20,7 @@ pub const MAX_RADIUS: usize = 4;
 const WIDTH: usize = TILE + 2 * MAX_RADIUS;
 
 /// Added to the variances in grey levels squared: windows whose contrast is no more than noise do not correlate.
-const NOISE_VARIANCE: f32 = 1.0;
+pub const NOISE_VARIANCE: f32 = 1.0;
 
 /// A row of a tile with its margin.
 type Row = [f32; WIDTH];

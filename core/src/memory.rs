@@ -1,0 +1,59 @@
+//! What a frame needs of memory, so that a host can refuse it before it is taken.
+//!
+//! On one thread and without the pictures that the host hands in, a frame needs at most
+//!
+//! `6 P + max(16 MiB, level P + point S + 640 V)` bytes
+//!
+//! with P the pixels of all views, S those of them inside the silhouettes and V the vertices of the final mesh. `level`
+//! is 3 for detection at full resolution and 3/4 at half, where S counts a quarter too; `point` is 140, or 200 where
+//! clouds are thinned and cleaned of conflicts (§5); both are 0 for the hull alone. The factors are measured.
+
+use crate::{
+    error::{Error, Result},
+    params::{Method, Params},
+    point_cloud::Mesh,
+    rig::Rig,
+    view::View,
+};
+
+/// Colours, luma and silhouette.
+const PER_PIXEL: u64 = 6;
+/// The search for the hull.
+const SEARCH: u64 = 16 << 20;
+/// Grids and samples of the Poisson solver, the mesh, its colours.
+const PER_VERTEX: f64 = 640.0;
+
+/// The least that any frame of a rig needs, in bytes.
+pub fn least(rig: &Rig) -> u64 {
+    let pixels = rig.cameras().iter().map(|c| u64::from(c.width) * u64::from(c.height)).sum::<u64>();
+    PER_PIXEL * pixels + SEARCH
+}
+
+/// What a frame needs at most, in bytes, once its silhouettes and its hull's mesh are known.
+pub fn needed(views: &[View], hull_mesh: &Mesh, params: &Params) -> u64 {
+    let pixels = views.iter().map(|v| v.luma.len()).sum::<usize>() as f64;
+    let inside = |v: &View| match &v.silhouette {
+        Some(silhouette) => silhouette.distances().iter().filter(|&&d| d > 0).count(),
+        None => v.luma.len(),
+    };
+    let finer = params.hull.voxel_pixels / params.meshing.voxel_pixels;
+    let mut later = PER_VERTEX * hull_mesh.positions.len() as f64 * f64::from((finer * finer).max(1.0));
+    if params.method == Method::Pcmvs {
+        let share = if params.detection.halved { 0.25 } else { 1.0 };
+        let cleaned = params.merging.downsample.is_some() || params.merging.conflicts.is_some();
+        let silhouettes = views.iter().map(inside).sum::<usize>() as f64;
+        later += share * (3.0 * pixels + if cleaned { 200.0 } else { 140.0 } * silhouettes);
+    }
+    PER_PIXEL * pixels as u64 + SEARCH.max(later as u64)
+}
+
+/// Refuses what is more than `limit` allows.
+///
+/// # Errors
+/// [`Error::OutOfMemory`].
+pub fn check(needed: u64, limit: Option<u64>) -> Result<()> {
+    match limit {
+        Some(limit) if needed > limit => Err(Error::OutOfMemory { needed, limit }),
+        _ => Ok(()),
+    }
+}

@@ -1,0 +1,88 @@
+//! What a frame needs of memory is known before it is taken.
+#![allow(unsafe_code)]
+
+use facts::Shot;
+use pcmvs_core::{Error, Mesh, Params, Preset, memory};
+use std::{
+    alloc::{GlobalAlloc, Layout, System},
+    sync::{
+        Mutex,
+        atomic::{AtomicUsize, Ordering},
+    },
+};
+use studio::{Faults, Ring, Subject};
+
+/// Counts the bytes that are taken, and the most at a time.
+struct Counting;
+
+/// One test at a time: they count together.
+static ALONE: Mutex<()> = Mutex::new(());
+static TAKEN: AtomicUsize = AtomicUsize::new(0);
+static MOST: AtomicUsize = AtomicUsize::new(0);
+
+// SAFETY: everything is handed on to the system.
+unsafe impl GlobalAlloc for Counting {
+    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
+        let taken = TAKEN.fetch_add(layout.size(), Ordering::Relaxed) + layout.size();
+        MOST.fetch_max(taken, Ordering::Relaxed);
+        unsafe { System.alloc(layout) }
+    }
+
+    unsafe fn dealloc(&self, pointer: *mut u8, layout: Layout) {
+        TAKEN.fetch_sub(layout.size(), Ordering::Relaxed);
+        unsafe { System.dealloc(pointer, layout) }
+    }
+}
+
+#[global_allocator]
+static ALLOCATOR: Counting = Counting;
+
+/// Reconstructs and tells the most bytes taken at a time.
+fn most(work: impl FnOnce()) -> u64 {
+    let before = TAKEN.load(Ordering::Relaxed);
+    MOST.store(before, Ordering::Relaxed);
+    work();
+    (MOST.load(Ordering::Relaxed) - before) as u64
+}
+
+/// The formula holds, and is not even twice what is taken where pictures weigh more than the search for the hull does.
+/// A frame that is allowed what it needs is made, with one byte less it is refused, long before it is taken.
+#[test]
+fn a_frame_takes_what_the_formula_says() {
+    let _alone = ALONE.lock();
+    for (count, width, height) in [(8, 160, 120), (40, 320, 240), (10, 640, 480)] {
+        let cameras = Ring { count, ..Ring::default() }.sized(width, height).cameras();
+        let shot = Shot::new(Subject::Figure, &cameras, &Faults::default());
+        let rig = shot.rig();
+        let views = shot.views(&rig);
+        for preset in [Preset::Default, Preset::Paper, Preset::Hull, Preset::Preview] {
+            let mut params = Params::preset(preset);
+            let mut hull = Mesh::default();
+            let taken = most(|| hull = shot.reconstruct(&params).expect("nothing is wrong").stages.hull);
+            let needed = memory::needed(&views, &hull, &params);
+            assert!(taken <= needed, "{preset:?}, {count} x {width}: {taken} bytes taken, {needed} foretold");
+            assert!(width < 320 || 5 * needed < 9 * taken, "{preset:?}, {count} x {width}: {taken} of {needed}");
+
+            params.max_memory = Some(needed - 1);
+            let mut refused = None;
+            let taken = most(|| refused = shot.reconstruct(&params).err());
+            assert_eq!(refused, Some(Error::OutOfMemory { needed, limit: needed - 1 }));
+            assert!(taken <= needed.max(memory::least(&rig) + 2 * u64::from(width * height)));
+            params.max_memory = Some(memory::least(&rig) - 1);
+            let taken = most(|| refused = shot.reconstruct(&params).err());
+            assert!(matches!(refused, Some(Error::OutOfMemory { .. })));
+            assert!(taken < 1 << 20, "{taken} bytes taken before the refusal");
+        }
+    }
+}
+
+/// A frame of 20 views of 1024 x 768 stays below 400 MiB.
+#[test]
+fn a_usual_frame_takes_less_than_400_mib() {
+    let _alone = ALONE.lock();
+    let cameras = Ring::default().sized(1024, 768).cameras();
+    let shot = Shot::new(Subject::Figure, &cameras, &Faults::default());
+    let taken = most(|| drop(shot.reconstruct(&Params::preset(Preset::Default)).expect("nothing is wrong")));
+    println!("{} MiB", taken >> 20);
+    assert!(taken < 400 << 20);
+}

@@ -1,0 +1,56 @@
+//! Compilers for targets other than this machine.
+
+use crate::{
+    Result,
+    process::{cargo, program, run, target},
+};
+use std::{path::Path, process::Command};
+
+/// Where a target's standard library comes from.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Compiler {
+    /// Ready made, from rustup.
+    Rustup,
+    /// Where rustup's server cannot be reached: Debian's compiler builds it from its sources.
+    Debian,
+}
+
+impl Compiler {
+    /// Installs what compiling for the targets needs.
+    pub fn install(targets: &[&str]) -> Result<Self> {
+        let installed = run(&mut program("rustup", "target list --installed")).unwrap_or_default();
+        let missing: Vec<&&str> = targets.iter().filter(|t| !installed.lines().any(|line| line == **t)).collect();
+        if missing.is_empty() || run(program("rustup", "target add").args(&missing)).is_ok() {
+            return Ok(Self::Rustup);
+        }
+        if !Path::new("/usr/lib/rustlib/src/rust/library").exists() {
+            for arguments in ["update -qq", "install -y -qq --no-install-recommends rustc-web cargo-web rust-web-src"] {
+                run(program("apt-get", arguments).env("DEBIAN_FRONTEND", "noninteractive"))?;
+            }
+        }
+        Ok(Self::Debian)
+    }
+
+    /// Cargo with a command for a target; `library` are the parts of the standard library that it needs.
+    pub fn cargo(self, arguments: &str, triple: &str, library: &str) -> Result<Command> {
+        if self == Self::Rustup {
+            return Ok(cargo(&format!("{arguments} --target {triple}")));
+        }
+        let mut command = program("/usr/bin/cargo", &format!("{arguments} -Zbuild-std={library} --target {triple}"));
+        command.env("RUSTC_BOOTSTRAP", "1").env("RUSTC", "/usr/bin/rustc").env_remove("RUSTUP_TOOLCHAIN");
+        if triple.starts_with("wasm32") {
+            // Debian's compiler comes without the linker that rustup's has.
+            let (sysroot, host) = (run(&mut program("rustc", "--print sysroot"))?, host()?);
+            let linker = Path::new(sysroot.trim()).join("lib/rustlib").join(host).join("bin/rust-lld");
+            let variable = triple.to_uppercase().replace('-', "_");
+            command.env(format!("CARGO_TARGET_{variable}_LINKER"), linker);
+        }
+        // A folder of its own: two compilers in one would build everything twice, every time.
+        command.env("CARGO_TARGET_DIR", target().join("debian"));
+        Ok(command)
+    }
+}
+
+fn host() -> Result<String> {
+    Ok(run(&mut program("rustc", "--print host-tuple"))?.trim().to_owned())
+}

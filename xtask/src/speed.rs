@@ -1,0 +1,157 @@
+//! How time grows with views and pixels, what a second thread brings, and meshing beside another solver.
+
+use crate::{
+    Result,
+    measure::packages,
+    process::{cargo, program, root, run, target},
+    tables::{Table, figure},
+};
+use serde_json::Value;
+use std::{
+    fs,
+    path::{Path, PathBuf},
+    time::Instant,
+};
+
+/// Seconds and memory of one run of the command.
+struct Run {
+    /// From start to end.
+    wall: f64,
+    frames: Vec<Value>,
+}
+
+impl Run {
+    /// Mean seconds a frame of the steps that `wanted` names.
+    fn seconds(&self, wanted: impl Fn(&str) -> bool) -> f64 {
+        let steps = self.frames.iter().filter_map(|f| f["seconds"].as_object()).flatten();
+        let sum: f64 = steps.filter(|(name, _)| wanted(name)).filter_map(|(_, s)| s.as_f64()).sum();
+        sum / self.frames.len() as f64
+    }
+
+    /// From decoded pictures to the coloured mesh.
+    fn work(&self) -> f64 {
+        self.seconds(|name| name != "decode" && name != "write")
+    }
+
+    fn mebibytes(&self) -> f64 {
+        self.frames.iter().filter_map(|f| f["peak_memory"].as_f64()).fold(0.0, f64::max) / f64::from(1 << 20)
+    }
+}
+
+fn folder() -> PathBuf {
+    target().join("speed")
+}
+
+fn build() -> Result<()> {
+    run(&mut cargo("build --quiet --release --package pcmvs-cli --package studio --bins")).map(drop)
+}
+
+/// Renders a capture of the studio's figure, unless it is there.
+fn capture(views: u32, (width, height): (u32, u32), frames: u32) -> Result<PathBuf> {
+    let scene = folder().join(format!("{views}x{width}x{frames}"));
+    if !scene.join("scene.json").exists() {
+        eprintln!("rendering {views} views of {width} x {height}");
+        let arguments = format!("--size {width}x{height} --views {views} --frames {frames} --output");
+        run(program(target().join("release/studio"), &arguments).arg(&scene))?;
+    }
+    Ok(scene)
+}
+
+fn reconstruct(scene: &Path, threads: u32) -> Result<Run> {
+    let out = folder().join("out");
+    if out.exists() {
+        fs::remove_dir_all(&out).map_err(|e| format!("{}: {e}", out.display()))?;
+    }
+    let mut command = program(target().join("release/pcmvs"), &format!("reconstruct --threads {threads}"));
+    let start = Instant::now();
+    run(command.arg(scene).arg("-o").arg(&out))?;
+    let wall = start.elapsed().as_secs_f64();
+    let path = out.join("report.json");
+    let bytes = fs::read(&path).map_err(|e| format!("{}: {e}", path.display()))?;
+    let report: Value = serde_json::from_slice(&bytes).map_err(|e| format!("{}: {e}", path.display()))?;
+    Ok(Run { wall, frames: report["frames"].as_array().cloned().unwrap_or_default() })
+}
+
+/// The faster of two runs.
+fn best(scene: &Path, threads: u32) -> Result<Run> {
+    let (a, b) = (reconstruct(scene, threads)?, reconstruct(scene, threads)?);
+    Ok(if a.wall < b.wall { a } else { b })
+}
+
+/// Seconds and memory for more views, and for larger pictures.
+pub fn scaling() -> Result<String> {
+    build()?;
+    let sizes = [(320, 240), (640, 480), (1024, 768), (2048, 1536)];
+    let views = [5, 10, 20, 40].map(|views| (views, (1024, 768)));
+    let widths = sizes.map(|size| (20, size));
+    let mut table = Table::new(&["views", "pictures", "s", "s per view and megapixel", "MiB"]);
+    for (views, (width, height)) in views.into_iter().chain(widths) {
+        let measured = best(&capture(views, (width, height), 1)?, 1)?;
+        let megapixels = f64::from(views * width * height) / 1e6;
+        table.row(&[
+            views.to_string(),
+            format!("{width} x {height}"),
+            figure(Some(measured.work()), 2),
+            figure(Some(measured.work() / megapixels), 3),
+            figure(Some(measured.mebibytes()), 0),
+        ]);
+    }
+    Ok(table.text())
+}
+
+/// What two threads bring over one, for one frame and for many.
+pub fn threads() -> Result<String> {
+    build()?;
+    let mut table = Table::new(&["two threads instead of one", "1: s", "2: s", "times"]);
+    let mut row = |name: &str, one: f64, two: f64| {
+        table.row(&[name.to_owned(), figure(Some(one), 2), figure(Some(two), 2), figure(Some(one / two), 2)]);
+    };
+    let one_frame = capture(20, (1024, 768), 1)?;
+    let (one, two) = (best(&one_frame, 1)?, best(&one_frame, 2)?);
+    let detect = |name: &str| name == "detect";
+    row("one frame: detection", one.seconds(detect), two.seconds(detect));
+    row("one frame: all of it", one.wall, two.wall);
+    let clip = capture(20, (1024, 768), 8)?;
+    row("eight frames", best(&clip, 1)?.wall, best(&clip, 2)?.wall);
+    Ok(table.text())
+}
+
+/// Open3D's meshing, which is Kazhdan's PoissonRecon, of the same points: seconds of processor time on one thread.
+const OTHER: &str = "
+import sys, time, numpy as np, open3d as o3d
+cloud = o3d.io.read_point_cloud(sys.argv[1])
+start = time.process_time()
+mesh, _ = o3d.geometry.TriangleMesh.create_from_point_cloud_poisson(cloud, depth=8, n_threads=1)
+seconds = time.process_time() - start
+p = np.asarray(mesh.vertices)
+ring = np.hypot(p[:, 0], p[:, 1]) - 0.38
+error = np.abs(0.15 - np.hypot(ring, p[:, 2]))
+print(seconds, len(p), error.mean() * 1e3, np.quantile(error, 0.99) * 1e3)
+";
+
+/// Meshing alone, of 200,000 points on a torus, beside Open3D's.
+pub fn meshing() -> Result<String> {
+    let points = folder().join("torus.ply");
+    fs::create_dir_all(folder()).map_err(|e| format!("{}: {e}", folder().display()))?;
+    let ours = run(cargo("run --quiet --release --package pcmvs-core --example meshing").arg(&points))?;
+    let mut other = program("python3", "-c");
+    let other = run(other.arg(OTHER).arg(&points).env("PYTHONPATH", packages()).current_dir(root()))?;
+    let mut table =
+        Table::new(&["200,000 points on a torus", "s", "vertices", "mean error, ‰", "99 % within, ‰", "times faster"]);
+    let figures = |line: &str| -> Vec<f64> { line.split_whitespace().filter_map(|v| v.parse().ok()).collect() };
+    let (ours, other) = (figures(&ours), figures(&other));
+    for (name, f) in [("pcmvs", &ours), ("Open3D (PoissonRecon), depth 8, one thread", &other)] {
+        let &[seconds, vertices, mean, most] = f.as_slice() else {
+            return Err(format!("{name}: unexpected output"));
+        };
+        table.row(&[
+            name.to_owned(),
+            figure(Some(seconds), 2),
+            figure(Some(vertices), 0),
+            figure(Some(mean), 3),
+            figure(Some(most), 3),
+            figure(Some(other[0] / seconds), 1),
+        ]);
+    }
+    Ok(table.text())
+}
