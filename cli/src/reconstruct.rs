@@ -40,9 +40,10 @@ pub fn run(options: &Reconstruct, cancelled: &AtomicBool) -> Result<(), Failure>
     for assignment in &options.overrides {
         params = overrides::set(&params, assignment).map_err(Failure::Input)?;
     }
-    params.max_memory = options.max_memory.map(|mib| mib << 20);
     let key = chroma_key(options.masks, &scene)?;
     let settings = settings(options.format, &params, &cameras, key.as_ref())?;
+    // Not among the settings: frames do not differ by it.
+    params.max_memory = options.max_memory.map(|mib| mib.saturating_mul(1 << 20));
     let threads = match options.threads {
         Some(threads) => threads,
         None => thread::available_parallelism().unwrap_or(NonZeroUsize::MIN),

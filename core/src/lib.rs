@@ -72,7 +72,7 @@ pub fn reconstruct(
     if inputs.len() != rig.cameras().len() {
         return Err(Error::ViewCount { given: inputs.len() as u32, cameras: rig.cameras().len() as u32 });
     }
-    memory::check(memory::least(rig), params.max_memory)?;
+    memory::check_least(rig, params)?;
     let mut counts = Counts::default();
     let views = timed(progress, Stage::Views, || views(rig, inputs, executor, progress))?;
 
@@ -80,9 +80,7 @@ pub fn reconstruct(
     let hull = timed(progress, Stage::Hull, || VisualHull::new(&views, &params.hull, progress))?;
     let mut stages = Stages::default();
     (stages.hull, counts.components_dropped) = stages::hull_mesh(&hull, params);
-    if params.max_memory.is_some() {
-        memory::check(memory::needed(&views, &stages.hull, params), params.max_memory)?;
-    }
+    memory::check(&views, &stages.hull, params)?;
     let mut mesh = if params.method == Method::Hull {
         stages.hull.clone()
     } else {

@@ -47,13 +47,22 @@ pub fn needed(views: &[View], hull_mesh: &Mesh, params: &Params) -> u64 {
     PER_PIXEL * pixels as u64 + SEARCH.max(later as u64)
 }
 
-/// Refuses what is more than `limit` allows.
+/// Refuses a frame that needs more than `params` allow, once its silhouettes and its hull's mesh are known.
 ///
 /// # Errors
 /// [`Error::OutOfMemory`].
-pub fn check(needed: u64, limit: Option<u64>) -> Result<()> {
-    match limit {
-        Some(limit) if needed > limit => Err(Error::OutOfMemory { needed, limit }),
-        _ => Ok(()),
-    }
+pub fn check(views: &[View], hull_mesh: &Mesh, params: &Params) -> Result<()> {
+    params.max_memory.map_or(Ok(()), |limit| within(needed(views, hull_mesh, params), limit))
+}
+
+/// Refuses any frame of a rig for which `params` allow too little.
+///
+/// # Errors
+/// [`Error::OutOfMemory`].
+pub fn check_least(rig: &Rig, params: &Params) -> Result<()> {
+    params.max_memory.map_or(Ok(()), |limit| within(least(rig), limit))
+}
+
+fn within(needed: u64, limit: u64) -> Result<()> {
+    if needed <= limit { Ok(()) } else { Err(Error::OutOfMemory { needed, limit }) }
 }

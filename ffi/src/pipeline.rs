@@ -124,8 +124,7 @@ impl Pipeline {
                 let carved =
                     Carved::try_new_or_recover(views, |views| VisualHull::new(views, &this.params.hull, progress))?;
                 let (mesh, dropped) = stages::hull_mesh(carved.borrow_dependent(), &this.params);
-                let needed = memory::needed(carved.borrow_owner(), &mesh, &this.params);
-                match memory::check(needed, this.params.max_memory) {
+                match memory::check(carved.borrow_owner(), &mesh, &this.params) {
                     Ok(()) => Ok((carved, mesh, dropped)),
                     Err(error) => Err((carved.into_owner(), error)),
                 }

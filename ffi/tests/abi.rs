@@ -45,10 +45,12 @@ fn stubs(folder: &Path) -> PathBuf {
             code += " { __builtin_trap(); }\n";
         }
     }
-    let (source, object) = (folder.join("stubs.c"), folder.join("libpcmvs.so"));
-    fs::write(&source, code).unwrap();
+    let object = folder.join("libpcmvs.so");
+    fs::write(folder.join("stubs.c"), code).unwrap();
+    // By a relative name: the dump shall have no folder of this machine.
     let mut cc = Command::new("gcc");
-    cc.args(["-std=c11", "-g", "-shared", "-fPIC", "-w", "-I"]).arg(root().join("include")).arg(source);
+    cc.current_dir(folder).args(["-std=c11", "-g", "-shared", "-fPIC", "-w", "-I"]);
+    cc.arg(root().join("include")).arg("stubs.c");
     run(cc.arg(format!("-Wl,-soname,{}", common::soname())).arg("-o").arg(&object));
     object
 }

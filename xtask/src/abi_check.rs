@@ -7,6 +7,7 @@ use crate::{
     Result,
     abi::{install, problem},
     process::{cargo, program, root, run, target},
+    setup::{self, Package},
     steps::{Outcome, Steps, passed},
 };
 use std::{
@@ -14,21 +15,20 @@ use std::{
     path::{Path, PathBuf},
 };
 
-/// Debian's packages that the checks need, and a program or file of each.
-const PACKAGES: [(&str, &str); 6] = [
+/// What the checks need; OpenCV, which is large, only for its example.
+const PACKAGES: [Package; 7] = [
     ("gcc g++", "/usr/bin/g++"),
     ("clang", "/usr/bin/clang"),
     ("cmake", "/usr/bin/cmake"),
     ("pkg-config", "/usr/bin/pkg-config"),
     ("valgrind", "/usr/bin/valgrind"),
     ("abigail-tools", "/usr/bin/abidiff"),
+    ("libopencv-dev", "/usr/include/opencv4/opencv2/opencv.hpp"),
 ];
-/// Only the OpenCV example needs it: it is large.
-const OPENCV: (&str, &str) = ("libopencv-dev", "/usr/include/opencv4/opencv2/opencv.hpp");
 
 /// All checks of the C library.
 pub fn check(steps: &mut Steps) -> Result<()> {
-    steps.step("C: tools", || set_up().map(passed))?;
+    steps.step("C: tools", || setup::debian(&PACKAGES).map(passed))?;
     steps.step("C: tests, the long ones too", || {
         run(cargo("test --quiet -p pcmvs-ffi -- --include-ignored").env("PCMVS_ALL_TOOLS", "1")).map(passed)
     })?;
@@ -43,18 +43,6 @@ pub fn check(steps: &mut Steps) -> Result<()> {
 /// Where programs and installed copies go.
 fn work() -> PathBuf {
     target().join("abi")
-}
-
-/// Installs what is missing.
-fn set_up() -> Result<()> {
-    let missing = PACKAGES.iter().chain([&OPENCV]).filter(|(_, file)| !Path::new(file).exists());
-    let missing: Vec<&str> = missing.map(|&(package, _)| package).collect();
-    if missing.is_empty() {
-        return Ok(());
-    }
-    run(&mut program("apt-get", "-qq update"))?;
-    let install = format!("-qq install -y --no-install-recommends {}", missing.join(" "));
-    run(program("apt-get", &install).env("DEBIAN_FRONTEND", "noninteractive")).map(drop)
 }
 
 /// Installs, moves what was installed, and builds and runs users' programs against it, from another folder.

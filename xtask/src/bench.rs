@@ -48,12 +48,18 @@ const CONFIGURATIONS: [(&str, Option<&str>); 3] = [
 
 /// The tables, each of which can be renewed alone.
 const PARTS: [&str; 7] =
-    ["scores", "ablations-default", "configurations", "ablations-paper", "scaling", "threads", "meshing"];
+    ["scores", "ablations-default", "configurations", "ablations-paper", SPEED[0], SPEED[1], SPEED[2]];
+
+/// Those that need no captured scenes.
+const SPEED: [&str; 3] = ["scaling", "threads", "meshing"];
 
 /// Measures and writes the tables, all or one; `quick` takes one scene, one frame and two ideas, and prints them.
 pub fn run(quick: bool, part: Option<&str>) -> Result<()> {
     if let Some(part) = part.filter(|part| !PARTS.contains(part)) {
         return Err(format!("there is no table {part}: {}", PARTS.join(", ")));
+    }
+    if let Some(part) = part.filter(|part| SPEED.contains(part)) {
+        return replace_in(&root().join("BENCHMARKS.md"), &[(part, speed::table(part)?)]);
     }
     let captured = Captured::find()??;
     let ideas = if quick { &IDEAS[..2] } else { &IDEAS };
@@ -69,9 +75,7 @@ pub fn run(quick: bool, part: Option<&str>) -> Result<()> {
                 vec![("machine", machine()), ("scores", scores(&results)), ("seconds", seconds(&results))]
             }
             "configurations" => vec![(name, configurations(&captured)?)],
-            "scaling" => vec![(name, speed::scaling()?)],
-            "threads" => vec![(name, speed::threads()?)],
-            "meshing" => vec![(name, speed::meshing()?)],
+            _ if SPEED.contains(&name) => vec![(name, speed::table(name)?)],
             _ => vec![(name, ablations(&captured, &name["ablations-".len()..], ideas, ablation_scenes)?)],
         };
         if quick {

@@ -3,6 +3,7 @@
 use crate::{
     Result,
     process::{cargo, program, run, target},
+    setup,
 };
 use std::{path::Path, process::Command};
 
@@ -18,16 +19,10 @@ pub enum Compiler {
 impl Compiler {
     /// Installs what compiling for the targets needs.
     pub fn install(targets: &[&str]) -> Result<Self> {
-        let installed = run(&mut program("rustup", "target list --installed")).unwrap_or_default();
-        let missing: Vec<&&str> = targets.iter().filter(|t| !installed.lines().any(|line| line == **t)).collect();
-        if missing.is_empty() || run(program("rustup", "target add").args(&missing)).is_ok() {
+        if setup::rust_targets(targets).is_ok() {
             return Ok(Self::Rustup);
         }
-        if !Path::new("/usr/lib/rustlib/src/rust/library").exists() {
-            for arguments in ["update -qq", "install -y -qq --no-install-recommends rustc-web cargo-web rust-web-src"] {
-                run(program("apt-get", arguments).env("DEBIAN_FRONTEND", "noninteractive"))?;
-            }
-        }
+        setup::debian(&[("rustc-web cargo-web rust-web-src", "/usr/lib/rustlib/src/rust/library")])?;
         Ok(Self::Debian)
     }
 

@@ -3,6 +3,7 @@
 use crate::{
     Result,
     process::{cargo, program, root, run, target},
+    setup::{self, Package},
     steps::{Outcome, Steps},
 };
 use ::golden::{
@@ -54,9 +55,6 @@ const BUILDS: [Build; 7] = [
     Build { name: "WebAssembly SIMD", machine: Machine::Wasi, flags: "-Ctarget-feature=+simd128", ..BASELINE },
     Build { name: "AArch64", machine: Machine::Aarch64, ..BASELINE },
 ];
-
-/// One of Debian's packages, and a file of it.
-type Package = (&'static str, &'static str);
 
 const EMULATOR: Package = ("qemu-user", "/usr/bin/qemu-aarch64");
 const LINKER: [Package; 2] = [
@@ -204,18 +202,8 @@ impl Machine {
             Self::OldX86 => vec![EMULATOR],
             Self::Aarch64 => vec![LINKER[0], LINKER[1], EMULATOR],
         };
-        let missing: Vec<&str> = packages.iter().filter(|(_, file)| !Path::new(file).exists()).map(|p| p.0).collect();
-        if !missing.is_empty() {
-            run(&mut program("apt-get", "-qq update"))?;
-            let mut install = program("apt-get", "-qq install -y --no-install-recommends");
-            run(install.args(missing).env("DEBIAN_FRONTEND", "noninteractive"))?;
-        }
-        let triple = self.triple()?;
-        let installed = run(&mut program("rustup", "target list --installed"))?;
-        if !installed.lines().any(|line| line == triple) {
-            run(program("rustup", "target add").arg(&triple))?;
-        }
-        Ok(())
+        setup::debian(&packages)?;
+        setup::rust_targets(&[&self.triple()?])
     }
 
     /// What runs a program for it; the program sees the folder in which this is started.

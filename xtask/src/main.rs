@@ -12,6 +12,7 @@ mod no_std;
 mod process;
 mod sample;
 mod serve;
+mod setup;
 mod speed;
 mod steps;
 mod tables;

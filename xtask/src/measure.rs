@@ -2,7 +2,7 @@
 
 use crate::{
     Result,
-    process::{cargo, program, root, run, target},
+    process::{cargo, program, run, target},
 };
 use serde_json::Value;
 use std::{
@@ -87,20 +87,19 @@ impl Measured {
 }
 
 impl Captured {
-    /// Finds data and tool, and builds the command, together with what the demo needs so that neither builds it anew.
+    /// Finds data and tool, and builds the command.
     /// The inner error says what is not there.
     pub fn find() -> Result<std::result::Result<Self, String>> {
-        let place = |variable: &str, default: &str| {
-            let path = env::var_os(variable).map_or_else(|| root().join(default), PathBuf::from);
+        let place = |variable: &str| {
+            let path = PathBuf::from(env::var_os(variable).ok_or_else(|| format!("{variable} is not set"))?);
             path.canonicalize().map_err(|_| format!("{} is not there: set {variable}", path.display()))
         };
-        let found = place("PCMVS_DATA", "../shared/data")
-            .and_then(|data| Ok((data, place("PCMVS_SCORE", "../shared/tools/score.py")?)));
+        let found = place("PCMVS_DATA").and_then(|data| Ok((data, place("PCMVS_SCORE")?)));
         let (data, tool) = match found {
             Ok(found) => found,
             Err(missing) => return Ok(Err(missing)),
         };
-        run(&mut cargo("build --quiet --release --package pcmvs-cli --package studio --bins"))?;
+        build()?;
         install_packages()?;
         Ok(Ok(Self { data, tool, pcmvs: target().join("release/pcmvs") }))
     }
@@ -115,8 +114,7 @@ impl Captured {
         command.args(job.cameras.into_iter().flat_map(|list| ["--cameras", list]));
         command.args(job.set.iter().flat_map(|assignment| ["--set", assignment]));
         run(command.arg(&scene).arg("-o").arg(&out))?;
-        let report = read_json(&out.join("report.json"))?;
-        let frames = report["frames"].as_array().cloned().unwrap_or_default();
+        let frames = reported_frames(&out)?;
         let scores = frames.iter().map(|frame| self.score(&scene, &out, frame)).collect::<Result<_>>()?;
         Ok(Measured { scores, frames })
     }
@@ -139,6 +137,16 @@ impl Captured {
     }
 }
 
+/// Builds the command, together with what the demo needs so that neither builds it anew.
+pub fn build() -> Result<()> {
+    run(&mut cargo("build --quiet --release --package pcmvs-cli --package studio --bins")).map(drop)
+}
+
+/// What the command's report has of each frame.
+pub fn reported_frames(folder: &Path) -> Result<Vec<Value>> {
+    Ok(read_json(&folder.join("report.json"))?["frames"].as_array().cloned().unwrap_or_default())
+}
+
 fn read_json(path: &Path) -> Result<Value> {
     let bytes = fs::read(path).map_err(|e| format!("{}: {e}", path.display()))?;
     serde_json::from_slice(&bytes).map_err(|e| format!("{}: {e}", path.display()))
@@ -153,12 +161,13 @@ fn masked_cameras(scene: &Path, index: u64) -> Result<Option<String>> {
     Ok((masked.len() < masks.len()).then(|| masked.join(",")))
 }
 
+/// Where Python's packages go.
 pub fn packages() -> PathBuf {
     target().join("python")
 }
 
 /// What the scoring tool imports.
-fn install_packages() -> Result<()> {
+pub fn install_packages() -> Result<()> {
     let mut check = program("python3", "-c");
     if run(check.arg("import open3d, trimesh, PIL, scipy").env("PYTHONPATH", packages())).is_ok() {
         return Ok(());

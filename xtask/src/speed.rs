@@ -2,48 +2,42 @@
 
 use crate::{
     Result,
-    measure::packages,
+    measure::{Measured, build, install_packages, packages, reported_frames},
     process::{cargo, program, root, run, target},
     tables::{Table, figure},
 };
-use serde_json::Value;
 use std::{
     fs,
     path::{Path, PathBuf},
     time::Instant,
 };
 
-/// Seconds and memory of one run of the command.
+/// One run of the command.
 struct Run {
-    /// From start to end.
+    /// Seconds from start to end.
     wall: f64,
-    frames: Vec<Value>,
+    measured: Measured,
 }
 
 impl Run {
     /// Mean seconds a frame of the steps that `wanted` names.
     fn seconds(&self, wanted: impl Fn(&str) -> bool) -> f64 {
-        let steps = self.frames.iter().filter_map(|f| f["seconds"].as_object()).flatten();
-        let sum: f64 = steps.filter(|(name, _)| wanted(name)).filter_map(|(_, s)| s.as_f64()).sum();
-        sum / self.frames.len() as f64
+        self.measured.seconds().iter().filter(|(name, _)| wanted(name)).map(|(_, s)| s).sum()
     }
+}
 
-    /// From decoded pictures to the coloured mesh.
-    fn work(&self) -> f64 {
-        self.seconds(|name| name != "decode" && name != "write")
-    }
-
-    fn mebibytes(&self) -> f64 {
-        self.frames.iter().filter_map(|f| f["peak_memory"].as_f64()).fold(0.0, f64::max) / f64::from(1 << 20)
+/// A table by its name.
+pub fn table(name: &str) -> Result<String> {
+    match name {
+        "scaling" => scaling(),
+        "threads" => threads(),
+        "meshing" => meshing(),
+        _ => Err(format!("there is no table {name}")),
     }
 }
 
 fn folder() -> PathBuf {
     target().join("speed")
-}
-
-fn build() -> Result<()> {
-    run(&mut cargo("build --quiet --release --package pcmvs-cli --package studio --bins")).map(drop)
 }
 
 /// Renders a capture of the studio's figure, unless it is there.
@@ -66,10 +60,7 @@ fn reconstruct(scene: &Path, threads: u32) -> Result<Run> {
     let start = Instant::now();
     run(command.arg(scene).arg("-o").arg(&out))?;
     let wall = start.elapsed().as_secs_f64();
-    let path = out.join("report.json");
-    let bytes = fs::read(&path).map_err(|e| format!("{}: {e}", path.display()))?;
-    let report: Value = serde_json::from_slice(&bytes).map_err(|e| format!("{}: {e}", path.display()))?;
-    Ok(Run { wall, frames: report["frames"].as_array().cloned().unwrap_or_default() })
+    Ok(Run { wall, measured: Measured { scores: Vec::new(), frames: reported_frames(&out)? } })
 }
 
 /// The faster of two runs.
@@ -79,28 +70,30 @@ fn best(scene: &Path, threads: u32) -> Result<Run> {
 }
 
 /// Seconds and memory for more views, and for larger pictures.
-pub fn scaling() -> Result<String> {
+fn scaling() -> Result<String> {
     build()?;
     let sizes = [(320, 240), (640, 480), (1024, 768), (2048, 1536)];
     let views = [5, 10, 20, 40].map(|views| (views, (1024, 768)));
     let widths = sizes.map(|size| (20, size));
     let mut table = Table::new(&["views", "pictures", "s", "s per view and megapixel", "MiB"]);
     for (views, (width, height)) in views.into_iter().chain(widths) {
-        let measured = best(&capture(views, (width, height), 1)?, 1)?;
+        let run = best(&capture(views, (width, height), 1)?, 1)?;
+        // From decoded pictures to the coloured mesh.
+        let seconds = run.seconds(|name| name != "decode" && name != "write");
         let megapixels = f64::from(views * width * height) / 1e6;
         table.row(&[
             views.to_string(),
             format!("{width} x {height}"),
-            figure(Some(measured.work()), 2),
-            figure(Some(measured.work() / megapixels), 3),
-            figure(Some(measured.mebibytes()), 0),
+            figure(Some(seconds), 2),
+            figure(Some(seconds / megapixels), 3),
+            figure(Some(run.measured.peak_mebibytes()), 0),
         ]);
     }
     Ok(table.text())
 }
 
 /// What two threads bring over one, for one frame and for many.
-pub fn threads() -> Result<String> {
+fn threads() -> Result<String> {
     build()?;
     let mut table = Table::new(&["two threads instead of one", "1: s", "2: s", "times"]);
     let mut row = |name: &str, one: f64, two: f64| {
@@ -130,9 +123,10 @@ print(seconds, len(p), error.mean() * 1e3, np.quantile(error, 0.99) * 1e3)
 ";
 
 /// Meshing alone, of 200,000 points on a torus, beside Open3D's.
-pub fn meshing() -> Result<String> {
+fn meshing() -> Result<String> {
     let points = folder().join("torus.ply");
     fs::create_dir_all(folder()).map_err(|e| format!("{}: {e}", folder().display()))?;
+    install_packages()?;
     let ours = run(cargo("run --quiet --release --package pcmvs-core --example meshing").arg(&points))?;
     let mut other = program("python3", "-c");
     let other = run(other.arg(OTHER).arg(&points).env("PYTHONPATH", packages()).current_dir(root()))?;

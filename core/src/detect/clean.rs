@@ -39,7 +39,7 @@ pub fn clean(
     let (w, h) = (level.camera.width as usize, level.camera.height as usize);
     let points = Points::new(level, map, params);
     let simd = Simd::detect();
-    let (mut fits, mut pixels): (Vec<Fit>, Vec<u32>) = (Vec::new(), Vec::new());
+    let mut fits: Vec<Fit> = Vec::new();
     for y in 0..h {
         let mut x = 0;
         while let Some(first) = (x..w).find(|&x| map.depth[y * w + x] > 0.0) {
@@ -47,19 +47,19 @@ pub fn clean(
             x = first + LANES;
             for l in (0..LANES.min(w - first)).filter(|&l| map.depth[y * w + first + l] > 0.0) {
                 fits.push(Fit {
+                    pixel: (y * w + first + l) as u32,
                     neighbours: lanes.count[l],
                     values: lanes.values.map(|v| v[l]),
                     normal: Vec3::from_array(lanes.normal.map(|v| v[l])),
                 });
-                pixels.push((y * w + first + l) as u32);
             }
         }
     }
     let total: f64 = fits.iter().fold(0.0, |sum, fit| sum + f64::from(fit.neighbours));
     let fewest = params.density * (total / fits.len().max(1) as f64) as f32;
     let mut cloud = PointCloud::new();
-    for (fit, &pixel) in fits.iter().zip(&pixels) {
-        let i = pixel as usize;
+    for fit in &fits {
+        let i = fit.pixel as usize;
         if fit.neighbours < fewest.max(FEWEST) {
             counts.cleaned_density += 1;
             continue;
@@ -88,6 +88,7 @@ const FEWEST: f32 = 4.0;
 
 /// A point's neighbourhood.
 struct Fit {
+    pixel: u32,
     neighbours: f32,
     /// Eigenvalues of its covariance, largest first.
     values: [f32; 3],

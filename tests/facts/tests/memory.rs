@@ -2,7 +2,7 @@
 #![allow(unsafe_code)]
 
 use facts::Shot;
-use pcmvs_core::{Error, Mesh, Params, Preset, memory};
+use pcmvs_core::{Error, Mesh, Params, Preset, Progress, Serial, Stage, memory};
 use std::{
     alloc::{GlobalAlloc, Layout, System},
     sync::{
@@ -37,6 +37,22 @@ unsafe impl GlobalAlloc for Counting {
 #[global_allocator]
 static ALLOCATOR: Counting = Counting;
 
+/// The last stage that began.
+#[derive(Default)]
+struct Last(Mutex<Option<Stage>>);
+
+impl Progress for Last {
+    fn mark(&self, stage: Stage, begin: bool) {
+        if begin {
+            *self.0.lock().unwrap() = Some(stage);
+        }
+    }
+
+    fn step(&self, _: Stage, _: u32, _: u32) -> bool {
+        true
+    }
+}
+
 /// Reconstructs and tells the most bytes taken at a time.
 fn most(work: impl FnOnce()) -> u64 {
     let before = TAKEN.load(Ordering::Relaxed);
@@ -46,7 +62,7 @@ fn most(work: impl FnOnce()) -> u64 {
 }
 
 /// The formula holds, and is not even twice what is taken where pictures weigh more than the search for the hull does.
-/// A frame that is allowed what it needs is made, with one byte less it is refused, long before it is taken.
+/// A frame that is allowed what it needs is made, with one byte less it is refused before detection begins.
 #[test]
 fn a_frame_takes_what_the_formula_says() {
     let _alone = ALONE.lock();
@@ -64,10 +80,15 @@ fn a_frame_takes_what_the_formula_says() {
             assert!(width < 320 || 5 * needed < 9 * taken, "{preset:?}, {count} x {width}: {taken} of {needed}");
 
             params.max_memory = Some(needed - 1);
-            let mut refused = None;
-            let taken = most(|| refused = shot.reconstruct(&params).err());
+            let last = Last::default();
+            let refused = shot.reconstruct_with(&params, &Serial, &last).err();
             assert_eq!(refused, Some(Error::OutOfMemory { needed, limit: needed - 1 }));
-            assert!(taken <= needed.max(memory::least(&rig) + 2 * u64::from(width * height)));
+            // What any frame of the rig needs is refused at once.
+            let begun = (needed > memory::least(&rig)).then_some(Stage::Hull);
+            assert_eq!(last.0.into_inner().unwrap(), begun, "{preset:?}, {count} x {width}");
+            params.max_memory = Some(needed);
+            assert!(shot.reconstruct(&params).is_ok());
+            let mut refused = None;
             params.max_memory = Some(memory::least(&rig) - 1);
             let taken = most(|| refused = shot.reconstruct(&params).err());
             assert!(matches!(refused, Some(Error::OutOfMemory { .. })));

@@ -118,12 +118,12 @@ pub(super) fn weigh(
 ) -> Result<()> {
     let mut waiting: Vec<u32> = (0..samples.len() as u32).collect();
     let mut shares = vec![(0.0, 0.0); samples.len()];
-    let mut merged = coarser(samples, |_| true);
+    let mut merged = Vec::new();
     for level in 1..levels {
+        merged = coarser(if level == 1 { samples } else { &merged }, |_| true);
         let scale = 1.0 / (1 << level) as f32;
         let grid = around(&merged, finest, level, 2.0);
         let density = density(&merged, &grid, scale);
-        merged = coarser(&merged, |_| true);
         step()?;
         let last = level == levels - 1;
         waiting.retain(|&i| {
