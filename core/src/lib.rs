@@ -84,7 +84,7 @@ pub fn reconstruct(
     let mut mesh = if params.method == Method::Hull {
         stages.hull.clone()
     } else {
-        pcmvs(&views, &hull, params, &mut stages, &mut counts, executor, progress)?
+        pcmvs(rig, &views, &hull, params, &mut stages, &mut counts, executor, progress)?
     };
 
     // §7.
@@ -96,6 +96,7 @@ pub fn reconstruct(
 
 /// §4 to §6: from the hull to the mesh.
 fn pcmvs(
+    rig: &Rig,
     views: &[View],
     hull: &VisualHull,
     params: &Params,
@@ -121,12 +122,12 @@ fn pcmvs(
     // §4.1 to §4.3, coarse to fine.
     if params.coarse.is_some() {
         stages.coarse = timed(progress, Stage::Coarse, || {
-            stages::coarse(views, &stages.hull, &stages.frontier, hull, params, executor, progress)
+            stages::coarse(rig, views, &stages.hull, &stages.frontier, hull, params, executor, progress)
         })?;
     }
     timed(progress, Stage::Detect, || {
         let levels = stages::levels(views, params, executor);
-        let detect = |i| stages::detect(i, &levels, hull, &stages.hull, &stages.coarse, params, progress);
+        let detect = |i| stages::detect(rig, i, &levels, hull, &stages.hull, &stages.coarse, params, progress);
         for found in executor.map(views.len(), detect) {
             let (cloud, found) = found?;
             stages.detected.push(cloud);

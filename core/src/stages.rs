@@ -13,6 +13,7 @@ use crate::{
     point_cloud::{self, Mesh, Point, PointCloud},
     progress::{Executor, Part, Progress, Stage},
     report::Counts,
+    rig::Rig,
     view::View,
 };
 use alloc::vec::Vec;
@@ -80,6 +81,7 @@ pub fn implicit(hull_mesh: &Mesh, views: &[View], params: &Params) -> PointCloud
 /// # Errors
 /// [`crate::Error::NoSurface`] and [`crate::Error::Cancelled`].
 pub fn coarse(
+    rig: &Rig,
     views: &[View],
     hull_mesh: &Mesh,
     frontier: &[Point],
@@ -93,7 +95,7 @@ pub fn coarse(
     let detecting = Part { of: progress, stage: Stage::Coarse, part: 0, parts: 2 };
     let meshing = Part { part: 1, ..detecting };
     let guide = Guide::Hull(hull_mesh);
-    let found = executor.map(levels.len(), |i| detect::detect(i, &levels, hull, guide, &p.detection, &detecting));
+    let found = executor.map(levels.len(), |i| detect::detect(rig, i, &levels, hull, guide, &p.detection, &detecting));
     let mut cloud = frontier.to_vec();
     for found in found {
         cloud.extend(found?.0);
@@ -113,6 +115,7 @@ pub fn levels(views: &[View], params: &Params, executor: &impl Executor) -> Vec<
 /// # Errors
 /// [`crate::Error::Cancelled`].
 pub fn detect(
+    rig: &Rig,
     view: usize,
     levels: &[Level],
     hull: &VisualHull,
@@ -122,7 +125,7 @@ pub fn detect(
     progress: &dyn Progress,
 ) -> Result<(PointCloud, Counts)> {
     let guide = if params.coarse.is_some() { Guide::Surface(coarse) } else { Guide::Hull(hull_mesh) };
-    detect::detect(view, levels, hull, guide, &params.detection, progress)
+    detect::detect(rig, view, levels, hull, guide, &params.detection, progress)
 }
 
 /// The points of all stages so far as one cloud (§5).

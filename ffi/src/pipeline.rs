@@ -174,7 +174,8 @@ impl Pipeline {
                 let carved = carved(&this.carved)?;
                 let (views, hull) = (carved.borrow_owner(), carved.borrow_dependent());
                 let (mesh, frontier) = (&this.stages.hull, &this.stages.frontier);
-                this.stages.coarse = stages::coarse(views, mesh, frontier, hull, &this.params, threads, progress)?;
+                this.stages.coarse =
+                    stages::coarse(&this.rig, views, mesh, frontier, hull, &this.params, threads, progress)?;
                 this.levels = stages::levels(views, &this.params, threads);
             }
             this.detected.iter_mut().for_each(|slot| *slot_of(slot) = None);
@@ -195,7 +196,7 @@ impl Pipeline {
             } else {
                 let hull = carved(&self.carved)?.borrow_dependent();
                 let Stages { hull: mesh, coarse, .. } = &self.stages;
-                stages::detect(place, &self.levels, hull, mesh, coarse, &self.params, progress)?
+                stages::detect(&self.rig, place, &self.levels, hull, mesh, coarse, &self.params, progress)?
             };
             *self.detected[place].lock().unwrap_or_else(PoisonError::into_inner) = Some(found);
             Ok(())
