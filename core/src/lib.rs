@@ -50,6 +50,9 @@ pub use view::{Mask, View, ViewInput};
 pub struct Reconstruction {
     /// The closed, coloured mesh.
     pub mesh: Mesh,
+    /// What each camera's red, green and blue were multiplied by for the mesh's colours, in the order of the cameras as
+    /// given. [`Rig::with_gains`] fixes them for later frames.
+    pub gains: Vec<[f32; 3]>,
     /// What was counted.
     pub counts: Counts,
     /// A 64-bit hash of each stage's output, in the order of [`Stage::ALL`].
@@ -88,10 +91,11 @@ pub fn reconstruct(
     };
 
     // §7.
-    timed(progress, Stage::Colour, || colour::colour(&mut mesh, &views, &params.colour, progress))?;
+    let gains =
+        timed(progress, Stage::Colour, || colour::colour(&mut mesh, &views, rig.gains(), &params.colour, progress))?;
     (counts.vertices, counts.faces) = (mesh.positions.len() as u32, mesh.triangles.len() as u32);
     let hashes = stages.hashes(&views, &mesh);
-    Ok(Reconstruction { mesh, counts, hashes, stages })
+    Ok(Reconstruction { mesh, gains: rig.as_given(&gains), counts, hashes, stages })
 }
 
 /// §4 to §6: from the hull to the mesh.

@@ -45,6 +45,8 @@ pub(crate) struct Pipeline {
     detected: Vec<Mutex<Option<(PointCloud, Counts)>>>,
     pub stages: Stages,
     pub mesh: Mesh,
+    /// Of each camera as given.
+    gains: Vec<[f32; 3]>,
     counts: Counts,
     hashes: [u64; Stage::ALL.len()],
     seconds: Mutex<[f64; Stage::ALL.len()]>,
@@ -64,6 +66,7 @@ impl Pipeline {
             detected: (0..slots).map(|_| Mutex::new(None)).collect(),
             stages: Stages::default(),
             mesh: Mesh::default(),
+            gains: Vec::new(),
             counts: Counts::default(),
             hashes: [0; Stage::ALL.len()],
             seconds: Mutex::default(),
@@ -250,13 +253,16 @@ impl Pipeline {
     pub fn colour(&mut self, progress: &HostProgress) -> Result<()> {
         self.alone(Stage::Colour, |this| {
             let views = carved(&this.carved)?.borrow_owner();
-            let coloured = colour::colour(&mut this.mesh, views, &this.params.colour, progress);
-            let coloured = coloured.map_err(Failure::from).and_then(|()| {
-                if progress.finish(Stage::Colour) { Ok(()) } else { Err(Failure::new(Cancelled, "cancelled")) }
+            let coloured = colour::colour(&mut this.mesh, views, this.rig.gains(), &this.params.colour, progress);
+            let coloured = coloured.map_err(Failure::from).and_then(|gains| {
+                if progress.finish(Stage::Colour) { Ok(gains) } else { Err(Failure::new(Cancelled, "cancelled")) }
             });
-            if coloured.is_err() {
-                this.mesh.colours.clear();
-                return coloured;
+            match coloured {
+                Ok(gains) => this.gains = this.rig.as_given(&gains),
+                Err(failure) => {
+                    this.mesh.colours.clear();
+                    return Err(failure);
+                }
             }
             (this.counts.vertices, this.counts.faces) =
                 (this.mesh.positions.len() as u32, this.mesh.triangles.len() as u32);
@@ -291,6 +297,12 @@ impl Pipeline {
     pub fn report(&self) -> Result<(&Counts, &[u64; Stage::ALL.len()], [f64; Stage::ALL.len()])> {
         self.require(Stage::Colour)?;
         Ok((&self.counts, &self.hashes, *self.seconds.lock().unwrap_or_else(PoisonError::into_inner)))
+    }
+
+    /// Each camera's gains of red, green and blue, once all stages are complete.
+    pub fn gains(&self) -> Result<&[[f32; 3]]> {
+        self.require(Stage::Colour)?;
+        Ok(&self.gains)
     }
 
     /// Runs a stage that needs the one before it; what came after it before is void.
