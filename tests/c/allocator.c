@@ -75,7 +75,7 @@ int main(int argc, char **argv) {
     pcmvs_allocator allocator;
     pcmvs_rig *rig = NULL;
     pcmvs_frame *frame = NULL;
-    struct bytes bytes;
+    struct bytes bytes, again;
     FILE *file;
     int growing = argc == 4 && strcmp(argv[3], "growing") == 0;
     /* Reading the capture calls the library's inits, which leave the decision open. */
@@ -118,12 +118,17 @@ int main(int argc, char **argv) {
     bytes = glb(frame);
     file = fopen(argv[2], "wb");
     CHECK(file != NULL && fwrite(bytes.data, 1, bytes.size, file) == bytes.size && fclose(file) == 0);
+    /* Memory that has been used before changes nothing. */
+    OK(pcmvs_frame_reconstruct(frame, capture.views, capture.count, NULL));
+    again = glb(frame);
+    CHECK(same(&bytes, &again));
     OK(pcmvs_frame_free(frame));
     OK(pcmvs_rig_free(rig));
     printf("%lu blocks of %lu bytes asked for, %lu left\n", (unsigned long)heap.calls, (unsigned long)heap.all_bytes,
            (unsigned long)heap.blocks);
     CHECK(heap.blocks == 0 && heap.bytes == 0);
     free(bytes.data);
+    free(again.data);
     capture_free(&capture);
     return verdict();
 }
