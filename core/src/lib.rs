@@ -123,21 +123,25 @@ fn pcmvs(
     (counts.frontier, counts.implicit) = (stages.frontier.len() as u32, stages.implicit.len() as u32);
 
     // §4.1 to §4.3, coarse to fine.
+    let mut scratch: Vec<detect::Scratch> = Vec::new();
     if params.coarse.is_some() {
         stages.coarse = timed(progress, Stage::Coarse, || {
-            stages::coarse(views, &stages.hull, &stages.frontier, hull, params, executor, progress)
+            stages::coarse(views, &stages.hull, &stages.frontier, hull, params, executor, &mut scratch, progress)
         })?;
     }
     timed(progress, Stage::Detect, || {
         let levels = stages::levels(views, params, executor);
-        let detect = |i| stages::detect(i, &levels, hull, &stages.hull, &stages.coarse, params, progress);
-        for found in executor.map(views.len(), detect) {
+        let detect = |scratch: &mut detect::Scratch, i| {
+            stages::detect(i, &levels, hull, &stages.hull, &stages.coarse, params, scratch, progress)
+        };
+        for found in executor.map_with(&mut scratch, views.len(), detect) {
             let (cloud, found) = found?;
             stages.detected.push(cloud);
             counts.add_detection(&found);
         }
         Ok(())
     })?;
+    drop(scratch);
 
     // §5.
     stages.merged = timed(progress, Stage::Merge, || stages::merge(stages, views, hull, params, counts, progress))?;
@@ -149,10 +153,10 @@ fn pcmvs(
 }
 
 fn views(rig: &Rig, inputs: &[ViewInput], executor: &impl Executor, progress: &dyn Progress) -> Result<Vec<View>> {
-    let views = executor.map(inputs.len(), |i| {
+    let views = executor.map_with(&mut Vec::new(), inputs.len(), |scratch, i| {
         progress::step(progress, Stage::Views, i as u32, inputs.len() as u32)?;
         let given = rig.order()[i] as usize;
-        View::new(rig, given, &inputs[given])
+        View::in_memory(rig, given, &inputs[given], scratch, view::Buffers::default())
     });
     views.into_iter().collect()
 }

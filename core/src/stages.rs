@@ -3,7 +3,7 @@
 
 use crate::{
     camera::Pinhole,
-    detect::{self, Guide, Level},
+    detect::{self, Guide, Level, Scratch},
     error::Result,
     hash::Hash64,
     hull::VisualHull,
@@ -75,7 +75,8 @@ pub fn implicit(hull_mesh: &Mesh, views: &[View], params: &Params) -> PointCloud
     cloud
 }
 
-/// The mesh of the coarse pass, which guides the second; empty if `params` does without.
+/// The mesh of the coarse pass, which guides the second; empty if `params` does without. `scratch` are buffers to use, more
+/// are added where more pieces run at a time.
 ///
 /// # Errors
 /// [`crate::Error::NoSurface`] and [`crate::Error::Cancelled`].
@@ -86,6 +87,7 @@ pub fn coarse(
     hull: &VisualHull,
     params: &Params,
     executor: &impl Executor,
+    scratch: &mut Vec<Scratch>,
     progress: &dyn Progress,
 ) -> Result<Mesh> {
     let Some(p) = &params.coarse else { return Ok(Mesh::default()) };
@@ -93,7 +95,8 @@ pub fn coarse(
     let detecting = Part { of: progress, stage: Stage::Coarse, part: 0, parts: 2 };
     let meshing = Part { part: 1, ..detecting };
     let guide = Guide::Hull(hull_mesh);
-    let found = executor.map(levels.len(), |i| detect::detect(i, &levels, hull, guide, &p.detection, &detecting));
+    let detect = |scratch: &mut Scratch, i| detect::detect(i, &levels, hull, guide, &p.detection, scratch, &detecting);
+    let found = executor.map_with(scratch, levels.len(), detect);
     let mut cloud = frontier.to_vec();
     for found in found {
         cloud.extend(found?.0);
@@ -103,7 +106,7 @@ pub fn coarse(
 }
 
 /// All views at the resolution at which `params` detects.
-pub fn levels(views: &[View], params: &Params, executor: &impl Executor) -> Vec<Level> {
+pub fn levels<'a>(views: &'a [View], params: &Params, executor: &impl Executor) -> Vec<Level<'a>> {
     executor.map(views.len(), |i| Level::new(&views[i], params.detection.halved))
 }
 
@@ -119,10 +122,11 @@ pub fn detect(
     hull_mesh: &Mesh,
     coarse: &Mesh,
     params: &Params,
+    scratch: &mut Scratch,
     progress: &dyn Progress,
 ) -> Result<(PointCloud, Counts)> {
     let guide = if params.coarse.is_some() { Guide::Surface(coarse) } else { Guide::Hull(hull_mesh) };
-    detect::detect(view, levels, hull, guide, &params.detection, progress)
+    detect::detect(view, levels, hull, guide, &params.detection, scratch, progress)
 }
 
 /// The points of all stages so far as one cloud (§5).
