@@ -44,7 +44,7 @@ impl Stages {
             self.coarse.hash(),
             point_cloud::hash(self.detected.iter().flatten()),
             point_cloud::hash(&self.merged),
-            Mesh { colours: Vec::new(), ..mesh.clone() }.hash(),
+            mesh.uncoloured_hash(),
             mesh.hash(),
         ]
     }
