@@ -54,7 +54,9 @@ pub(crate) struct Pipeline {
     /// Views in the order of the stages, until the hull takes them.
     views: Vec<Mutex<Option<View>>>,
     carved: Option<Carved>,
+    /// Buffers of detection; they go from frame to frame.
     scratch: Pool<Scratch>,
+    /// Buffers of the views' making.
     view_scratch: Pool<view::Scratch>,
     /// Memory of the last frame's views.
     buffers: Pool<Buffers>,
@@ -75,8 +77,8 @@ impl Pipeline {
         let old = old.into_iter().chain(self.views.iter_mut().filter_map(|slot| slot_of(slot).take()));
         let mut buffers = take(&mut self.buffers);
         buffers.spare().extend(old.map(Buffers::from));
-        let (scratch, view_scratch) = (take(&mut self.scratch), take(&mut self.view_scratch));
-        Self { scratch, view_scratch, buffers, ..Self::new(Arc::clone(&self.rig), params) }
+        let scratch = take(&mut self.scratch);
+        Self { scratch, buffers, ..Self::new(Arc::clone(&self.rig), params) }
     }
 
     /// A frame of which nothing is there yet.
@@ -166,6 +168,8 @@ impl Pipeline {
             match carve(views) {
                 Ok((carved, mesh, dropped)) => {
                     (this.stages.hull, this.counts.components_dropped) = (mesh, dropped);
+                    // What later stages need counts more than what the next frame would be spared.
+                    this.view_scratch = Pool::default();
                     this.carved = Some(carved);
                     Ok(())
                 }

@@ -19,7 +19,7 @@ fn later_frames_allocate_less_and_all_the_same_and_reading_nothing() {
     if !cfg!(target_env = "gnu") {
         return;
     }
-    let sample = Sample::sized(4, 40, 32);
+    let sample = Sample::sized(4, 80, 60);
     let program = build(sample.path(), C99, "tests/c/allocations.c", Link::Shared);
     println!("{}", output(&program, [sample.plain().into_os_string(), "12".into()]));
 }
