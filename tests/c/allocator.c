@@ -60,6 +60,14 @@ static void deallocate(void *user, void *memory, size_t size, size_t alignment) 
     free(block.start);
 }
 
+static void one_by_one(void *user, uint32_t count, pcmvs_job_fn run, void *job) {
+    uint32_t i;
+    (void)user;
+    for (i = 0; i < count; i++) {
+        run(job, i);
+    }
+}
+
 static void *reallocate(void *user, void *memory, size_t old_size, size_t size, size_t alignment) {
     void *moved = allocate(user, size, alignment);
     if (moved != NULL) {
@@ -73,6 +81,7 @@ static void *reallocate(void *user, void *memory, size_t old_size, size_t size, 
 int main(int argc, char **argv) {
     struct capture capture;
     pcmvs_allocator allocator;
+    pcmvs_options options;
     pcmvs_rig *rig = NULL;
     pcmvs_frame *frame = NULL;
     struct bytes bytes, again;
@@ -119,7 +128,9 @@ int main(int argc, char **argv) {
     file = fopen(argv[2], "wb");
     CHECK(file != NULL && fwrite(bytes.data, 1, bytes.size, file) == bytes.size && fclose(file) == 0);
     /* Memory that has been used before changes nothing. */
-    OK(pcmvs_frame_reconstruct(frame, capture.views, capture.count, NULL));
+    OK(pcmvs_options_init(&options, sizeof options));
+    options.parallel = one_by_one;
+    OK(pcmvs_frame_reconstruct(frame, capture.views, capture.count, &options));
     again = glb(frame);
     CHECK(same(&bytes, &again));
     OK(pcmvs_frame_free(frame));
