@@ -16,6 +16,7 @@ use crate::{
     view::View,
 };
 use alloc::vec::Vec;
+use core::iter::once;
 
 /// What the stages pass on.
 #[derive(Debug, Clone, Default)]
@@ -97,10 +98,9 @@ pub fn coarse(
     let guide = Guide::Hull(hull_mesh);
     let detect = |scratch: &mut Scratch, i| detect::detect(i, &levels, hull, guide, &p.detection, scratch, &detecting);
     let found = executor.map_with(scratch, levels.len(), detect);
-    let mut cloud = frontier.to_vec();
-    for found in found {
-        cloud.extend(found?.0);
-    }
+    let found: Vec<_> = found.into_iter().collect::<Result<_>>()?;
+    let clouds: Vec<_> = once(frontier).chain(found.iter().map(|(cloud, _)| &cloud[..])).collect();
+    let cloud = clouds.concat();
     let voxel = p.voxel_pixels * hull.footprint();
     Ok(mesh::mesh(&cloud, hull, voxel, &params.meshing, &meshing)?.mesh)
 }
@@ -142,7 +142,9 @@ pub fn merge(
     progress: &dyn Progress,
 ) -> Result<PointCloud> {
     let cameras: Vec<Pinhole> = views.iter().map(|v| v.camera).collect();
-    let all = stages.frontier.iter().chain(stages.detected.iter().flatten()).chain(&stages.implicit).copied().collect();
+    let Stages { frontier, detected, implicit, .. } = stages;
+    let clouds: Vec<_> = once(frontier).chain(detected).chain(once(implicit)).map(|cloud| &cloud[..]).collect();
+    let all = clouds.concat();
     let neighbours = params.detection.search.neighbours;
     merge::merge(all, hull, &cameras, neighbours, &params.merging, counts, progress)
 }
