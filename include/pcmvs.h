@@ -34,18 +34,20 @@
  *
  * Memory. Results can be had in memory of the caller's choice: pcmvs_frame_copy_... and ..._to_buffer write to its
  * buffers, ..._export_... calls back with a file's bytes. Working memory comes from the C library's malloc, calloc,
- * realloc, posix_memalign and free, or from the functions given to pcmvs_set_allocator, which are then used for everything.
- * The option max_memory refuses a frame that would need more before it takes it. Where there is no memory left all the
- * same, from malloc or from those functions, the process is aborted: Rust's containers know no other way.
+ * realloc, posix_memalign and free, or all of it from the functions given to pcmvs_set_allocator. A frame that follows
+ * another one on its handle uses much of its memory again. The option max_memory refuses a frame that would need more
+ * before it takes it. Where there is none left all the same, from malloc or from those functions, the process is aborted:
+ * Rust's containers know no other way.
  *
  * Structs. Those that callers fill in begin with struct_size; call their init function first and set members then.
  * Arrays of them hold elements of one size. Later versions add members at the end only, so programs built with an
  * older header run with a newer library. Reserved members are zero.
  *
- * Threads. Handles do not know of each other, and any number of them may be used at once. The allocator, set at most once
- * and before anything else, is the only thing of a whole process. A rig may be shared by threads once it has its cameras. On a frame pcmvs_frame_view and pcmvs_frame_detect may run on several
- * threads at a time, for different cameras, and so may functions that take a const pcmvs_frame *; a call that comes
- * while another one excludes it fails with PCMVS_STATUS_BUSY. Free a handle only when no other thread uses it.
+ * Threads. Handles do not know of each other, and any number of them may be used at once. What pcmvs_set_allocator was
+ * given, once and before anything else, is all that a process shares. A rig may be shared by threads once it has its
+ * cameras. On a frame pcmvs_frame_view and pcmvs_frame_detect may run on several threads at a time, for different cameras,
+ * and so may functions that take a const pcmvs_frame *; a call that comes while another one excludes it fails with
+ * PCMVS_STATUS_BUSY. Free a handle only when no other thread uses it.
  *
  * Callbacks must not throw exceptions or jump out.
  *
