@@ -87,7 +87,7 @@ pub fn reconstruct(
     let mut mesh = if params.method == Method::Hull {
         stages.hull.clone()
     } else {
-        pcmvs(&views, &hull, params, &mut stages, &mut counts, executor, progress)?
+        pcmvs(rig, &views, &hull, params, &mut stages, &mut counts, executor, progress)?
     };
 
     // §7.
@@ -100,6 +100,7 @@ pub fn reconstruct(
 
 /// §4 to §6: from the hull to the mesh.
 fn pcmvs(
+    rig: &Rig,
     views: &[View],
     hull: &VisualHull,
     params: &Params,
@@ -126,13 +127,13 @@ fn pcmvs(
     let mut scratch: Vec<detect::Scratch> = Vec::new();
     if params.coarse.is_some() {
         stages.coarse = timed(progress, Stage::Coarse, || {
-            stages::coarse(views, &stages.hull, &stages.frontier, hull, params, executor, &mut scratch, progress)
+            stages::coarse(rig, views, &stages.hull, &stages.frontier, hull, params, executor, &mut scratch, progress)
         })?;
     }
     timed(progress, Stage::Detect, || {
         let levels = stages::levels(views, params, executor);
         let detect = |scratch: &mut detect::Scratch, i| {
-            stages::detect(i, &levels, hull, &stages.hull, &stages.coarse, params, scratch, progress)
+            stages::detect(rig, i, &levels, hull, &stages.hull, &stages.coarse, params, scratch, progress)
         };
         for found in executor.map_with(&mut scratch, views.len(), detect) {
             let (cloud, found) = found?;

@@ -146,7 +146,7 @@ impl Params {
     /// The parameters of a preset.
     pub fn preset(preset: Preset) -> Self {
         let clean = CleanParams { radius_pixels: 4.0, density: 0.5, flatness: 0.5, facing: 0.3 };
-        let vote = VoteParams { smoothing: 0.8, local_maximum: true, spread: 1.0, agreement_radius: 2 };
+        let vote = VoteParams { smoothing: 0.0, local_maximum: true, spread: 1.0, agreement_radius: 2 };
         let search =
             SearchParams { neighbours: 4, window_radius: 2, step_pixels: 0.7, follow_guide: true, vote, refine: true };
         let detection = DetectionParams {
@@ -206,7 +206,7 @@ impl Params {
                         window_radius: 3,
                         follow_guide: false,
                         refine: false,
-                        vote: VoteParams { spread: 0.0, agreement_radius: 0, ..vote },
+                        vote: VoteParams { smoothing: 0.8, spread: 0.0, agreement_radius: 0, ..vote },
                         ..search
                     },
                     substituted_weight: 0.25,

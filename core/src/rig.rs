@@ -2,6 +2,7 @@
 
 use crate::{
     camera::{Camera, Pinhole},
+    detect::neighbours,
     error::{Error, Result},
     undistort::Undistortion,
 };
@@ -18,6 +19,7 @@ pub struct Rig {
     pinholes: Vec<Pinhole>,
     undistortions: Vec<Option<Undistortion>>,
     order: Vec<u32>,
+    neighbours: Vec<Vec<u16>>,
     gains: Option<Vec<Vec3>>,
     origin: DVec3,
     radius: f32,
@@ -46,10 +48,12 @@ impl Rig {
                 }
             }
         }
-        let pinholes = cameras.iter().map(|c| Pinhole::new(c, origin)).collect();
+        let pinholes: Vec<_> = cameras.iter().map(|c| Pinhole::new(c, origin)).collect();
+        let ordered: Vec<_> = order.iter().map(|&i| pinholes[i as usize]).collect();
+        let neighbours = (0..ordered.len()).map(|view| neighbours(&ordered, view)).collect();
         let undistortions = cameras.iter().map(Undistortion::new).collect();
         let (cameras, radius) = (cameras.to_vec(), radius as f32);
-        Ok(Self { cameras, pinholes, undistortions, order, gains: None, origin, radius })
+        Ok(Self { cameras, pinholes, undistortions, order, neighbours, gains: None, origin, radius })
     }
 
     /// The cameras as given.
@@ -69,6 +73,13 @@ impl Rig {
     /// If there is no such camera.
     pub fn place(&self, camera: usize) -> usize {
         self.order.iter().position(|&i| i as usize == camera).expect("the rig has such a camera")
+    }
+
+    /// The views that a view is compared with, N(P) of eq. 1: nearest first, as places in [`Self::order`], as is `place`.
+    /// At most `count`, fewer where no others see the same surface.
+    pub(crate) fn neighbours(&self, place: usize, count: u32) -> &[u16] {
+        let all = &self.neighbours[place];
+        &all[..all.len().min(count as usize)]
     }
 
     /// The cameras without distortion, relative to the origin.

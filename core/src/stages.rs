@@ -13,6 +13,7 @@ use crate::{
     point_cloud::{self, Mesh, Point, PointCloud},
     progress::{Executor, Part, Progress, Stage},
     report::Counts,
+    rig::Rig,
     view::View,
 };
 use alloc::vec::Vec;
@@ -82,6 +83,7 @@ pub fn implicit(hull_mesh: &Mesh, views: &[View], params: &Params) -> PointCloud
 /// # Errors
 /// [`crate::Error::NoSurface`] and [`crate::Error::Cancelled`].
 pub fn coarse(
+    rig: &Rig,
     views: &[View],
     hull_mesh: &Mesh,
     frontier: &[Point],
@@ -96,7 +98,8 @@ pub fn coarse(
     let detecting = Part { of: progress, stage: Stage::Coarse, part: 0, parts: 2 };
     let meshing = Part { part: 1, ..detecting };
     let guide = Guide::Hull(hull_mesh);
-    let detect = |scratch: &mut Scratch, i| detect::detect(i, &levels, hull, guide, &p.detection, scratch, &detecting);
+    let detect =
+        |scratch: &mut Scratch, i| detect::detect(rig, i, &levels, hull, guide, &p.detection, scratch, &detecting);
     let found = executor.map_with(scratch, levels.len(), detect);
     let found: Vec<_> = found.into_iter().collect::<Result<_>>()?;
     let clouds: Vec<_> = once(frontier).chain(found.iter().map(|(cloud, _)| &cloud[..])).collect();
@@ -116,6 +119,7 @@ pub fn levels<'a>(views: &'a [View], params: &Params, executor: &impl Executor) 
 /// # Errors
 /// [`crate::Error::Cancelled`].
 pub fn detect(
+    rig: &Rig,
     view: usize,
     levels: &[Level],
     hull: &VisualHull,
@@ -126,7 +130,7 @@ pub fn detect(
     progress: &dyn Progress,
 ) -> Result<(PointCloud, Counts)> {
     let guide = if params.coarse.is_some() { Guide::Surface(coarse) } else { Guide::Hull(hull_mesh) };
-    detect::detect(view, levels, hull, guide, &params.detection, scratch, progress)
+    detect::detect(rig, view, levels, hull, guide, &params.detection, scratch, progress)
 }
 
 /// The points of all stages so far as one cloud (§5).

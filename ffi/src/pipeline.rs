@@ -209,12 +209,21 @@ impl Pipeline {
     pub fn coarse(&mut self, threads: &HostThreads, progress: &HostProgress) -> Result<()> {
         self.alone(Stage::Coarse, |this| {
             if this.params.method != Method::Hull {
-                let Self { carved, stages, params, scratch, .. } = &mut *this;
+                let Self { rig, carved, stages, params, scratch, .. } = &mut *this;
                 let carved = carved.as_mut().ok_or_else(no_hull)?;
                 let (views, hull) = (carved.borrow_owner(), &carved.borrow_dependent().hull);
                 let scratch = scratch.spare();
-                stages.coarse =
-                    stages::coarse(views, &stages.hull, &stages.frontier, hull, params, threads, scratch, progress)?;
+                stages.coarse = stages::coarse(
+                    rig,
+                    views,
+                    &stages.hull,
+                    &stages.frontier,
+                    hull,
+                    params,
+                    threads,
+                    scratch,
+                    progress,
+                )?;
                 carved.with_dependent_mut(|views, of| of.levels = stages::levels(views, params, threads));
             }
             this.detected.iter_mut().for_each(|slot| *slot_of(slot) = None);
@@ -236,7 +245,7 @@ impl Pipeline {
                 let OfViews { hull, levels } = carved(&self.carved)?.borrow_dependent();
                 let Stages { hull: mesh, coarse, .. } = &self.stages;
                 let detect = |scratch: &mut Scratch| {
-                    stages::detect(place, levels, hull, mesh, coarse, &self.params, scratch, progress)
+                    stages::detect(&self.rig, place, levels, hull, mesh, coarse, &self.params, scratch, progress)
                 };
                 self.scratch.with(detect)?
             };

@@ -10,6 +10,8 @@ mod range;
 mod sweep;
 mod vote;
 
+pub(crate) use neighbours::neighbours;
+
 pub use clean::CleanParams;
 pub use depth::SearchParams;
 pub use frontier::{FrontierParams, frontier};
@@ -25,6 +27,7 @@ use crate::{
     progress::{Progress, Stage},
     raster::{Crossings, Raster},
     report::Counts,
+    rig::Rig,
 };
 use alloc::vec::Vec;
 use depth::DepthMap;
@@ -58,6 +61,7 @@ pub struct Scratch {
 /// # Errors
 /// [`crate::Error::Cancelled`].
 pub fn detect(
+    rig: &Rig,
     view: usize,
     levels: &[Level],
     hull: &VisualHull,
@@ -68,10 +72,8 @@ pub fn detect(
 ) -> Result<(PointCloud, Counts)> {
     let Scratch { raster, crossings, range, depth, map, rank, clean } = scratch;
     let level = &levels[view];
-    let (lower, upper) = hull.bounds();
-    let cameras: Vec<_> = levels.iter().map(|l| l.camera).collect();
-    let chosen = neighbours::neighbours(&cameras, view, (lower + upper) * 0.5, params.search.neighbours as usize);
-    let chosen: Vec<&Level> = chosen.iter().map(|&j| &levels[j as usize]).collect();
+    let neighbours = rig.neighbours(view, params.search.neighbours);
+    let neighbours: Vec<&Level> = neighbours.iter().map(|&j| &levels[j as usize]).collect();
     match guide {
         Guide::Hull(mesh) => {
             crossings.find(mesh, &level.camera);
@@ -83,7 +85,7 @@ pub fn detect(
         }
     }
     let tick = |_, _| crate::progress::step(progress, Stage::Detect, view as u32, levels.len() as u32);
-    depth::depth_map(level, &chosen, range, &params.search, depth, map, tick)?;
+    depth::depth_map(level, &neighbours, range, &params.search, depth, map, tick)?;
 
     let mut counts = Counts::default();
     let weakest = params.substitute_below * params.search.neighbours as f32;

@@ -24,6 +24,7 @@ pub struct VoteParams {
 pub struct Curves {
     /// `[sheet][pixel]`: a neighbour's scores.
     scores: Vec<[f32; TILE_PIXELS]>,
+    /// The same smoothed, unless they are taken as they are.
     smooth: Vec<[f32; TILE_PIXELS]>,
     /// `[sheet][pixel]`: support gathered from all neighbours.
     votes: Vec<[f32; TILE_PIXELS]>,
@@ -42,7 +43,9 @@ impl Curves {
     /// Makes room for a tile with `sheets` sheets.
     pub fn reset(&mut self, sheets: usize) {
         self.scores.resize(sheets, [0.0; TILE_PIXELS]);
-        self.smooth.resize(sheets, [0.0; TILE_PIXELS]);
+        if self.gaussian.len() > 1 {
+            self.smooth.resize(sheets, [0.0; TILE_PIXELS]);
+        }
         self.votes.clear();
         self.votes.resize(sheets, [0.0; TILE_PIXELS]);
     }
@@ -55,11 +58,16 @@ impl Curves {
     /// Adds the support of the neighbour whose scores are there.
     #[inline(always)]
     pub fn vote(&mut self, params: &VoteParams) {
-        smooth(&self.scores, &self.gaussian, &mut self.smooth);
-        if params.local_maximum {
-            self.spread.peaks(&self.smooth, &mut self.votes);
+        let curves = if self.gaussian.len() > 1 {
+            smooth(&self.scores, &self.gaussian, &mut self.smooth);
+            &self.smooth
         } else {
-            for (votes, curve) in self.votes.iter_mut().zip(&self.smooth) {
+            &self.scores
+        };
+        if params.local_maximum {
+            self.spread.peaks(curves, &mut self.votes);
+        } else {
+            for (votes, curve) in self.votes.iter_mut().zip(curves) {
                 for (v, c) in votes.iter_mut().zip(curve) {
                     *v += c;
                 }

@@ -115,9 +115,8 @@ impl<'a> Extractor<'a> {
     /// The vertex on the edge that leaves a node along an axis.
     fn vertex(&mut self, around: &Neighbourhood, block: [i32; 3], node: [i32; 3], axis: usize) {
         let i = Neighbourhood::index(node[0], node[1], node[2]);
-        let j = i + [1, SIDE, SIDE * SIDE][axis];
-        let (a, b) = (around.0[i], around.0[j]);
-        let t = (self.iso - a) / (b - a);
+        let step = [1, SIDE, SIDE * SIDE][axis];
+        let t = crossing([i - step, i, i + step, i + 2 * step].map(|k| around.0[k] - self.iso));
         // Written so that NaN, from values that are not finite, is replaced too.
         let t = if t > NEAREST { t.min(1.0 - NEAREST) } else { NEAREST };
         let mut local = Vec3::from_array(node.map(|v| v as f32));
@@ -173,6 +172,22 @@ impl<'a> Extractor<'a> {
         let entry = self.nodes[owner * BLOCK_NODES + (z * BLOCK + y) * BLOCK + x];
         (entry >> 3) + (entry & ((1 << axis) - 1)).count_ones()
     }
+}
+
+/// Where the cubic through four equidistant values is zero between the middle two, whose signs differ, as a share of the
+/// way from the second to the third: Newton's method from the chord's zero, which is kept where the cubic leads away.
+fn crossing([before, a, b, after]: [f32; 4]) -> f32 {
+    const STEPS: u32 = 3;
+    let chord = a / (a - b);
+    let cubic = (after - before) / 6.0 + 0.5 * (a - b);
+    let square = 0.5 * (before + b) - a;
+    let slope = b - a - square - cubic;
+    let mut t = chord;
+    for _ in 0..STEPS {
+        let value = a + t * (slope + t * (square + t * cubic));
+        t -= value / (slope + t * (2.0 * square + t * 3.0 * cubic));
+    }
+    if (0.0..=1.0).contains(&t) { t } else { chord }
 }
 
 /// Where the gradient vanishes the normal is the mean of the triangles', by area.
