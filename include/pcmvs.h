@@ -33,19 +33,21 @@
  * freed in any order.
  *
  * Memory. Results can be had in memory of the caller's choice: pcmvs_frame_copy_... and ..._to_buffer write to its
- * buffers, ..._export_... calls back with a file's bytes. There is no allocator to be given for working memory: Rust
- * has one for a whole program, not one for a handle. It comes from the C library's malloc, calloc, realloc,
- * posix_memalign and free, so an allocator that replaces these in the process serves the shared library too. The option
- * max_memory refuses a frame that would need more before it takes it; if the process itself runs out, it is aborted.
+ * buffers, ..._export_... calls back with a file's bytes. Working memory comes from the C library's malloc, calloc,
+ * realloc, posix_memalign and free, or all of it from the functions given to pcmvs_set_allocator. A frame that follows
+ * another one on its handle uses much of its memory again. The option max_memory refuses a frame that would need more
+ * before it takes it. Where there is none left all the same, from malloc or from those functions, the process is aborted:
+ * Rust's containers know no other way.
  *
  * Structs. Those that callers fill in begin with struct_size; call their init function first and set members then.
  * Arrays of them hold elements of one size. Later versions add members at the end only, so programs built with an
  * older header run with a newer library. Reserved members are zero.
  *
- * Threads. No globals: handles do not know of each other, and any number of them may be used at once. A rig may be
- * shared by threads once it has its cameras. On a frame pcmvs_frame_view and pcmvs_frame_detect may run on several
- * threads at a time, for different cameras, and so may functions that take a const pcmvs_frame *; a call that comes
- * while another one excludes it fails with PCMVS_STATUS_BUSY. Free a handle only when no other thread uses it.
+ * Threads. Handles do not know of each other, and any number of them may be used at once. What pcmvs_set_allocator was
+ * given, once and before anything else, is all that a process shares. A rig may be shared by threads once it has its
+ * cameras. On a frame pcmvs_frame_view and pcmvs_frame_detect may run on several threads at a time, for different cameras,
+ * and so may functions that take a const pcmvs_frame *; a call that comes while another one excludes it fails with
+ * PCMVS_STATUS_BUSY. Free a handle only when no other thread uses it.
  *
  * Callbacks must not throw exceptions or jump out.
  *
@@ -70,10 +72,10 @@
 #define PCMVS_VERSION_MINOR 1
 
 // Patch version of this header.
-#define PCMVS_VERSION_PATCH 0
+#define PCMVS_VERSION_PATCH 1
 
 // Version of this header as one number that grows: major * 1000000 + minor * 1000 + patch.
-#define PCMVS_VERSION 1000
+#define PCMVS_VERSION 1001
 
 // Number of stages.
 #define PCMVS_STAGE_COUNT 8
@@ -104,7 +106,7 @@ enum pcmvs_status
   PCMVS_STATUS_INVALID_ARGUMENT = 4,
   // The handle is in use by a call that excludes this one: on another thread, or in whose callback this one is made.
   PCMVS_STATUS_BUSY = 5,
-  // The call needs a stage that has not run yet.
+  // The call needs a stage that has not run yet, or comes too late.
   PCMVS_STATUS_WRONG_ORDER = 6,
   // The progress callback asked to stop.
   PCMVS_STATUS_CANCELLED = 7,
@@ -340,6 +342,34 @@ typedef struct pcmvs_frame pcmvs_frame;
 // A calibrated set of cameras and what follows from it. Shared between any number of frames and threads; may be freed
 // before its frames.
 typedef struct pcmvs_rig pcmvs_rig;
+
+// Gives `size` bytes, never 0, at an address that is a multiple of `alignment`, a power of two; or NULL if there are none:
+// the process is then aborted.
+typedef void *(*pcmvs_allocate_fn)(void *user, size_t size, size_t alignment);
+
+// Gives `size` bytes in place of the `old_size` at `memory`, with what these held as far as it fits, at the same
+// alignment; or NULL, if there are none: `memory` then stays as it is.
+typedef void *(*pcmvs_reallocate_fn)(void *user, void *memory, size_t old_size, size_t size, size_t alignment);
+
+// Takes memory back; size and alignment are those with which it was asked for last.
+typedef void (*pcmvs_deallocate_fn)(void *user, void *memory, size_t size, size_t alignment);
+
+// Where the library gets its memory. Its functions are called from every thread that calls the library, at the same time
+// too, and must not call the library themselves.
+typedef struct pcmvs_allocator {
+  // Set by `pcmvs_allocator_init`.
+  uint32_t struct_size;
+  // Zero.
+  uint32_t reserved;
+  // Handed to the functions.
+  void *user;
+  // Gives memory.
+  pcmvs_allocate_fn allocate;
+  // Makes memory larger or smaller, or NULL: then it is allocated anew and copied.
+  pcmvs_reallocate_fn reallocate;
+  // Takes memory back.
+  pcmvs_deallocate_fn deallocate;
+} pcmvs_allocator;
 
 // A calibrated camera in OpenCV's convention. World to pixel is `x = K * distort(R X + t)`: x right, y down,
 // z forward; the first pixel's centre is at (0, 0). Matrices are row after row.
@@ -580,7 +610,7 @@ extern "C" {
 // Version of the library that is running, composed like `PCMVS_VERSION`. May be newer than the header's.
 uint32_t pcmvs_version(void);
 
-// Version of the library that is running, as "0.1.0". Static; never freed.
+// Version of the library that is running, as "0.1.1". Static; never freed.
 const char *pcmvs_version_string(void);
 
 // Name of a status for logs, in English, "unknown" for numbers of other versions. Static; never freed.
@@ -588,6 +618,15 @@ const char *pcmvs_status_name(uint32_t status);
 
 // Name of a stage as in reports ("views", "hull", ...), "unknown" for numbers of other versions. Static; never freed.
 const char *pcmvs_stage_name(uint32_t stage);
+
+// Sets an allocator to nothing. `size` is `sizeof *allocator`.
+pcmvs_status pcmvs_allocator_init(struct pcmvs_allocator *allocator, size_t size);
+
+// Has the library take all its memory from the caller's allocator, in the whole process and for good. Comes before any
+// other function but the inits and names: once the library has allocated (any other call may, and any that fails), or has
+// an allocator, it fails with `PCMVS_STATUS_WRONG_ORDER`. `allocator` is read during the call only; `user` must last as
+// long as the process uses the library.
+pcmvs_status pcmvs_set_allocator(const struct pcmvs_allocator *allocator);
 
 // Sets a camera to identity matrices without distortion. `size` is `sizeof *camera`.
 pcmvs_status pcmvs_camera_init(struct pcmvs_camera *camera, size_t size);
@@ -603,6 +642,14 @@ pcmvs_status pcmvs_rig_free(struct pcmvs_rig *rig);
 pcmvs_status pcmvs_rig_set_cameras(struct pcmvs_rig *rig,
                                    const struct pcmvs_camera *cameras,
                                    size_t count);
+
+// Fixes the gains of a rig's cameras: what their red, green and blue are multiplied by when a mesh is coloured, `gains`
+// holds three numbers a camera, `count` is the number of cameras. Without, every frame finds its own, so that colours
+// may differ a little from frame to frame; those of a frame are told by `pcmvs_frame_copy_gains`.
+// `pcmvs_rig_set_cameras` takes them away again. Frames made before keep what they had.
+pcmvs_status pcmvs_rig_set_gains(struct pcmvs_rig *rig,
+                                 const float *gains,
+                                 size_t count);
 
 // Number of cameras; 0 before they are set.
 pcmvs_status pcmvs_rig_camera_count(const struct pcmvs_rig *rig, uint32_t *count);
@@ -741,6 +788,15 @@ pcmvs_status pcmvs_frame_export_cloud(const struct pcmvs_frame *frame,
 pcmvs_status pcmvs_frame_get_report(const struct pcmvs_frame *frame,
                                     struct pcmvs_report *report,
                                     size_t size);
+
+// Copies the gains with which the frame was coloured, when all its stages have run: for each camera three floats, as for
+// `pcmvs_rig_set_gains`. `buffer` has room for `capacity` cameras; `buffer`, `capacity`, `stride` and `count` as for
+// `pcmvs_frame_copy_mesh`.
+pcmvs_status pcmvs_frame_copy_gains(const struct pcmvs_frame *frame,
+                                    float *buffer,
+                                    size_t capacity,
+                                    size_t stride,
+                                    size_t *count);
 
 #ifdef __cplusplus
 }  // extern "C"

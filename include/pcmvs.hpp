@@ -54,6 +54,8 @@ template <typename T> T make() noexcept {
         pcmvs_view_init(&value, sizeof value);
     } else if constexpr (std::is_same_v<T, pcmvs_options>) {
         pcmvs_options_init(&value, sizeof value);
+    } else if constexpr (std::is_same_v<T, pcmvs_allocator>) {
+        pcmvs_allocator_init(&value, sizeof value);
     } else {
         static_assert(std::is_same_v<T, pcmvs_export_options>, "this struct has no defaults");
         pcmvs_export_options_init(&value, sizeof value);
@@ -181,6 +183,11 @@ public:
         return pcmvs_rig_set_cameras(rig_.get(), cameras.data(), cameras.size());
     }
 
+    /// Red, green and blue of each camera.
+    pcmvs_status try_set_gains(Span<float> gains) noexcept {
+        return pcmvs_rig_set_gains(rig_.get(), gains.data(), gains.size() / 3);
+    }
+
     std::uint32_t camera_count() const noexcept {
         std::uint32_t count = 0;
         pcmvs_rig_camera_count(rig_.get(), &count);
@@ -200,6 +207,7 @@ public:
 #if defined(__cpp_exceptions)
     explicit Rig(Span<pcmvs_camera> cameras) : Rig() { set_cameras(cameras); }
 
+    void set_gains(Span<float> gains) { detail::check(try_set_gains(gains), get(), pcmvs_rig_error); }
     void set_cameras(Span<pcmvs_camera> cameras) { detail::check(try_set_cameras(cameras), get(), pcmvs_rig_error); }
 #endif
 
@@ -257,6 +265,11 @@ public:
         return pcmvs_frame_get_report(get(), &report, sizeof report);
     }
 
+    /// Red, green and blue of each camera, to memory for `capacity` cameras.
+    pcmvs_status try_copy_gains(float *gains, std::size_t capacity, std::size_t *count = nullptr) const noexcept {
+        return pcmvs_frame_copy_gains(get(), gains, capacity, 0, count);
+    }
+
     /// Hands the mesh as a file's bytes to `write(Span<std::byte>)`. What that throws ends the call with
     /// PCMVS_STATUS_WRITE_FAILED.
     template <typename F>
@@ -302,6 +315,15 @@ public:
         pcmvs_report report;
         check(try_get_report(report));
         return report;
+    }
+
+    /// Red, green and blue of each camera.
+    std::vector<float> get_gains() const {
+        std::size_t count = 0;
+        check(try_copy_gains(nullptr, 0, &count));
+        std::vector<float> gains(3 * count);
+        check(try_copy_gains(gains.data(), count));
+        return gains;
     }
 
     /// As try_export_mesh; what `write` throws is thrown on.

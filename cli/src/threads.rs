@@ -4,7 +4,10 @@ use pcmvs_core::Executor;
 use std::{
     num::NonZeroUsize,
     panic::resume_unwind,
-    sync::atomic::{AtomicUsize, Ordering},
+    sync::{
+        Mutex, PoisonError,
+        atomic::{AtomicUsize, Ordering},
+    },
     thread,
 };
 
@@ -36,15 +39,30 @@ impl Threads {
 
     /// [`Executor::map`] with at most `most` pieces at a time.
     pub fn map_at_most<T: Send>(&self, most: usize, count: usize, job: impl Fn(usize) -> T + Sync) -> Vec<T> {
+        self.map_at_most_with(most, &mut Vec::<()>::new(), count, |(), i| job(i))
+    }
+
+    /// [`Executor::map_with`] with at most `most` pieces at a time.
+    fn map_at_most_with<S: Default + Send, T: Send>(
+        &self,
+        most: usize,
+        spare: &mut Vec<S>,
+        count: usize,
+        job: impl Fn(&mut S, usize) -> T + Sync,
+    ) -> Vec<T> {
         let next = AtomicUsize::new(0);
+        let spare = Mutex::new(spare);
+        let spare = || spare.lock().unwrap_or_else(PoisonError::into_inner);
         let work = || {
+            let mut scratch = spare().pop().unwrap_or_default();
             let mut done = Vec::new();
             loop {
                 let i = next.fetch_add(1, Ordering::Relaxed);
                 if i >= count {
+                    spare().push(scratch);
                     return done;
                 }
-                done.push((i, job(i)));
+                done.push((i, job(&mut scratch, i)));
             }
         };
         let helpers: Vec<_> = (1..count.min(most)).map_while(|_| self.take()).collect();
@@ -68,8 +86,13 @@ impl Threads {
 }
 
 impl Executor for Threads {
-    fn map<T: Send>(&self, count: usize, job: impl Fn(usize) -> T + Sync) -> Vec<T> {
-        self.map_at_most(usize::MAX, count, job)
+    fn map_with<S: Default + Send, T: Send>(
+        &self,
+        spare: &mut Vec<S>,
+        count: usize,
+        job: impl Fn(&mut S, usize) -> T + Sync,
+    ) -> Vec<T> {
+        self.map_at_most_with(usize::MAX, spare, count, job)
     }
 }
 

@@ -54,6 +54,14 @@ pub enum Error {
         /// Cameras in the rig.
         cameras: u32,
     },
+    /// The number of gains is not the number of cameras.
+    #[error("{given} gains given for {cameras} cameras: give one a camera, in the same order")]
+    GainCount {
+        /// Gains given.
+        given: u32,
+        /// Cameras in the rig.
+        cameras: u32,
+    },
     /// No point of space projects into all silhouettes that see it.
     #[error(
         "the visual hull is empty: the silhouettes do not meet in space. \

@@ -105,7 +105,15 @@ impl<'a> ImageRef<'a> {
 
     /// All pixels as packed RGB.
     pub fn to_rgb(&self) -> Vec<u8> {
-        let mut out = Vec::with_capacity(self.width as usize * self.height as usize * 3);
+        let mut out = Vec::new();
+        self.write_rgb(&mut out);
+        out
+    }
+
+    /// Overwrites `out` with all pixels as packed RGB.
+    pub(crate) fn write_rgb(&self, out: &mut Vec<u8>) {
+        out.clear();
+        out.reserve_exact(self.width as usize * self.height as usize * 3);
         for y in 0..self.height {
             if self.format == PixelFormat::Rgb8 {
                 out.extend_from_slice(&self.data[y as usize * self.stride..][..self.width as usize * 3]);
@@ -113,12 +121,12 @@ impl<'a> ImageRef<'a> {
                 out.extend((0..self.width).flat_map(|x| self.rgb(x, y)));
             }
         }
-        out
     }
 
-    /// Brightness of all pixels, packed.
-    pub fn to_gray(&self) -> Vec<u8> {
-        let mut out = Vec::with_capacity(self.width as usize * self.height as usize);
+    /// Overwrites `out` with the brightness of all pixels, packed.
+    pub(crate) fn write_gray(&self, out: &mut Vec<u8>) {
+        out.clear();
+        out.reserve_exact(self.width as usize * self.height as usize);
         for y in 0..self.height {
             if self.format == PixelFormat::Gray8 {
                 out.extend_from_slice(&self.data[y as usize * self.stride..][..self.width as usize]);
@@ -126,7 +134,6 @@ impl<'a> ImageRef<'a> {
                 out.extend((0..self.width).map(|x| self.gray(x, y)));
             }
         }
-        out
     }
 }
 
@@ -200,6 +207,8 @@ mod tests {
         assert_eq!(packed(&[1, 2, 3, 0, 40, 50, 60, 0], PixelFormat::Rgba8), expected);
         assert_eq!(packed(&[3, 2, 1, 0, 60, 50, 40, 0], PixelFormat::Bgra8), expected);
         assert_eq!(packed(&[7, 200], PixelFormat::Gray8), [7, 7, 7, 200, 200, 200]);
-        assert_eq!(ImageRef::packed(&[7, 200], 2, 1, PixelFormat::Gray8).to_gray(), [7, 200]);
+        let mut gray = Vec::new();
+        ImageRef::packed(&[7, 200], 2, 1, PixelFormat::Gray8).write_gray(&mut gray);
+        assert_eq!(gray, [7, 200]);
     }
 }

@@ -50,6 +50,9 @@ pub use view::{Mask, View, ViewInput};
 pub struct Reconstruction {
     /// The closed, coloured mesh.
     pub mesh: Mesh,
+    /// What each camera's red, green and blue were multiplied by for the mesh's colours, in the order of the cameras as
+    /// given. [`Rig::with_gains`] fixes them for later frames.
+    pub gains: Vec<[f32; 3]>,
     /// What was counted.
     pub counts: Counts,
     /// A 64-bit hash of each stage's output, in the order of [`Stage::ALL`].
@@ -88,10 +91,11 @@ pub fn reconstruct(
     };
 
     // §7.
-    timed(progress, Stage::Colour, || colour::colour(&mut mesh, &views, &params.colour, progress))?;
+    let gains =
+        timed(progress, Stage::Colour, || colour::colour(&mut mesh, &views, rig.gains(), &params.colour, progress))?;
     (counts.vertices, counts.faces) = (mesh.positions.len() as u32, mesh.triangles.len() as u32);
     let hashes = stages.hashes(&views, &mesh);
-    Ok(Reconstruction { mesh, counts, hashes, stages })
+    Ok(Reconstruction { mesh, gains: rig.as_given(&gains), counts, hashes, stages })
 }
 
 /// §4 to §6: from the hull to the mesh.
@@ -120,21 +124,25 @@ fn pcmvs(
     (counts.frontier, counts.implicit) = (stages.frontier.len() as u32, stages.implicit.len() as u32);
 
     // §4.1 to §4.3, coarse to fine.
+    let mut scratch: Vec<detect::Scratch> = Vec::new();
     if params.coarse.is_some() {
         stages.coarse = timed(progress, Stage::Coarse, || {
-            stages::coarse(rig, views, &stages.hull, &stages.frontier, hull, params, executor, progress)
+            stages::coarse(rig, views, &stages.hull, &stages.frontier, hull, params, executor, &mut scratch, progress)
         })?;
     }
     timed(progress, Stage::Detect, || {
         let levels = stages::levels(views, params, executor);
-        let detect = |i| stages::detect(rig, i, &levels, hull, &stages.hull, &stages.coarse, params, progress);
-        for found in executor.map(views.len(), detect) {
+        let detect = |scratch: &mut detect::Scratch, i| {
+            stages::detect(rig, i, &levels, hull, &stages.hull, &stages.coarse, params, scratch, progress)
+        };
+        for found in executor.map_with(&mut scratch, views.len(), detect) {
             let (cloud, found) = found?;
             stages.detected.push(cloud);
             counts.add_detection(&found);
         }
         Ok(())
     })?;
+    drop(scratch);
 
     // §5.
     stages.merged = timed(progress, Stage::Merge, || stages::merge(stages, views, hull, params, counts, progress))?;
@@ -146,10 +154,10 @@ fn pcmvs(
 }
 
 fn views(rig: &Rig, inputs: &[ViewInput], executor: &impl Executor, progress: &dyn Progress) -> Result<Vec<View>> {
-    let views = executor.map(inputs.len(), |i| {
+    let views = executor.map_with(&mut Vec::new(), inputs.len(), |scratch, i| {
         progress::step(progress, Stage::Views, i as u32, inputs.len() as u32)?;
         let given = rig.order()[i] as usize;
-        View::new(rig, given, &inputs[given])
+        View::in_memory(rig, given, &inputs[given], scratch, view::Buffers::default())
     });
     views.into_iter().collect()
 }

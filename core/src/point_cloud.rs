@@ -71,11 +71,20 @@ pub fn hash<'a>(points: impl IntoIterator<Item = &'a Point>) -> u64 {
 impl Mesh {
     /// Hash of positions, normals, colours and triangles.
     pub fn hash(&self) -> u64 {
+        self.hash_in(&self.colours)
+    }
+
+    /// The hash that the mesh had before it was coloured.
+    pub fn uncoloured_hash(&self) -> u64 {
+        self.hash_in(&[])
+    }
+
+    fn hash_in(&self, colours: &[[u8; 3]]) -> u64 {
         let mut hash = Hash64::default();
         for v in self.positions.iter().chain(&self.normals) {
             v.to_array().iter().for_each(|&v| hash.number(v));
         }
-        for [r, g, b] in &self.colours {
+        for [r, g, b] in colours {
             hash.word(u64::from(*r) << 16 | u64::from(*g) << 8 | u64::from(*b));
         }
         for t in &self.triangles {

@@ -1,6 +1,7 @@
 //! How a stage tells its host how far it is, and how the host stops it.
 
 use crate::error::{Error, Result};
+use alloc::vec::Vec;
 
 /// The stages of a reconstruction in the order in which they run.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -89,8 +90,19 @@ pub(crate) fn step(progress: &dyn Progress, stage: Stage, done: u32, total: u32)
 
 /// Runs independent pieces of work, in any order and on any thread; the results come back in order.
 pub trait Executor: Sync {
+    /// `(0..count).map(|i| job(scratch, i))`. While it runs, a piece has a scratch for itself: one of `spare`, or a new
+    /// one if they are all in use. All end up in `spare`. What a scratch holds does not change a result.
+    fn map_with<S: Default + Send, T: Send>(
+        &self,
+        spare: &mut Vec<S>,
+        count: usize,
+        job: impl Fn(&mut S, usize) -> T + Sync,
+    ) -> Vec<T>;
+
     /// `(0..count).map(job)`.
-    fn map<T: Send>(&self, count: usize, job: impl Fn(usize) -> T + Sync) -> alloc::vec::Vec<T>;
+    fn map<T: Send>(&self, count: usize, job: impl Fn(usize) -> T + Sync) -> Vec<T> {
+        self.map_with(&mut Vec::<()>::new(), count, |(), i| job(i))
+    }
 }
 
 /// Runs everything on the calling thread.
@@ -98,7 +110,15 @@ pub trait Executor: Sync {
 pub struct Serial;
 
 impl Executor for Serial {
-    fn map<T: Send>(&self, count: usize, job: impl Fn(usize) -> T + Sync) -> alloc::vec::Vec<T> {
-        (0..count).map(job).collect()
+    fn map_with<S: Default + Send, T: Send>(
+        &self,
+        spare: &mut Vec<S>,
+        count: usize,
+        job: impl Fn(&mut S, usize) -> T + Sync,
+    ) -> Vec<T> {
+        let mut scratch = spare.pop().unwrap_or_default();
+        let results = (0..count).map(|i| job(&mut scratch, i)).collect();
+        spare.push(scratch);
+        results
     }
 }

@@ -52,9 +52,15 @@ impl Raster {
     }
 }
 
-/// Every crossing of a camera's pixel rays with a mesh.
+/// Every crossing of a camera's pixel rays with a mesh. Kept from view to view so that its memory is asked for once.
 #[derive(Debug, Default)]
 pub struct Crossings {
+    /// Pixel and depth of every vertex.
+    projected: Vec<Vec3>,
+    /// Pixel, inverse depth and side of each crossing, in the mesh's order.
+    found: Vec<(u32, f32, bool)>,
+    /// Per pixel where its next crossing goes.
+    next: Vec<u32>,
     /// Per pixel the first of its crossings, then one end.
     starts: Vec<u32>,
     /// Inverse depth, and whether the ray enters the mesh there.
@@ -63,11 +69,14 @@ pub struct Crossings {
 
 impl Crossings {
     /// Finds the crossings of all pixels' rays.
-    pub fn new(mesh: &Mesh, camera: &Pinhole) -> Self {
-        let projected: Vec<Vec3> = mesh.positions.iter().map(|&p| camera.project(p)).collect();
+    pub fn find(&mut self, mesh: &Mesh, camera: &Pinhole) {
+        let Self { projected, found, next, starts, crossings } = self;
+        projected.clear();
+        projected.extend(mesh.positions.iter().map(|&p| camera.project(p)));
         let (w, h) = (camera.width as usize, camera.height as usize);
-        let mut starts = alloc::vec![0u32; w * h + 1];
-        let mut found = Vec::new();
+        starts.clear();
+        starts.resize(w * h + 1, 0);
+        found.clear();
         for triangle in &mesh.triangles {
             cover(triangle.map(|i| projected[i as usize]), w, h, |x, y, z, front| {
                 let pixel = y * w + x;
@@ -78,14 +87,14 @@ impl Crossings {
         for i in 1..starts.len() {
             starts[i] += starts[i - 1];
         }
-        let mut next = starts.clone();
-        let mut crossings = alloc::vec![(0.0, false); found.len()];
-        for (pixel, z, front) in found {
+        next.clone_from(starts);
+        crossings.clear();
+        crossings.resize(found.len(), (0.0, false));
+        for &(pixel, z, front) in found.iter() {
             let next = &mut next[pixel as usize];
             crossings[*next as usize] = (z, front);
             *next += 1;
         }
-        Self { starts, crossings }
     }
 
     /// Depths at which a pixel's ray enters and leaves the mesh, nearest first.

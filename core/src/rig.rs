@@ -6,8 +6,8 @@ use crate::{
     error::{Error, Result},
     undistort::Undistortion,
 };
-use alloc::vec::Vec;
-use glam::{DMat3, DVec3};
+use alloc::{format, vec::Vec};
+use glam::{DMat3, DVec3, Vec3};
 
 /// Fewest views from which anything can be made.
 pub const LEAST_VIEWS: u32 = 3;
@@ -20,6 +20,7 @@ pub struct Rig {
     undistortions: Vec<Option<Undistortion>>,
     order: Vec<u32>,
     neighbours: Vec<Vec<u16>>,
+    gains: Option<Vec<Vec3>>,
     origin: DVec3,
     radius: f32,
 }
@@ -51,8 +52,8 @@ impl Rig {
         let ordered: Vec<_> = order.iter().map(|&i| pinholes[i as usize]).collect();
         let neighbours = (0..ordered.len()).map(|view| neighbours(&ordered, view)).collect();
         let undistortions = cameras.iter().map(Undistortion::new).collect();
-        let radius = radius as f32;
-        Ok(Self { cameras: cameras.to_vec(), pinholes, undistortions, order, neighbours, origin, radius })
+        let (cameras, radius) = (cameras.to_vec(), radius as f32);
+        Ok(Self { cameras, pinholes, undistortions, order, neighbours, gains: None, origin, radius })
     }
 
     /// The cameras as given.
@@ -89,6 +90,39 @@ impl Rig {
     /// Where a camera's ideal pixels lie in its real pictures; `None` if its lens does not distort.
     pub(crate) fn undistortion(&self, camera: usize) -> Option<&Undistortion> {
         self.undistortions[camera].as_ref()
+    }
+
+    /// The same rig with fixed gains: what each camera's red, green and blue are multiplied by when a mesh is coloured,
+    /// instead of gains found anew in every frame ([`crate::Reconstruction::gains`], in the order of the cameras as given).
+    ///
+    /// # Errors
+    /// [`Error::GainCount`], and [`Error::Camera`] for a gain that is not finite and positive.
+    pub fn with_gains(mut self, gains: &[[f32; 3]]) -> Result<Self> {
+        if gains.len() != self.cameras.len() {
+            return Err(Error::GainCount { given: gains.len() as u32, cameras: self.cameras.len() as u32 });
+        }
+        for (i, gain) in gains.iter().enumerate() {
+            if !gain.iter().all(|&g| g > 0.0 && g.is_finite()) {
+                let problem = format!("its gains are {gain:?}: they must be positive, 1 leaves colours as they are");
+                return Err(Error::Camera { camera: i as u32, problem });
+            }
+        }
+        self.gains = Some(self.order.iter().map(|&i| Vec3::from_array(gains[i as usize])).collect());
+        Ok(self)
+    }
+
+    /// The fixed gains, if there are any, in the order of [`Self::order`].
+    pub fn gains(&self) -> Option<&[Vec3]> {
+        self.gains.as_deref()
+    }
+
+    /// Gains in the order of [`Self::order`], put in the order of the cameras as given.
+    pub fn as_given(&self, gains: &[Vec3]) -> Vec<[f32; 3]> {
+        let mut given = alloc::vec![[1.0; 3]; gains.len()];
+        for (&camera, gain) in self.order.iter().zip(gains) {
+            given[camera as usize] = gain.to_array();
+        }
+        given
     }
 
     /// World position of the internal frame's origin: the point nearest to all optical axes.

@@ -3,7 +3,7 @@
 
 use crate::{
     camera::Pinhole,
-    detect::{self, Guide, Level},
+    detect::{self, Guide, Level, Scratch},
     error::Result,
     hash::Hash64,
     hull::VisualHull,
@@ -17,6 +17,7 @@ use crate::{
     view::View,
 };
 use alloc::vec::Vec;
+use core::iter::once;
 
 /// What the stages pass on.
 #[derive(Debug, Clone, Default)]
@@ -45,7 +46,7 @@ impl Stages {
             self.coarse.hash(),
             point_cloud::hash(self.detected.iter().flatten()),
             point_cloud::hash(&self.merged),
-            Mesh { colours: Vec::new(), ..mesh.clone() }.hash(),
+            mesh.uncoloured_hash(),
             mesh.hash(),
         ]
     }
@@ -76,7 +77,8 @@ pub fn implicit(hull_mesh: &Mesh, views: &[View], params: &Params) -> PointCloud
     cloud
 }
 
-/// The mesh of the coarse pass, which guides the second; empty if `params` does without.
+/// The mesh of the coarse pass, which guides the second; empty if `params` does without. `scratch` are buffers to use, more
+/// are added where more pieces run at a time.
 ///
 /// # Errors
 /// [`crate::Error::NoSurface`] and [`crate::Error::Cancelled`].
@@ -88,6 +90,7 @@ pub fn coarse(
     hull: &VisualHull,
     params: &Params,
     executor: &impl Executor,
+    scratch: &mut Vec<Scratch>,
     progress: &dyn Progress,
 ) -> Result<Mesh> {
     let Some(p) = &params.coarse else { return Ok(Mesh::default()) };
@@ -95,17 +98,18 @@ pub fn coarse(
     let detecting = Part { of: progress, stage: Stage::Coarse, part: 0, parts: 2 };
     let meshing = Part { part: 1, ..detecting };
     let guide = Guide::Hull(hull_mesh);
-    let found = executor.map(levels.len(), |i| detect::detect(rig, i, &levels, hull, guide, &p.detection, &detecting));
-    let mut cloud = frontier.to_vec();
-    for found in found {
-        cloud.extend(found?.0);
-    }
+    let detect =
+        |scratch: &mut Scratch, i| detect::detect(rig, i, &levels, hull, guide, &p.detection, scratch, &detecting);
+    let found = executor.map_with(scratch, levels.len(), detect);
+    let found: Vec<_> = found.into_iter().collect::<Result<_>>()?;
+    let clouds: Vec<_> = once(frontier).chain(found.iter().map(|(cloud, _)| &cloud[..])).collect();
+    let cloud = clouds.concat();
     let voxel = p.voxel_pixels * hull.footprint();
     Ok(mesh::mesh(&cloud, hull, voxel, &params.meshing, &meshing)?.mesh)
 }
 
 /// All views at the resolution at which `params` detects.
-pub fn levels(views: &[View], params: &Params, executor: &impl Executor) -> Vec<Level> {
+pub fn levels<'a>(views: &'a [View], params: &Params, executor: &impl Executor) -> Vec<Level<'a>> {
     executor.map(views.len(), |i| Level::new(&views[i], params.detection.halved))
 }
 
@@ -122,10 +126,11 @@ pub fn detect(
     hull_mesh: &Mesh,
     coarse: &Mesh,
     params: &Params,
+    scratch: &mut Scratch,
     progress: &dyn Progress,
 ) -> Result<(PointCloud, Counts)> {
     let guide = if params.coarse.is_some() { Guide::Surface(coarse) } else { Guide::Hull(hull_mesh) };
-    detect::detect(rig, view, levels, hull, guide, &params.detection, progress)
+    detect::detect(rig, view, levels, hull, guide, &params.detection, scratch, progress)
 }
 
 /// The points of all stages so far as one cloud (§5).
@@ -141,7 +146,9 @@ pub fn merge(
     progress: &dyn Progress,
 ) -> Result<PointCloud> {
     let cameras: Vec<Pinhole> = views.iter().map(|v| v.camera).collect();
-    let all = stages.frontier.iter().chain(stages.detected.iter().flatten()).chain(&stages.implicit).copied().collect();
+    let Stages { frontier, detected, implicit, .. } = stages;
+    let clouds: Vec<_> = once(frontier).chain(detected).chain(once(implicit)).map(|cloud| &cloud[..]).collect();
+    let all = clouds.concat();
     let neighbours = params.detection.search.neighbours;
     merge::merge(all, hull, &cameras, neighbours, &params.merging, counts, progress)
 }

@@ -72,12 +72,13 @@ impl Undistortion {
         }
     }
 
-    /// Resamples packed RGB with Catmull-Rom's kernel, which keeps fine texture sharp.
-    pub(crate) fn rgb(&self, picture: &[u8]) -> Vec<u8> {
+    /// Resamples packed RGB with Catmull-Rom's kernel, which keeps fine texture sharp. `out` is overwritten.
+    pub(crate) fn rgb(&self, picture: &[u8], out: &mut Vec<u8>) {
         let kernel: Vec<[i32; 4]> = (0..UNITS).map(catmull_rom).collect();
         let (w, h) = (self.width, self.height);
         let (mut sources, mut known) = (vec![FOLDED; w], vec![false; w]);
-        let mut out = vec![0u8; w * h * 3];
+        out.clear();
+        out.resize(w * h * 3, 0);
         for (y, line) in out.chunks_exact_mut(w * 3).enumerate() {
             self.row(y, &mut sources, &mut known);
             for (pixel, &source) in line.chunks_exact_mut(3).zip(&sources) {
@@ -110,14 +111,16 @@ impl Undistortion {
                 }
             }
         }
-        out
     }
 
-    /// Resamples a mask's coverage bilinearly and says which pixels are known.
-    pub(crate) fn coverage(&self, mask: &[u8]) -> (Vec<u8>, Vec<bool>) {
+    /// Resamples a mask's coverage bilinearly and says which pixels are known. `out` and `known` are overwritten.
+    pub(crate) fn coverage(&self, mask: &[u8], out: &mut Vec<u8>, known: &mut Vec<bool>) {
         let (w, h) = (self.width, self.height);
         let mut sources = vec![FOLDED; w];
-        let (mut out, mut known) = (Vec::with_capacity(w * h), vec![false; w * h]);
+        out.clear();
+        out.reserve(w * h);
+        known.clear();
+        known.resize(w * h, false);
         for (y, known) in known.chunks_exact_mut(w).enumerate() {
             self.row(y, &mut sources, known);
             for &source in &sources {
@@ -132,7 +135,6 @@ impl Undistortion {
                 out.push(((lerp(y) * (256 - fy) + lerp(y1) * fy + (1 << 15)) >> 16) as u8);
             }
         }
-        (out, known)
     }
 }
 
@@ -181,6 +183,13 @@ mod tests {
         (0..60).fold(real, |guess, _| guess + (real - camera.distort_pixel(guess)) * 0.7)
     }
 
+    /// Of a mask that is white everywhere: what has a source, and which of it is known.
+    fn coverage(map: &Undistortion) -> (Vec<u8>, Vec<bool>) {
+        let (mut out, mut known) = (Vec::new(), Vec::new());
+        map.coverage(&vec![255; map.width * map.height], &mut out, &mut known);
+        (out, known)
+    }
+
     fn pattern(p: DVec2) -> [u8; 3] {
         let wave = |x: f64| libm::round(127.5 + 100.0 * libm::sin(x)) as u8;
         [wave(p.x * 0.3), wave(p.y * 0.25), wave((p.x + p.y) * 0.2)]
@@ -194,7 +203,9 @@ mod tests {
             let real: Vec<u8> =
                 (0..w * h).flat_map(|i| pattern(ideal(&camera, DVec2::new((i % w) as f64, (i / w) as f64)))).collect();
             let map = Undistortion::new(&camera).unwrap();
-            let (rgb, (_, known)) = (map.rgb(&real), map.coverage(&vec![255; w * h]));
+            let mut rgb = Vec::new();
+            map.rgb(&real, &mut rgb);
+            let (_, known) = coverage(&map);
             let mut squares = 0.0;
             let (mut worst, mut count) = (0, 0);
             for i in (0..w * h).filter(|&i| known[i]) {
@@ -220,7 +231,7 @@ mod tests {
         camera.k[1][1] = 200.0;
         let map = Undistortion::new(&camera).unwrap();
         let (w, h) = (camera.width as usize, camera.height as usize);
-        let (_, known) = map.coverage(&vec![255; w * h]);
+        let (_, known) = coverage(&map);
         let mut unknown = 0;
         for i in 0..w * h {
             let ideal = DVec2::new((i % w) as f64, (i / w) as f64);
@@ -236,7 +247,7 @@ mod tests {
         // With k1 > 0 the ideal picture reaches beyond the real one.
         let camera = camera([0.3, 0.0, 0.0, 0.0, 0.0]);
         let (w, h) = (camera.width as usize, camera.height as usize);
-        let (coverage, known) = Undistortion::new(&camera).unwrap().coverage(&vec![255; w * h]);
+        let (coverage, known) = coverage(&Undistortion::new(&camera).unwrap());
         for i in 0..w * h {
             let source = camera.distort_pixel(DVec2::new((i % w) as f64, (i / w) as f64));
             let margin = source.x.min(w as f64 - 1.0 - source.x).min(source.y).min(h as f64 - 1.0 - source.y);

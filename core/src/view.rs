@@ -4,9 +4,9 @@ use crate::{
     camera::Pinhole,
     error::{Error, Result},
     hash::Hash64,
-    image::{ImageRef, luma},
+    image::{self, ImageRef},
     rig::Rig,
-    silhouette::{ChromaKey, Silhouette, chroma, clean_plate},
+    silhouette::{self, ChromaKey, Silhouette, chroma, clean_plate},
 };
 use alloc::{format, vec::Vec};
 
@@ -48,13 +48,41 @@ pub struct View {
     pub silhouette: Option<Silhouette>,
 }
 
+/// Buffers for making one view after another; what they hold does not matter.
+#[derive(Debug, Default)]
+pub struct Scratch {
+    /// The photograph as it was taken.
+    picture: Vec<u8>,
+    /// The mask as it was given.
+    mask: Vec<u8>,
+    /// The mask undistorted, and where it has a source.
+    coverage: Vec<u8>,
+    known: Vec<bool>,
+    distance: silhouette::Scratch,
+}
+
+/// Memory of a view that is not needed any more.
+#[derive(Debug, Default)]
+pub struct Buffers {
+    rgb: Vec<u8>,
+    luma: Vec<u8>,
+    distance: Vec<i16>,
+}
+
+impl From<View> for Buffers {
+    fn from(old: View) -> Self {
+        let distance = old.silhouette.map(Silhouette::into_distances).unwrap_or_default();
+        Self { rgb: old.rgb, luma: old.luma, distance }
+    }
+}
+
 impl View {
     /// Mixes picture and silhouette into a hash.
     pub(crate) fn hash(&self, mut hash: Hash64) -> Hash64 {
         for p in self.rgb.chunks(8) {
             hash.word(p.iter().fold(0, |word, &b| word << 8 | u64::from(b)));
         }
-        for d in self.silhouette.iter().flat_map(|s| s.distances()).copied().collect::<Vec<_>>().chunks(4) {
+        for d in self.silhouette.iter().flat_map(|s| s.distances().chunks(4)) {
             hash.word(d.iter().fold(0, |word, &d| word << 16 | u64::from(d as u16)));
         }
         hash
@@ -65,6 +93,22 @@ impl View {
     /// # Errors
     /// [`Error::Image`] and [`Error::Silhouette`] name the camera and what does not fit.
     pub fn new(rig: &Rig, index: usize, input: &ViewInput) -> Result<Self> {
+        Self::in_memory(rig, index, input, &mut Scratch::default(), Buffers::default())
+    }
+
+    /// [`Self::new`] with buffers to use and the memory of an old view.
+    ///
+    /// # Errors
+    /// As for [`Self::new`].
+    pub fn in_memory(
+        rig: &Rig,
+        index: usize,
+        input: &ViewInput,
+        scratch: &mut Scratch,
+        buffers: Buffers,
+    ) -> Result<Self> {
+        let Buffers { mut rgb, mut luma, distance } = buffers;
+        let Scratch { picture, mask, coverage, known, distance: distance_scratch } = scratch;
         let camera = &rig.cameras()[index];
         let fail = |problem| Error::Image { camera: index as u32, problem };
         input.image.check().map_err(fail)?;
@@ -76,39 +120,43 @@ impl View {
             )));
         }
         let undistortion = rig.undistortion(index);
-        let mut rgb = input.image.to_rgb();
+        // As the camera took it: undistorted it goes to `rgb`, otherwise it becomes that.
+        input.image.write_rgb(if undistortion.is_some() { picture } else { &mut rgb });
+        let real = if undistortion.is_some() { &picture[..] } else { &rgb[..] };
         let unusable = |problem| Error::Silhouette { camera: index as u32, problem };
-        let coverage = match &input.mask {
-            Mask::Unknown => None,
-            Mask::Given(mask) => {
-                mask.check().map_err(unusable)?;
-                if (mask.width, mask.height) != (camera.width, camera.height) {
+        match &input.mask {
+            Mask::Unknown => {}
+            Mask::Given(given) => {
+                given.check().map_err(unusable)?;
+                if (given.width, given.height) != (camera.width, camera.height) {
                     return Err(unusable(format!(
                         "the mask is {} x {} pixels but the camera was calibrated at {} x {}",
-                        mask.width, mask.height, camera.width, camera.height
+                        given.width, given.height, camera.width, camera.height
                     )));
                 }
-                Some(mask.to_gray())
+                given.write_gray(mask);
             }
-            Mask::ChromaKey(key) => Some(chroma::coverage(&input.image, &rgb, key).map_err(unusable)?),
-            Mask::CleanPlate(plate) => Some(clean_plate::coverage(&input.image, &rgb, plate).map_err(unusable)?),
-        };
-        if let Some(undistortion) = undistortion {
-            rgb = undistortion.rgb(&rgb);
+            Mask::ChromaKey(key) => *mask = chroma::coverage(&input.image, real, key).map_err(unusable)?,
+            Mask::CleanPlate(plate) => *mask = clean_plate::coverage(&input.image, real, plate).map_err(unusable)?,
         }
-        let silhouette = coverage.map(|coverage| {
-            let (w, h) = (camera.width, camera.height);
-            match undistortion {
-                None => Silhouette::from_coverage(w, h, &coverage, |_| true),
-                Some(undistortion) => {
-                    let (coverage, known) = undistortion.coverage(&coverage);
-                    Silhouette::from_coverage(w, h, &coverage, |i| known[i])
-                }
+        if let Some(undistortion) = undistortion {
+            undistortion.rgb(picture, &mut rgb);
+        }
+        let silhouette = match (&input.mask, undistortion) {
+            (Mask::Unknown, _) => None,
+            (_, None) => {
+                let (w, h) = (camera.width, camera.height);
+                Some(Silhouette::in_memory(w, h, mask, |_| true, distance_scratch, distance).map_err(unusable)?)
             }
-            .map_err(unusable)
-        });
-        let luma = rgb.chunks_exact(3).map(|p| luma([p[0], p[1], p[2]])).collect();
-        let silhouette = silhouette.transpose()?;
+            (_, Some(undistortion)) => {
+                let (w, h) = (camera.width, camera.height);
+                undistortion.coverage(mask, coverage, known);
+                let known = |i: usize| known[i];
+                Some(Silhouette::in_memory(w, h, coverage, known, distance_scratch, distance).map_err(unusable)?)
+            }
+        };
+        luma.clear();
+        luma.extend(rgb.chunks_exact(3).map(|p| image::luma([p[0], p[1], p[2]])));
         Ok(Self { index: rig.place(index) as u16, camera: rig.pinholes()[index], rgb, luma, silhouette })
     }
 }

@@ -118,32 +118,67 @@ pub(crate) unsafe trait Versioned: Growing {
     fn defaults() -> Self;
 }
 
-/// Reads a struct of any version.
+/// Why a struct cannot be read.
+pub(crate) enum Unreadable {
+    Null,
+    /// Its size is no version's.
+    Size(usize),
+    /// It sets members of a later version.
+    Unknown,
+}
+
+impl Unreadable {
+    /// What a call returns for it.
+    pub fn status(&self) -> pcmvs_status {
+        match self {
+            Self::Null => NullPointer,
+            Self::Size(_) | Self::Unknown => InvalidStruct,
+        }
+    }
+
+    fn failure(&self, name: &str) -> Failure {
+        let message = match self {
+            Self::Null => format!("`{name}` is NULL"),
+            // A struct that was never initialised mostly claims an absurd size.
+            Self::Size(size) => format!("`{name}`: struct_size is {size}: call its init function first"),
+            Self::Unknown => format!("`{name}` sets members that this version of the library does not know"),
+        };
+        Failure::new(self.status(), message)
+    }
+}
+
+/// Reads a struct of any version; allocates nothing.
 ///
 /// # Safety
 /// `source` is NULL or points to as many bytes as its `struct_size` says.
-pub(crate) unsafe fn read<T: Versioned>(source: *const T, name: &str) -> Result<T> {
+pub(crate) unsafe fn take<T: Versioned>(source: *const T) -> std::result::Result<T, Unreadable> {
     if source.is_null() {
-        return Err(Failure::new(NullPointer, format!("`{name}` is NULL")));
+        return Err(Unreadable::Null);
     }
     let bytes: *const u8 = source.cast();
     // SAFETY: the caller's promise; every version begins with its size.
     let size = unsafe { bytes.cast::<u32>().read_unaligned() } as usize;
-    // A struct that was never initialised mostly claims an absurd size.
     if !(T::FIRST_SIZE..=MOST_BYTES).contains(&size) {
-        let problem = format!("`{name}`: struct_size is {size}: call its init function first");
-        return Err(Failure::new(InvalidStruct, problem));
+        return Err(Unreadable::Size(size));
     }
     let known = size.min(size_of::<T>());
     // SAFETY: `size` bytes are readable.
     if (known..size).any(|i| unsafe { *bytes.add(i) } != 0) {
-        let problem = format!("`{name}` sets members that this version of the library does not know");
-        return Err(Failure::new(InvalidStruct, problem));
+        return Err(Unreadable::Unknown);
     }
     let mut value = T::defaults();
     // SAFETY: both hold `known` bytes, and any bytes are a valid value.
     unsafe { ptr::copy_nonoverlapping(bytes, (&raw mut value).cast(), known) };
     Ok(value)
+}
+
+/// [`take`] that says what is wrong with which argument.
+///
+/// # Safety
+/// As for [`take`].
+pub(crate) unsafe fn read<T: Versioned>(source: *const T, name: &str) -> Result<T> {
+    // SAFETY: the caller's promise.
+    unsafe { take(source) }.map_err(|problem| problem.failure(name))
 }
 
 /// No version of any struct is larger.

@@ -72,7 +72,7 @@ impl From<Error> for Failure {
             Error::Silhouette { camera, .. } => (pcmvs_status::Silhouette, Some(*camera)),
             Error::DuplicateCamera { second, .. } => (pcmvs_status::DuplicateCamera, Some(*second)),
             Error::TooFewViews { .. } => (pcmvs_status::TooFewViews, None),
-            Error::ViewCount { .. } => (pcmvs_status::InvalidArgument, None),
+            Error::ViewCount { .. } | Error::GainCount { .. } => (pcmvs_status::InvalidArgument, None),
             Error::EmptyHull => (pcmvs_status::EmptyHull, None),
             Error::NoSurface => (pcmvs_status::NoSurface, None),
             Error::OutOfMemory { .. } => (pcmvs_status::OutOfMemory, None),

@@ -1,9 +1,10 @@
 //! The host's threads behind the core's trait.
 
-use pcmvs_core::Executor;
+use pcmvs_core::{Executor, Serial};
 use std::{
     any::Any,
     ffi::c_void,
+    mem::take,
     panic::{AssertUnwindSafe, catch_unwind, resume_unwind},
     sync::{Mutex, PoisonError},
 };
@@ -16,6 +17,9 @@ pub type pcmvs_job_fn = Option<unsafe extern "C" fn(job: *mut c_void, index: u32
 /// result does not depend on threads. It must not throw.
 pub type pcmvs_parallel_fn =
     Option<unsafe extern "C" fn(user: *mut c_void, count: u32, run: pcmvs_job_fn, job: *mut c_void)>;
+
+/// A `pcmvs_parallel_fn` that is there.
+type Parallel = unsafe extern "C" fn(*mut c_void, u32, pcmvs_job_fn, *mut c_void);
 
 /// Runs the core's pieces on the host's threads if it lends any.
 #[derive(Clone, Copy)]
@@ -63,9 +67,47 @@ impl<T: Send, F: Fn(usize) -> T + Sync> Batch<'_, T, F> {
     }
 }
 
+/// Buffers that no piece of work is using.
+#[derive(Default)]
+pub(crate) struct Pool<S>(Mutex<Vec<S>>);
+
+impl<S: Default> Pool<S> {
+    /// One of them, or a new one.
+    pub fn take(&self) -> S {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner).pop().unwrap_or_default()
+    }
+
+    /// Runs something with a scratch of its own.
+    pub fn with<T>(&self, work: impl FnOnce(&mut S) -> T) -> T {
+        let mut scratch = self.take();
+        let result = work(&mut scratch);
+        self.0.lock().unwrap_or_else(PoisonError::into_inner).push(scratch);
+        result
+    }
+
+    /// All that are not in use.
+    pub fn spare(&mut self) -> &mut Vec<S> {
+        self.0.get_mut().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
 impl Executor for HostThreads {
-    fn map<T: Send>(&self, count: usize, job: impl Fn(usize) -> T + Sync) -> Vec<T> {
-        let Some(parallel) = self.parallel else { return (0..count).map(job).collect() };
+    fn map_with<S: Default + Send, T: Send>(
+        &self,
+        spare: &mut Vec<S>,
+        count: usize,
+        job: impl Fn(&mut S, usize) -> T + Sync,
+    ) -> Vec<T> {
+        let Some(parallel) = self.parallel else { return Serial.map_with(spare, count, job) };
+        let mut pool = Pool(Mutex::new(take(spare)));
+        let results = self.run(parallel, count, |i| pool.with(|scratch| job(scratch, i)));
+        *spare = take(pool.spare());
+        results
+    }
+}
+
+impl HostThreads {
+    fn run<T: Send>(&self, parallel: Parallel, count: usize, job: impl Fn(usize) -> T + Sync) -> Vec<T> {
         let batch = Batch { job: &job, results: (0..count).map(|_| Mutex::new(Slot::Waiting)).collect() };
         self.hand_out(parallel, &batch);
         (0..count).for_each(|i| batch.run(i));
@@ -78,14 +120,8 @@ impl Executor for HostThreads {
             })
             .collect()
     }
-}
 
-impl HostThreads {
-    fn hand_out<T: Send, F: Fn(usize) -> T + Sync>(
-        &self,
-        parallel: unsafe extern "C" fn(*mut c_void, u32, pcmvs_job_fn, *mut c_void),
-        batch: &Batch<T, F>,
-    ) {
+    fn hand_out<T: Send, F: Fn(usize) -> T + Sync>(&self, parallel: Parallel, batch: &Batch<T, F>) {
         let job = (&raw const *batch).cast_mut().cast();
         // SAFETY: the batch lives until the host returns, as it promises.
         unsafe { parallel(self.user, batch.results.len() as u32, Some(Batch::<T, F>::piece), job) };

@@ -13,9 +13,8 @@ use crate::{
     },
     view::{GivenView, pcmvs_view},
 };
-use pcmvs_core::Rig;
 use std::sync::{
-    Arc, RwLock, TryLockError,
+    RwLock, TryLockError,
     atomic::{AtomicU32, Ordering},
 };
 
@@ -26,7 +25,6 @@ pub struct pcmvs_frame {
 
 /// A frame and its last failure.
 pub(crate) struct FrameBody {
-    rig: Arc<Rig>,
     number: AtomicU32,
     work: RwLock<Work>,
     failure: LastFailure,
@@ -106,7 +104,8 @@ unsafe fn begin(frame: &FrameBody, work: &mut Work, options: *const pcmvs_option
     };
     let params = given.params()?;
     frame.number.store(given.frame, Ordering::Relaxed);
-    *work = Work { options: given, pipeline: Pipeline::new(Arc::clone(&frame.rig), params) };
+    let pipeline = work.pipeline.next(params);
+    *work = Work { options: given, pipeline };
     Ok(())
 }
 
@@ -118,9 +117,8 @@ pub unsafe extern "C" fn pcmvs_frame_new(rig: *const pcmvs_rig, frame: *mut *mut
         let frame = out(frame, "frame")?;
         let rig = rig.get()?;
         let options = pcmvs_options::defaults();
-        let work = Work { options, pipeline: Pipeline::new(Arc::clone(&rig), options.params()?) };
-        let made =
-            FrameBody { rig, number: AtomicU32::new(0), work: RwLock::new(work), failure: LastFailure::default() };
+        let work = Work { options, pipeline: Pipeline::new(rig, options.params()?) };
+        let made = FrameBody { number: AtomicU32::new(0), work: RwLock::new(work), failure: LastFailure::default() };
         // SAFETY: the caller's promise.
         unsafe { frame.write(into_handle(made)) };
         Ok(())
@@ -176,7 +174,7 @@ pub unsafe extern "C" fn pcmvs_frame_reconstruct(
         if made.is_err() {
             // Nothing is kept of a frame that fails.
             let params = work.options.params()?;
-            work.pipeline = Pipeline::new(Arc::clone(&frame.rig), params);
+            work.pipeline = work.pipeline.next(params);
         }
         made
     });

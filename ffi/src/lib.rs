@@ -16,6 +16,9 @@ pub mod version;
 
 pub mod status;
 
+#[cfg(feature = "allocator")]
+pub mod allocator;
+
 pub mod error;
 
 pub mod camera;

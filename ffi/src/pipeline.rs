@@ -6,7 +6,7 @@
 use crate::{
     boundary::Result,
     error::Failure,
-    executor::HostThreads,
+    executor::{HostThreads, Pool},
     progress::HostProgress,
     status::{
         pcmvs_stage,
@@ -14,23 +14,36 @@ use crate::{
     },
 };
 use pcmvs_core::{
-    Counts, Executor, Mesh, Params, PointCloud, Progress, Rig, Stage, Stages, View, ViewInput, colour, detect::Level,
-    hull::VisualHull, memory, params::Method, stages,
+    Counts, Executor, Mesh, Params, PointCloud, Progress, Rig, Stage, Stages, View, ViewInput, colour,
+    detect::{Level, Scratch},
+    hull::VisualHull,
+    memory,
+    params::Method,
+    stages,
+    view::{self, Buffers},
 };
 use self_cell::self_cell;
 use std::{
+    mem::take,
     sync::{Arc, Mutex, PoisonError},
     time::Instant,
 };
 
 self_cell!(
-    /// The hull and the views that it looks up.
+    /// The views and what looks them up.
     struct Carved {
         owner: Vec<View>,
         #[covariant]
-        dependent: VisualHull,
+        dependent: OfViews,
     }
 );
+
+/// What looks up the views.
+struct OfViews<'a> {
+    hull: VisualHull<'a>,
+    /// The views as detection wants them; empty before and after.
+    levels: Vec<Level<'a>>,
+}
 
 /// A frame, as far as it has been made.
 pub(crate) struct Pipeline {
@@ -41,16 +54,33 @@ pub(crate) struct Pipeline {
     /// Views in the order of the stages, until the hull takes them.
     views: Vec<Mutex<Option<View>>>,
     carved: Option<Carved>,
-    levels: Vec<Level>,
+    /// Buffers of detection; they go from frame to frame.
+    scratch: Pool<Scratch>,
+    /// Buffers of the views' making.
+    view_scratch: Pool<view::Scratch>,
+    /// Memory of the last frame's views.
+    buffers: Pool<Buffers>,
     detected: Vec<Mutex<Option<(PointCloud, Counts)>>>,
     pub stages: Stages,
     pub mesh: Mesh,
+    /// Of each camera as given.
+    gains: Vec<[f32; 3]>,
     counts: Counts,
     hashes: [u64; Stage::ALL.len()],
     seconds: Mutex<[f64; Stage::ALL.len()]>,
 }
 
 impl Pipeline {
+    /// A frame of which nothing is there yet; it takes over the buffers of the one before.
+    pub fn next(&mut self, params: Params) -> Self {
+        let old = self.carved.take().map(Carved::into_owner).unwrap_or_default();
+        let old = old.into_iter().chain(self.views.iter_mut().filter_map(|slot| slot_of(slot).take()));
+        let mut buffers = take(&mut self.buffers);
+        buffers.spare().extend(old.map(Buffers::from));
+        let scratch = take(&mut self.scratch);
+        Self { scratch, buffers, ..Self::new(Arc::clone(&self.rig), params) }
+    }
+
     /// A frame of which nothing is there yet.
     pub fn new(rig: Arc<Rig>, params: Params) -> Self {
         let slots = rig.cameras().len();
@@ -60,10 +90,13 @@ impl Pipeline {
             reached: None,
             views: (0..slots).map(|_| Mutex::new(None)).collect(),
             carved: None,
-            levels: Vec::new(),
+            scratch: Pool::default(),
+            view_scratch: Pool::default(),
+            buffers: Pool::default(),
             detected: (0..slots).map(|_| Mutex::new(None)).collect(),
             stages: Stages::default(),
             mesh: Mesh::default(),
+            gains: Vec::new(),
             counts: Counts::default(),
             hashes: [0; Stage::ALL.len()],
             seconds: Mutex::default(),
@@ -100,7 +133,8 @@ impl Pipeline {
                 return Err(Failure::new(WrongOrder, "the hull has been made of all views: begin a new frame"));
             }
             step(progress, Stage::Views, camera, self.cameras())?;
-            let view = View::new(&self.rig, camera, input)?;
+            let buffers = self.buffers.take();
+            let view = self.view_scratch.with(|scratch| View::in_memory(&self.rig, camera, input, scratch, buffers))?;
             *slot.lock().unwrap_or_else(PoisonError::into_inner) = Some(view);
             Ok(())
         })
@@ -121,9 +155,11 @@ impl Pipeline {
                 None => this.views.iter_mut().filter_map(|slot| slot_of(slot).take()).collect(),
             };
             let carve = |views| {
-                let carved =
-                    Carved::try_new_or_recover(views, |views| VisualHull::new(views, &this.params.hull, progress))?;
-                let (mesh, dropped) = stages::hull_mesh(carved.borrow_dependent(), &this.params);
+                let carved = Carved::try_new_or_recover(views, |views| {
+                    let hull = VisualHull::new(views, &this.params.hull, progress)?;
+                    Ok::<_, pcmvs_core::Error>(OfViews { hull, levels: Vec::new() })
+                })?;
+                let (mesh, dropped) = stages::hull_mesh(&carved.borrow_dependent().hull, &this.params);
                 match memory::check(carved.borrow_owner(), &mesh, &this.params) {
                     Ok(()) => Ok((carved, mesh, dropped)),
                     Err(error) => Err((carved.into_owner(), error)),
@@ -132,6 +168,8 @@ impl Pipeline {
             match carve(views) {
                 Ok((carved, mesh, dropped)) => {
                     (this.stages.hull, this.counts.components_dropped) = (mesh, dropped);
+                    // What later stages need counts more than what the next frame would be spared.
+                    this.view_scratch = Pool::default();
                     this.carved = Some(carved);
                     Ok(())
                 }
@@ -154,7 +192,7 @@ impl Pipeline {
                 return Ok(());
             }
             let carved = carved(&this.carved)?;
-            let (views, hull) = (carved.borrow_owner(), carved.borrow_dependent());
+            let (views, hull) = (carved.borrow_owner(), &carved.borrow_dependent().hull);
             let found = threads.map(views.len(), |i| {
                 step(progress, Stage::Contours, i, views.len())?;
                 Ok(stages::frontier(&views[i], hull, &this.params))
@@ -171,12 +209,22 @@ impl Pipeline {
     pub fn coarse(&mut self, threads: &HostThreads, progress: &HostProgress) -> Result<()> {
         self.alone(Stage::Coarse, |this| {
             if this.params.method != Method::Hull {
-                let carved = carved(&this.carved)?;
-                let (views, hull) = (carved.borrow_owner(), carved.borrow_dependent());
-                let (mesh, frontier) = (&this.stages.hull, &this.stages.frontier);
-                this.stages.coarse =
-                    stages::coarse(&this.rig, views, mesh, frontier, hull, &this.params, threads, progress)?;
-                this.levels = stages::levels(views, &this.params, threads);
+                let Self { rig, carved, stages, params, scratch, .. } = &mut *this;
+                let carved = carved.as_mut().ok_or_else(no_hull)?;
+                let (views, hull) = (carved.borrow_owner(), &carved.borrow_dependent().hull);
+                let scratch = scratch.spare();
+                stages.coarse = stages::coarse(
+                    rig,
+                    views,
+                    &stages.hull,
+                    &stages.frontier,
+                    hull,
+                    params,
+                    threads,
+                    scratch,
+                    progress,
+                )?;
+                carved.with_dependent_mut(|views, of| of.levels = stages::levels(views, params, threads));
             }
             this.detected.iter_mut().for_each(|slot| *slot_of(slot) = None);
             Ok(())
@@ -194,9 +242,12 @@ impl Pipeline {
             let found = if self.params.method == Method::Hull {
                 (PointCloud::new(), Counts::default())
             } else {
-                let hull = carved(&self.carved)?.borrow_dependent();
+                let OfViews { hull, levels } = carved(&self.carved)?.borrow_dependent();
                 let Stages { hull: mesh, coarse, .. } = &self.stages;
-                stages::detect(&self.rig, place, &self.levels, hull, mesh, coarse, &self.params, progress)?
+                let detect = |scratch: &mut Scratch| {
+                    stages::detect(&self.rig, place, levels, hull, mesh, coarse, &self.params, scratch, progress)
+                };
+                self.scratch.with(detect)?
             };
             *self.detected[place].lock().unwrap_or_else(PoisonError::into_inner) = Some(found);
             Ok(())
@@ -217,6 +268,9 @@ impl Pipeline {
                 self.stages.detected.push(cloud);
                 self.counts.add_detection(&found);
             }
+            if let Some(carved) = &mut self.carved {
+                carved.with_dependent_mut(|_, of| of.levels = Vec::new());
+            }
             self.reached = Some(Stage::Detect);
         }
         self.alone(Stage::Merge, |this| {
@@ -224,7 +278,7 @@ impl Pipeline {
                 return Ok(());
             }
             let carved = carved(&this.carved)?;
-            let (views, hull) = (carved.borrow_owner(), carved.borrow_dependent());
+            let (views, hull) = (carved.borrow_owner(), &carved.borrow_dependent().hull);
             let mut counts = this.counts;
             this.stages.merged = stages::merge(&this.stages, views, hull, &this.params, &mut counts, progress)?;
             this.counts = counts;
@@ -238,7 +292,7 @@ impl Pipeline {
             this.mesh = if this.params.method == Method::Hull {
                 this.stages.hull.clone()
             } else {
-                let hull = carved(&this.carved)?.borrow_dependent();
+                let hull = &carved(&this.carved)?.borrow_dependent().hull;
                 let meshed = stages::mesh(&this.stages.merged, hull, &this.params, progress)?;
                 this.counts.components_dropped = meshed.components_dropped;
                 meshed.mesh
@@ -251,13 +305,16 @@ impl Pipeline {
     pub fn colour(&mut self, progress: &HostProgress) -> Result<()> {
         self.alone(Stage::Colour, |this| {
             let views = carved(&this.carved)?.borrow_owner();
-            let coloured = colour::colour(&mut this.mesh, views, &this.params.colour, progress);
-            let coloured = coloured.map_err(Failure::from).and_then(|()| {
-                if progress.finish(Stage::Colour) { Ok(()) } else { Err(Failure::new(Cancelled, "cancelled")) }
+            let coloured = colour::colour(&mut this.mesh, views, this.rig.gains(), &this.params.colour, progress);
+            let coloured = coloured.map_err(Failure::from).and_then(|gains| {
+                if progress.finish(Stage::Colour) { Ok(gains) } else { Err(Failure::new(Cancelled, "cancelled")) }
             });
-            if coloured.is_err() {
-                this.mesh.colours.clear();
-                return coloured;
+            match coloured {
+                Ok(gains) => this.gains = this.rig.as_given(&gains),
+                Err(failure) => {
+                    this.mesh.colours.clear();
+                    return Err(failure);
+                }
             }
             (this.counts.vertices, this.counts.faces) =
                 (this.mesh.positions.len() as u32, this.mesh.triangles.len() as u32);
@@ -294,6 +351,12 @@ impl Pipeline {
         Ok((&self.counts, &self.hashes, *self.seconds.lock().unwrap_or_else(PoisonError::into_inner)))
     }
 
+    /// Each camera's gains of red, green and blue, once all stages are complete.
+    pub fn gains(&self) -> Result<&[[f32; 3]]> {
+        self.require(Stage::Colour)?;
+        Ok(&self.gains)
+    }
+
     /// Runs a stage that needs the one before it; what came after it before is void.
     fn alone(&mut self, stage: Stage, work: impl FnOnce(&mut Self) -> Result<()>) -> Result<()> {
         let started = Instant::now();
@@ -324,7 +387,11 @@ impl Pipeline {
 }
 
 fn carved(carved: &Option<Carved>) -> Result<&Carved> {
-    carved.as_ref().ok_or_else(|| Failure::new(WrongOrder, "there is no hull yet"))
+    carved.as_ref().ok_or_else(no_hull)
+}
+
+fn no_hull() -> Failure {
+    Failure::new(WrongOrder, "there is no hull yet")
 }
 
 /// The first camera, numbered as given, whose slot is empty.

@@ -3,12 +3,13 @@
 use crate::{options::pcmvs_options, status::pcmvs_stage};
 use pcmvs_core::{Progress, Stage};
 use std::{
+    cell::Cell,
     ffi::{c_int, c_void},
+    ptr,
     sync::{
         Mutex, PoisonError,
         atomic::{AtomicBool, Ordering},
     },
-    thread::{self, ThreadId},
 };
 
 /// Told how far a call is: `done` of `total` in `stage`. Stages come in order and `done` never falls within one.
@@ -21,12 +22,19 @@ pub type pcmvs_progress_fn =
 /// Every stage is told in thousandths, whatever its own steps are.
 const TOTAL: u32 = 1000;
 
+/// Tells the threads that are running apart, by the address of a byte that each has. `std::thread::current` would leave
+/// memory with every thread of the host's that has ever called.
+fn this_thread() -> usize {
+    thread_local!(static MARK: Cell<u8> = const { Cell::new(0) });
+    MARK.with(|mark| ptr::from_ref(mark).addr())
+}
+
 /// Calls back on one thread, never backwards.
 pub(crate) struct HostProgress {
     callback: pcmvs_progress_fn,
     user: *mut c_void,
     /// The thread that called, if pieces of its work may run on others.
-    caller: Option<ThreadId>,
+    caller: Option<usize>,
     cancelled: AtomicBool,
     /// Stage and thousandths told last.
     last: Mutex<(u32, u32)>,
@@ -41,14 +49,14 @@ impl HostProgress {
         Self {
             callback: options.progress,
             user: options.progress_user,
-            caller: options.parallel.map(|_| thread::current().id()),
+            caller: options.parallel.map(|_| this_thread()),
             cancelled: AtomicBool::new(false),
             last: Mutex::new((0, 0)),
         }
     }
 
     fn on_callers_thread(&self) -> bool {
-        self.caller.is_none_or(|caller| caller == thread::current().id())
+        self.caller.is_none_or(|caller| caller == this_thread())
     }
 
     /// Says that a stage is done; false cancels.

@@ -3,6 +3,7 @@
 use crate::{
     boundary::{Growing, write},
     frame::{Work, pcmvs_frame, shared},
+    mesh::Target,
     status::{PCMVS_STAGE_COUNT, pcmvs_stage, pcmvs_status},
 };
 
@@ -86,4 +87,25 @@ pub unsafe extern "C" fn pcmvs_frame_get_report(
     };
     // SAFETY: the caller's promise.
     unsafe { shared(frame, tell) }
+}
+
+/// Copies the gains with which the frame was coloured, when all its stages have run: for each camera three floats, as for
+/// `pcmvs_rig_set_gains`. `buffer` has room for `capacity` cameras; `buffer`, `capacity`, `stride` and `count` as for
+/// `pcmvs_frame_copy_mesh`.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn pcmvs_frame_copy_gains(
+    frame: *const pcmvs_frame,
+    buffer: *mut f32,
+    capacity: usize,
+    stride: usize,
+    count: *mut usize,
+) -> pcmvs_status {
+    let copy = |work: &Work| {
+        let gains = work.pipeline.gains()?;
+        let target = Target { buffer: buffer.cast(), capacity, stride, count };
+        // SAFETY: the caller's promise.
+        unsafe { target.fill(gains.iter().copied()) }.map_err(|f| f.at(pcmvs_stage::Colour))
+    };
+    // SAFETY: the caller's promise.
+    unsafe { shared(frame, copy) }
 }

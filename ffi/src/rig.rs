@@ -6,7 +6,7 @@ use crate::{
     error::{Failure, LastFailure, pcmvs_error},
     status::pcmvs_status::{self, Busy, InvalidArgument, WrongOrder},
 };
-use pcmvs_core::{Camera, Rig};
+use pcmvs_core::{Camera, Error, Rig};
 use std::sync::{Arc, PoisonError, RwLock};
 
 /// Most cameras of a rig.
@@ -89,6 +89,28 @@ pub unsafe extern "C" fn pcmvs_rig_set_cameras(
     };
     // SAFETY: the caller's promise.
     unsafe { with_rig(rig, prepare) }
+}
+
+/// Fixes the gains of a rig's cameras: what their red, green and blue are multiplied by when a mesh is coloured, `gains`
+/// holds three numbers a camera, `count` is the number of cameras. Without, every frame finds its own, so that colours
+/// may differ a little from frame to frame; those of a frame are told by `pcmvs_frame_copy_gains`.
+/// `pcmvs_rig_set_cameras` takes them away again. Frames made before keep what they had.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn pcmvs_rig_set_gains(rig: *mut pcmvs_rig, gains: *const f32, count: usize) -> pcmvs_status {
+    let fix = |rig: &RigBody| {
+        let gains: *const [f32; 3] = out(gains.cast_mut(), "gains")?.cast();
+        let old = rig.get()?;
+        if count != old.cameras().len() {
+            return Err(Error::GainCount { given: count as u32, cameras: old.cameras().len() as u32 }.into());
+        }
+        // SAFETY: the caller's promise; numbers may lie at any address.
+        let gains: Vec<_> = (0..count).map(|i| unsafe { gains.add(i).read_unaligned() }).collect();
+        let made = Rig::clone(&old).with_gains(&gains)?;
+        *rig.rig.try_write().map_err(|_| Failure::new(Busy, "the rig is in use"))? = Some(Arc::new(made));
+        Ok(())
+    };
+    // SAFETY: the caller's promise.
+    unsafe { with_rig(rig, fix) }
 }
 
 /// Number of cameras; 0 before they are set.

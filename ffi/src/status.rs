@@ -21,7 +21,7 @@ pub enum pcmvs_status {
     InvalidArgument = 4,
     /// The handle is in use by a call that excludes this one: on another thread, or in whose callback this one is made.
     Busy = 5,
-    /// The call needs a stage that has not run yet.
+    /// The call needs a stage that has not run yet, or comes too late.
     WrongOrder = 6,
     /// The progress callback asked to stop.
     Cancelled = 7,

@@ -4,6 +4,7 @@ mod common;
 
 use common::{C99, Link, build, output};
 use pcmvs::{
+    allocator::pcmvs_allocator,
     camera::pcmvs_camera,
     cloud::{pcmvs_cloud_kind, pcmvs_point, pcmvs_rank, pcmvs_silhouette},
     error::pcmvs_error,
@@ -147,6 +148,7 @@ fn c_and_rust_agree() {
         "VERSION" = pcmvs::version::PCMVS_VERSION,
     );
 
+    layout!(facts, pcmvs_allocator { struct_size, reserved, user, allocate, reallocate, deallocate });
     layout!(facts, pcmvs_error { status, stage, camera, reserved, frame, message });
     layout!(facts, pcmvs_camera { struct_size, width, height, reserved, k, distortion, r, t });
     layout!(facts, pcmvs_image { struct_size, format, width, height, data, stride, chroma, chroma_stride });

@@ -5,6 +5,8 @@ mod common;
 use common::{C99, Link, Sample, build, has, output, root, run};
 use std::process::Command;
 
+const SANITIZED: &[&str] = &["cc", "-std=c99", "-fsanitize=address,undefined", "-fno-sanitize-recover=all"];
+
 #[test]
 fn memory_is_steady_over_200_frames() {
     let sample = Sample::sized(6, 80, 60);
@@ -13,23 +15,44 @@ fn memory_is_steady_over_200_frames() {
 }
 
 #[test]
-fn every_frame_allocates_the_same_and_reading_nothing() {
+fn later_frames_allocate_less_and_all_the_same_and_reading_nothing() {
     if !cfg!(target_env = "gnu") {
         return;
     }
-    let sample = Sample::sized(4, 40, 32);
+    let sample = Sample::sized(4, 80, 60);
     let program = build(sample.path(), C99, "tests/c/allocations.c", Link::Shared);
     println!("{}", output(&program, [sample.plain().into_os_string(), "12".into()]));
 }
 
 #[test]
+fn the_callers_allocator_serves_everything() {
+    let sample = Sample::sized(4, 40, 32);
+    let glb = |name: &str| sample.path().join(name);
+    let whole = build(sample.path(), C99, "examples/c/reconstruct.c", Link::Shared);
+    output(&whole, [sample.plain(), glb("whole.glb")]);
+    let expected = std::fs::read(glb("whole.glb")).unwrap();
+    let counted = [C99, &["-DCOUNT_MALLOC"]].concat();
+    let plain = if cfg!(target_env = "gnu") { &counted[..] } else { C99 };
+    for (compiler, link) in [(plain, Link::Shared), (plain, Link::Static), (SANITIZED, Link::Static)] {
+        let program = build(sample.path(), compiler, "tests/c/allocator.c", link);
+        for growing in ["growing", "copied"] {
+            output(&program, [sample.plain(), glb("own.glb"), growing.into()]);
+            assert!(std::fs::read(glb("own.glb")).unwrap() == expected, "the memory's origin changes the bytes");
+        }
+    }
+    if has("valgrind") {
+        let program = build(sample.path(), C99, "tests/c/allocator.c", Link::Shared);
+        run(under_valgrind().arg(program).arg(sample.plain()).arg(glb("own.glb")).arg("growing"));
+    }
+}
+
+#[test]
 fn address_sanitizer_finds_no_leak_over_200_frames() {
     let sample = Sample::sized(6, 80, 60);
-    let sanitized = ["cc", "-std=c99", "-fsanitize=address,undefined", "-fno-sanitize-recover=all"];
-    let program = build(sample.path(), &sanitized, "tests/c/soak.c", Link::Shared);
+    let program = build(sample.path(), SANITIZED, "tests/c/soak.c", Link::Shared);
     run(Command::new(program).arg(sample.plain()).args(["200", "0"]).env("ASAN_OPTIONS", "detect_leaks=1"));
     // All misuse, but for reading freed handles.
-    let careful = [&sanitized[..], &["-DWITHOUT_FREED_HANDLES"]].concat();
+    let careful = [SANITIZED, &["-DWITHOUT_FREED_HANDLES"]].concat();
     for source in ["tests/c/misuse.c", "tests/c/results.c"] {
         let program = build(sample.path(), &careful, source, Link::Static);
         run(Command::new(program).arg(sample.plain()).env("ASAN_OPTIONS", "detect_leaks=1"));
@@ -47,15 +70,20 @@ fn valgrind_finds_no_error_over_200_frames() {
     valgrind("200");
 }
 
-/// Frames of all presets in turn through one rig. What is wrong ends the program with a status of its own.
+/// Frames of all presets in turn through one rig.
 fn valgrind(frames: &str) {
     if !has("valgrind") {
         return;
     }
     let sample = Sample::sized(4, 40, 32);
     let program = build(sample.path(), C99, "tests/c/soak.c", Link::Shared);
+    run(under_valgrind().arg(program).arg(sample.plain()).args([frames, "0"]));
+}
+
+/// What is wrong ends the program with a status of its own.
+fn under_valgrind() -> Command {
     let mut valgrind = Command::new("valgrind");
     valgrind.args(["--quiet", "--leak-check=full", "--show-leak-kinds=all"]);
-    valgrind.args(["--errors-for-leak-kinds=all", "--error-exitcode=9"]);
-    run(valgrind.current_dir(root()).arg(program).arg(sample.plain()).args([frames, "0"]));
+    valgrind.args(["--errors-for-leak-kinds=all", "--error-exitcode=9"]).current_dir(root());
+    valgrind
 }

@@ -120,8 +120,11 @@ static void check_null(const struct capture *capture, pcmvs_rig *rig, pcmvs_fram
     size_t count;
     uint32_t cameras;
     double origin[3];
+    float gains[3];
     char buffer[16];
 
+    NULL_POINTER(pcmvs_allocator_init(NULL, sizeof(pcmvs_allocator)));
+    NULL_POINTER(pcmvs_set_allocator(NULL));
     NULL_POINTER(pcmvs_camera_init(NULL, sizeof(pcmvs_camera)));
     NULL_POINTER(pcmvs_image_init(NULL, sizeof(pcmvs_image)));
     NULL_POINTER(pcmvs_chroma_key_init(NULL, sizeof(pcmvs_chroma_key)));
@@ -133,6 +136,8 @@ static void check_null(const struct capture *capture, pcmvs_rig *rig, pcmvs_fram
     OK(pcmvs_rig_free(NULL));
     NULL_POINTER(pcmvs_rig_set_cameras(NULL, capture->cameras, capture->count));
     NULL_POINTER(pcmvs_rig_set_cameras(rig, NULL, capture->count));
+    NULL_POINTER(pcmvs_rig_set_gains(NULL, gains, capture->count));
+    NULL_POINTER(pcmvs_rig_set_gains(rig, NULL, capture->count));
     NULL_POINTER(pcmvs_rig_camera_count(NULL, &cameras));
     NULL_POINTER(pcmvs_rig_camera_count(rig, NULL));
     NULL_POINTER(pcmvs_rig_origin(NULL, origin));
@@ -170,6 +175,10 @@ static void check_null(const struct capture *capture, pcmvs_rig *rig, pcmvs_fram
     NULL_POINTER(pcmvs_frame_get_report(NULL, &report, sizeof report));
     NULL_POINTER(pcmvs_frame_get_report(frame, NULL, sizeof report));
     OK(pcmvs_frame_get_report(frame, &report, sizeof report));
+    NULL_POINTER(pcmvs_frame_copy_gains(NULL, gains, 1, 0, &count));
+    NULL_POINTER(pcmvs_frame_copy_gains(frame, NULL, 1, 0, &count));
+    NULL_POINTER(pcmvs_frame_copy_gains(frame, NULL, 0, 0, NULL));
+    EXPECT(pcmvs_frame_copy_gains(frame, gains, 1, 0, NULL), PCMVS_STATUS_BUFFER_TOO_SMALL);
 
     /* Making frames. */
     NULL_POINTER(pcmvs_frame_begin(NULL, NULL));
@@ -192,6 +201,25 @@ static void check_null(const struct capture *capture, pcmvs_rig *rig, pcmvs_fram
     CHECK(strstr(error.message, "view.image") != NULL);
 }
 
+static void *allocate(void *user, size_t size, size_t alignment) {
+    (void)user, (void)alignment;
+    return malloc(size);
+}
+
+static void deallocate(void *user, void *memory, size_t size, size_t alignment) {
+    (void)user, (void)size, (void)alignment;
+    free(memory);
+}
+
+/* An allocator comes first or not at all. */
+static void check_late_allocator(void) {
+    pcmvs_allocator allocator;
+    OK(pcmvs_allocator_init(&allocator, sizeof allocator));
+    allocator.allocate = allocate;
+    allocator.deallocate = deallocate;
+    EXPECT(pcmvs_set_allocator(&allocator), PCMVS_STATUS_WRONG_ORDER);
+}
+
 /* Handles that are none, structs of other sizes, numbers out of range, wrong order. */
 static void check_misuse(const struct capture *capture, pcmvs_rig *rig) {
     pcmvs_frame *frame = NULL, *freed;
@@ -209,6 +237,7 @@ static void check_misuse(const struct capture *capture, pcmvs_rig *rig) {
         uint32_t unknown[4];
     } later;
     uint64_t words[64] = {0};
+    const float gains[9] = {1, 1, 1, 1, 0, 1, 1, 1, 1};
 
     EXPECT(pcmvs_rig_camera_count((const pcmvs_rig *)words, &count), PCMVS_STATUS_INVALID_HANDLE);
     EXPECT(pcmvs_frame_hull((pcmvs_frame *)rig), PCMVS_STATUS_INVALID_HANDLE);
@@ -231,7 +260,12 @@ static void check_misuse(const struct capture *capture, pcmvs_rig *rig) {
     EXPECT(pcmvs_rig_set_cameras(empty, cameras, 3), PCMVS_STATUS_DUPLICATE_CAMERA);
     cameras[1].struct_size -= 8;
     EXPECT(pcmvs_rig_set_cameras(empty, cameras, 3), PCMVS_STATUS_INVALID_STRUCT);
+    EXPECT(pcmvs_rig_set_gains(empty, gains, 3), PCMVS_STATUS_WRONG_ORDER);
     OK(pcmvs_rig_set_cameras(empty, capture->cameras, 3));
+    EXPECT(pcmvs_rig_set_gains(empty, gains, 2), PCMVS_STATUS_INVALID_ARGUMENT);
+    EXPECT(pcmvs_rig_set_gains(empty, gains, 3), PCMVS_STATUS_CAMERA);
+    OK(pcmvs_rig_error(empty, &error, sizeof error));
+    CHECK(error.status == PCMVS_STATUS_CAMERA && error.camera == 1 && strstr(error.message, "gains") != NULL);
     OK(pcmvs_rig_free(empty));
 
     OK(pcmvs_frame_new(rig, &frame));
@@ -317,6 +351,7 @@ int main(int argc, char **argv) {
     check_reading(&capture, rig, frame);
     check_null(&capture, rig, frame);
     check_misuse(&capture, rig);
+    check_late_allocator();
     /* None of it has done any harm. */
     OK(pcmvs_frame_reconstruct(frame, capture.views, capture.count, NULL));
     bytes = glb(frame);

@@ -266,6 +266,41 @@ static void check_outputs(const struct capture *capture, const pcmvs_rig *rig, c
     free(bytes.data);
 }
 
+/* Gains that a frame has found give the same bytes when they are fixed, and others do not. */
+static void check_gains(const struct capture *capture, pcmvs_rig *rig, const pcmvs_frame *found,
+                        const struct bytes *expected) {
+    pcmvs_frame *frame = NULL;
+    struct bytes bytes;
+    float(*gains)[3] = malloc(capture->count * sizeof *gains), (*again)[3] = malloc(capture->count * sizeof *again);
+    size_t count = 0;
+    if (gains == NULL || again == NULL) {
+        exit(3);
+    }
+    OK(pcmvs_frame_copy_gains(found, NULL, 0, 0, &count));
+    CHECK(count == capture->count);
+    OK(pcmvs_frame_copy_gains(found, gains[0], count, 0, NULL));
+    OK(pcmvs_rig_set_gains(rig, gains[0], count));
+    OK(pcmvs_frame_new(rig, &frame));
+    OK(pcmvs_frame_reconstruct(frame, capture->views, capture->count, NULL));
+    OK(pcmvs_frame_copy_gains(frame, again[0], count, 0, NULL));
+    CHECK(memcmp(gains, again, count * sizeof *gains) == 0);
+    bytes = glb(frame);
+    CHECK(same(&bytes, expected));
+    free(bytes.data);
+    OK(pcmvs_frame_free(frame));
+    gains[1][2] *= 1.5f;
+    OK(pcmvs_rig_set_gains(rig, gains[0], count));
+    OK(pcmvs_frame_new(rig, &frame));
+    OK(pcmvs_frame_reconstruct(frame, capture->views, capture->count, NULL));
+    bytes = glb(frame);
+    CHECK(!same(&bytes, expected));
+    free(bytes.data);
+    OK(pcmvs_frame_free(frame));
+    OK(pcmvs_rig_set_cameras(rig, capture->cameras, capture->count));
+    free(gains);
+    free(again);
+}
+
 int main(int argc, char **argv) {
     struct capture capture;
     pcmvs_rig *rig = NULL;
@@ -280,6 +315,7 @@ int main(int argc, char **argv) {
     OK(pcmvs_frame_reconstruct(frame, capture.views, capture.count, NULL));
     expected = glb(frame);
     check_outputs(&capture, rig, frame);
+    check_gains(&capture, rig, frame, &expected);
     check_cancel(&capture, frame, &expected);
     check_stages(&capture, frame, &expected);
     check_formats(&capture, frame, &expected);

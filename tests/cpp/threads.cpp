@@ -1,15 +1,44 @@
 // Everything that threads may do at a time, for ThreadSanitizer: threads FOLDER [race] (see capture.h). Two frames of
-// one rig are made at once, each on threads of its own, while another thread reads both; with `race` two threads hand
+// one rig are made at once, each on threads of its own, while another thread reads both, all in memory of an allocator
+// that two threads try to set; with `race` two threads hand
 // the library the same memory to write to, which a sanitizer that sees into the library must find.
 #include "capture.h"
 
+#include <algorithm>
 #include <atomic>
+#include <cstdlib>
 #include <cstring>
 #include <iostream>
 #include <pcmvs.hpp>
 #include <thread>
 
 namespace {
+
+std::atomic<long> blocks{0};
+
+void *allocate(void *, std::size_t size, std::size_t alignment) {
+    blocks++;
+    alignment = std::max(alignment, sizeof(void *));
+    return std::aligned_alloc(alignment, (size + alignment - 1) / alignment * alignment);
+}
+
+void deallocate(void *, void *memory, std::size_t, std::size_t) {
+    blocks--;
+    std::free(memory);
+}
+
+// One of two threads succeeds.
+bool set_allocator() {
+    auto allocator = pcmvs::make<pcmvs_allocator>();
+    allocator.allocate = allocate;
+    allocator.deallocate = deallocate;
+    std::atomic<int> successes{0};
+    const auto set = [&] { successes += pcmvs_set_allocator(&allocator) == PCMVS_STATUS_OK; };
+    std::thread one(set), other(set);
+    one.join();
+    other.join();
+    return successes == 1;
+}
 
 // Two threads share the pieces.
 void on_two(void *, std::uint32_t count, pcmvs_job_fn run, void *job) {
@@ -105,7 +134,11 @@ int main(int argc, char **argv) {
     if (argc < 2 || !capture_read(argv[1], &capture)) {
         return 2;
     }
-    const int status = run(capture, argc > 2);
+    int status = set_allocator() ? run(capture, argc > 2) : 1;
+    if (blocks != 0) {
+        std::cout << blocks << " blocks are left\n";
+        status = 1;
+    }
     capture_free(&capture);
     return status;
 }

@@ -41,11 +41,19 @@ struct Offer {
 ///
 /// Each vertex takes the interpolated pixel of the camera whose ray is most opposed to its normal
 /// ([`ColourParams::blended_views`] = 1, the paper's choice), or a blend of the best few that has no seams. Vertices
-/// that no camera sees continue the colours around them. Colours are sRGB, like the pictures.
+/// that no camera sees continue the colours around them. Colours are sRGB, like the pictures. `fixed_gains`, one a view,
+/// are used instead of gains found here; the gains used come back.
 ///
 /// # Errors
 /// [`crate::Error::Cancelled`].
-pub fn colour(mesh: &mut Mesh, views: &[View], params: &ColourParams, progress: &dyn Progress) -> Result<()> {
+pub fn colour(
+    mesh: &mut Mesh,
+    views: &[View],
+    fixed_gains: Option<&[Vec3]>,
+    params: &ColourParams,
+    progress: &dyn Progress,
+) -> Result<Vec<Vec3>> {
+    let compared = params.gains && fixed_gains.is_none();
     let blended = params.blended_views.max(1) as usize;
     // Blending needs the best view that is left out as well.
     let kept = if blended == 1 { 1 } else { blended + 1 };
@@ -57,20 +65,24 @@ pub fn colour(mesh: &mut Mesh, views: &[View], params: &ColourParams, progress: 
         buffer.render(mesh, &view.camera);
         for (v, (&position, &normal)) in mesh.positions.iter().zip(&mesh.normals).enumerate() {
             let Some(offer) = look(view, i as u16, &buffer, position, normal, v) else { continue };
-            if params.gains {
+            if compared {
                 overlap.add(v, i, &offer);
             }
             insert(&mut offers[v * kept..][..kept], offer);
         }
         progress::step(progress, Stage::Colour, i as u32 + 1, views.len() as u32)?;
     }
-    let gains = if params.gains { overlap.solve() } else { vec![Vec3::ONE; views.len()] };
+    let gains = match fixed_gains {
+        Some(gains) => gains.to_vec(),
+        None if compared => overlap.solve(),
+        None => vec![Vec3::ONE; views.len()],
+    };
     let colours = offers.chunks_exact(kept).map(|offers| blend(offers, blended, &gains)).collect();
     mesh.colours = fill::fill(mesh, colours)
         .into_iter()
         .map(|c| c.to_array().map(|v| libm::roundf(v.clamp(0.0, 255.0)) as u8))
         .collect();
-    Ok(())
+    Ok(gains)
 }
 
 /// What a view has to say about a vertex, if it sees it.

@@ -7,7 +7,7 @@ use crate::{
     report::Counts,
     simd::{Simd, Work},
 };
-use alloc::{vec, vec::Vec};
+use alloc::vec::Vec;
 use glam::Vec3;
 
 /// The constraints of §4.3.
@@ -34,12 +34,14 @@ pub fn clean(
     rank: &[Rank],
     view: u16,
     params: &CleanParams,
+    scratch: &mut Scratch,
     counts: &mut Counts,
 ) -> PointCloud {
     let (w, h) = (level.camera.width as usize, level.camera.height as usize);
-    let points = Points::new(level, map, params);
+    let Scratch { planes, fits } = scratch;
+    let points = Points::new(level, map, params, planes);
     let simd = Simd::detect();
-    let mut fits: Vec<Fit> = Vec::new();
+    fits.clear();
     for y in 0..h {
         let mut x = 0;
         while let Some(first) = (x..w).find(|&x| map.depth[y * w + x] > 0.0) {
@@ -57,8 +59,8 @@ pub fn clean(
     }
     let total: f64 = fits.iter().fold(0.0, |sum, fit| sum + f64::from(fit.neighbours));
     let fewest = params.density * (total / fits.len().max(1) as f64) as f32;
-    let mut cloud = PointCloud::new();
-    for fit in &fits {
+    let mut cloud = PointCloud::with_capacity(fits.len());
+    for fit in fits.iter() {
         let i = fit.pixel as usize;
         if fit.neighbours < fewest.max(FEWEST) {
             counts.cleaned_density += 1;
@@ -86,6 +88,13 @@ pub fn clean(
 /// Fewer points than this have no normal.
 const FEWEST: f32 = 4.0;
 
+/// Buffers that go from view to view.
+#[derive(Default)]
+pub struct Scratch {
+    planes: [Vec<f32>; 4],
+    fits: Vec<Fit>,
+}
+
 /// A point's neighbourhood.
 struct Fit {
     pixel: u32,
@@ -104,9 +113,9 @@ struct Fits {
 
 /// A depth map's points, each coordinate a picture of its own with a margin all round. Points of one view lie on a
 /// pixel each, so a ball's points are within a window of pixels.
-struct Points {
+struct Points<'a> {
     /// x, y, z and whether (1) or not (0) there is a point.
-    planes: [Vec<f32>; 4],
+    planes: &'a [Vec<f32>; 4],
     /// Row length of the planes.
     stride: usize,
     /// How far a window reaches, in pixels; a wide one is read at every second pixel.
@@ -121,7 +130,7 @@ struct Points {
 
 /// [`Points::fit`] at a place.
 struct FitAt<'a> {
-    points: &'a Points,
+    points: &'a Points<'a>,
     x: usize,
     y: usize,
 }
@@ -135,14 +144,17 @@ impl Work for FitAt<'_> {
     }
 }
 
-impl Points {
-    fn new(level: &Level, map: &DepthMap, params: &CleanParams) -> Self {
+impl<'a> Points<'a> {
+    fn new(level: &Level, map: &DepthMap, params: &CleanParams, planes: &'a mut [Vec<f32>; 4]) -> Self {
         let (w, h) = (level.camera.width as usize, level.camera.height as usize);
         let reach = libm::ceilf(params.radius_pixels) as usize;
         let step = if reach < WIDE { 1 } else { 2 };
         // Lanes at the end of a row run over it.
         let stride = w + 2 * reach + LANES;
-        let mut planes = [0; 4].map(|_| vec![0.0; stride * (h + 2 * reach)]);
+        for plane in planes.iter_mut() {
+            plane.clear();
+            plane.resize(stride * (h + 2 * reach), 0.0);
+        }
         for (i, &depth) in map.depth.iter().enumerate().filter(|&(_, &depth)| depth > 0.0) {
             let p = level.camera.unproject((i % w) as f32, (i / w) as f32, depth);
             let place = (i / w + reach) * stride + i % w + reach;

@@ -10,7 +10,7 @@ use crate::{
     error::Result,
     simd::{Simd, Work},
 };
-use alloc::{vec, vec::Vec};
+use alloc::vec::Vec;
 use glam::Vec3;
 
 /// How one pass of detection searches.
@@ -49,30 +49,36 @@ pub fn depth_map(
     neighbours: &[&Level],
     range: &SearchRange,
     params: &SearchParams,
+    scratch: &mut Scratch,
+    map: &mut DepthMap,
     mut keep_going: impl FnMut(usize, usize) -> Result<()>,
-) -> Result<DepthMap> {
+) -> Result<()> {
     let (w, h) = (target.camera.width as usize, target.camera.height as usize);
-    let mut map = DepthMap { depth: vec![0.0; w * h], fidelity: vec![0.0; w * h] };
+    for values in [&mut map.depth, &mut map.fidelity] {
+        values.clear();
+        values.resize(w * h, 0.0);
+    }
     if neighbours.is_empty() {
-        return Ok(map);
+        return Ok(());
     }
     let simd = Simd::detect();
-    let mut scratch = Scratch { tile: Tile::default(), curves: Curves::new(&params.vote), flat: Vec::new() };
+    scratch.curves.tune(&params.vote);
     for y0 in (0..h).step_by(TILE) {
         keep_going(y0, h)?;
         let mut x0 = 0;
         // A tile begins at the first column with a pixel to search: thin limbs take one, not two.
         while let Some(first) = (x0..w).find(|&x| (y0..(y0 + TILE).min(h)).any(|y| !range.of(y * w + x).is_empty())) {
-            let (scratch, map) = (&mut scratch, &mut map);
+            let (scratch, map) = (&mut *scratch, &mut *map);
             simd.run(TileSweep { target, neighbours, range, params, corner: (first, y0), scratch, map });
             x0 = first + TILE;
         }
     }
-    Ok(map)
+    Ok(())
 }
 
-/// Buffers that go from tile to tile.
-struct Scratch {
+/// Buffers that go from tile to tile and from view to view.
+#[derive(Default)]
+pub struct Scratch {
     tile: Tile,
     curves: Curves,
     flat: Vec<f32>,
@@ -98,8 +104,8 @@ impl Sheets {
 
 /// Finds the depths of one tile's pixels.
 struct TileSweep<'a> {
-    target: &'a Level,
-    neighbours: &'a [&'a Level],
+    target: &'a Level<'a>,
+    neighbours: &'a [&'a Level<'a>],
     range: &'a SearchRange,
     params: &'a SearchParams,
     corner: (usize, usize),

@@ -1,32 +1,27 @@
 //! A view at one resolution of the image pyramid: what the sweep reads.
 
 use crate::{camera::Pinhole, view::View};
-use alloc::vec::Vec;
+use alloc::{borrow::Cow, vec, vec::Vec};
 
-/// Luma and silhouette of a view at full or half resolution.
+/// Luma and silhouette of a view: its own at full resolution, made at half of it.
 #[derive(Debug, Clone)]
-pub struct Level {
+pub struct Level<'a> {
     /// The camera at this resolution.
     pub camera: Pinhole,
     /// Luma, row after row.
-    pub luma: Vec<u8>,
+    pub luma: Cow<'a, [u8]>,
     /// Signed distance to the contour in 1/64 of this level's pixels; positive inside. All inside without a mask.
-    pub inside: Vec<i16>,
+    pub inside: Cow<'a, [i16]>,
 }
 
-impl Level {
-    /// The view as it is.
-    fn full(view: &View) -> Self {
-        let inside = match &view.silhouette {
-            Some(s) => s.distances().to_vec(),
-            None => alloc::vec![i16::MAX; view.luma.len()],
-        };
-        Self { camera: view.camera, luma: view.luma.clone(), inside }
-    }
-
+impl<'a> Level<'a> {
     /// The view at the resolution that a pass asks for.
-    pub fn new(view: &View, halved: bool) -> Self {
-        let full = Self::full(view);
+    pub fn new(view: &'a View, halved: bool) -> Self {
+        let inside = match &view.silhouette {
+            Some(s) => Cow::Borrowed(s.distances()),
+            None => Cow::Owned(vec![i16::MAX; view.luma.len()]),
+        };
+        let full = Self { camera: view.camera, luma: Cow::Borrowed(&view.luma), inside };
         if halved { full.halved() } else { full }
     }
 
@@ -46,6 +41,6 @@ impl Level {
                 inside.push((sum / 8) as i16);
             }
         }
-        Self { camera, luma, inside }
+        Self { camera, luma: luma.into(), inside: inside.into() }
     }
 }

@@ -25,11 +25,12 @@ use crate::{
     params::DetectionParams,
     point_cloud::{Mesh, PointCloud, Rank},
     progress::{Progress, Stage},
-    raster::Raster,
+    raster::{Crossings, Raster},
     report::Counts,
     rig::Rig,
 };
 use alloc::vec::Vec;
+use depth::DepthMap;
 use range::SearchRange;
 
 /// The surface that a search starts from.
@@ -41,9 +42,21 @@ pub enum Guide<'a> {
     Surface(&'a Mesh),
 }
 
+/// Buffers of a view's detection, for one view after another; what they hold does not matter.
+#[derive(Default)]
+pub struct Scratch {
+    raster: Raster,
+    crossings: Crossings,
+    range: SearchRange,
+    depth: depth::Scratch,
+    map: DepthMap,
+    rank: Vec<Rank>,
+    clean: clean::Scratch,
+}
+
 /// Detects the points of one view: §4.1 to §4.3.
 ///
-/// `levels` are all views at the resolution that `params` asks for. `tick` is asked once a row of tiles and cancels.
+/// `levels` are all views at the resolution that `params` asks for. `progress` is asked once a row of tiles and cancels.
 ///
 /// # Errors
 /// [`crate::Error::Cancelled`].
@@ -54,26 +67,30 @@ pub fn detect(
     hull: &VisualHull,
     guide: Guide,
     params: &DetectionParams,
+    scratch: &mut Scratch,
     progress: &dyn Progress,
 ) -> Result<(PointCloud, Counts)> {
+    let Scratch { raster, crossings, range, depth, map, rank, clean } = scratch;
     let level = &levels[view];
     let neighbours = rig.neighbours(view, params.search.neighbours);
     let neighbours: Vec<&Level> = neighbours.iter().map(|&j| &levels[j as usize]).collect();
-    let range = match guide {
-        Guide::Hull(mesh) => SearchRange::in_hull(level, mesh),
-        Guide::Surface(mesh) => {
-            let mut raster = Raster::default();
-            raster.render(mesh, &level.camera);
-            let depth = raster.inverse.iter().map(|&i| if i > 0.0 { 1.0 / i } else { 0.0 }).collect();
-            SearchRange::round_surface(level, depth, params.band_pixels * hull.footprint())
+    match guide {
+        Guide::Hull(mesh) => {
+            crossings.find(mesh, &level.camera);
+            range.set_in_hull(level, crossings);
         }
-    };
+        Guide::Surface(mesh) => {
+            raster.render(mesh, &level.camera);
+            range.set_round_surface(level, raster, params.band_pixels * hull.footprint());
+        }
+    }
     let tick = |_, _| crate::progress::step(progress, Stage::Detect, view as u32, levels.len() as u32);
-    let mut map = depth::depth_map(level, &neighbours, &range, &params.search, tick)?;
+    depth::depth_map(level, &neighbours, range, &params.search, depth, map, tick)?;
 
     let mut counts = Counts::default();
     let weakest = params.substitute_below * params.search.neighbours as f32;
-    let mut rank = alloc::vec![Rank::Detected; map.depth.len()];
+    rank.clear();
+    rank.resize(map.depth.len(), Rank::Detected);
     for i in 0..map.depth.len() {
         if range.guide[i] <= 0.0 {
             continue;
@@ -88,7 +105,7 @@ pub fn detect(
             map.fidelity[i] = 0.0;
         }
     }
-    let mut cloud = clean::clean(level, &map, &rank, view as u16, &params.clean, &mut counts);
+    let mut cloud = clean::clean(level, map, rank, view as u16, &params.clean, clean, &mut counts);
     for point in &mut cloud {
         point.weight = match point.rank {
             Rank::Substituted => params.substituted_weight,

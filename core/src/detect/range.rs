@@ -1,10 +1,14 @@
 //! Where each pixel's search runs (§4.1): inside the hull, or in a band round a surface found before.
 
 use super::level::Level;
-use crate::{hull::Interval, point_cloud::Mesh, raster::Crossings};
-use alloc::{vec, vec::Vec};
+use crate::{
+    hull::Interval,
+    raster::{Crossings, Raster},
+};
+use alloc::vec::Vec;
 
-/// Depth intervals of a view's pixels and the surface that the windows follow.
+/// Depth intervals of a view's pixels and the surface that the windows follow. Kept from view to view so that its memory
+/// is asked for once.
 #[derive(Debug, Clone, Default)]
 pub struct SearchRange {
     /// Per pixel the first of its intervals, then one end.
@@ -15,35 +19,40 @@ pub struct SearchRange {
 }
 
 impl SearchRange {
-    /// The pieces of the silhouette pixels' rays inside the hull, given by its mesh; the guide is the hull's front.
-    pub fn in_hull(level: &Level, hull: &Mesh) -> Self {
-        let pixels = level.inside.len();
-        let mut crossings = Crossings::new(hull, &level.camera);
-        let mut range = Self { starts: vec![0], intervals: Vec::new(), guide: vec![0.0; pixels] };
-        for pixel in 0..pixels {
+    /// Becomes the pieces of the silhouette pixels' rays inside the hull, given by its mesh's crossings with them; the
+    /// guide is the hull's front.
+    pub fn set_in_hull(&mut self, level: &Level, crossings: &mut Crossings) {
+        self.clear();
+        for pixel in 0..level.inside.len() {
+            let mut front = 0.0;
             if level.inside[pixel] > 0 {
-                crossings.intervals(pixel, |near, far| range.intervals.push(Interval { near, far }));
-                let first = range.starts[pixel] as usize;
-                range.guide[pixel] = range.intervals.get(first).map_or(0.0, |i| i.near);
+                let first = self.intervals.len();
+                crossings.intervals(pixel, |near, far| self.intervals.push(Interval { near, far }));
+                front = self.intervals.get(first).map_or(0.0, |i| i.near);
             }
-            range.starts.push(range.intervals.len() as u32);
+            self.guide.push(front);
+            self.starts.push(self.intervals.len() as u32);
         }
-        range
     }
 
-    /// A band of half width `band` (scene units along the ray) round a depth map, 0 where it sees nothing.
-    pub fn round_surface(level: &Level, depth: Vec<f32>, band: f32) -> Self {
-        let mut range = Self { starts: vec![0], intervals: Vec::new(), guide: depth };
-        for (i, z) in range.guide.iter_mut().enumerate() {
-            if level.inside[i] <= 0 {
-                *z = 0.0;
+    /// Becomes a band of half width `band` (scene units along the ray) round the surface that a camera sees.
+    pub fn set_round_surface(&mut self, level: &Level, surface: &Raster, band: f32) {
+        self.clear();
+        for (&inside, &inverse) in level.inside.iter().zip(&surface.inverse) {
+            let depth = if inside > 0 && inverse > 0.0 { 1.0 / inverse } else { 0.0 };
+            if depth > 0.0 {
+                self.intervals.push(Interval { near: depth - band, far: depth + band });
             }
-            if *z > 0.0 {
-                range.intervals.push(Interval { near: *z - band, far: *z + band });
-            }
-            range.starts.push(range.intervals.len() as u32);
+            self.guide.push(depth);
+            self.starts.push(self.intervals.len() as u32);
         }
-        range
+    }
+
+    fn clear(&mut self) {
+        self.starts.clear();
+        self.starts.push(0);
+        self.intervals.clear();
+        self.guide.clear();
     }
 
     /// A pixel's intervals, nearest first.

@@ -173,6 +173,7 @@ impl Tile {
 fn warp(seen: &[Row; 3], shift: Vec3, neighbour: &Level, mean: f32, weight: &Row, out: &mut Row) -> bool {
     let (w, h) = (neighbour.camera.width as usize, neighbour.camera.height as usize);
     let (right, bottom) = (w as f32 - 1.001, h as f32 - 1.001);
+    let luma: &[u8] = &neighbour.luma;
     let (mut px, mut py) = ([0u32; WIDTH], [0u32; WIDTH]);
     let (mut fx, mut fy) = (EMPTY, EMPTY);
     let mut visible = 0;
@@ -188,7 +189,7 @@ fn warp(seen: &[Row; 3], shift: Vec3, neighbour: &Level, mean: f32, weight: &Row
     // The four pixels round each place, packed: only this loop cannot be vector code.
     let mut squares = [0u32; WIDTH];
     for x in 0..WIDTH {
-        let square = &neighbour.luma[py[x] as usize * w + px[x] as usize..][..w + 2];
+        let square = &luma[py[x] as usize * w + px[x] as usize..][..w + 2];
         squares[x] = u32::from_le_bytes([square[0], square[1], square[w], square[w + 1]]);
     }
     for x in 0..WIDTH {

@@ -31,7 +31,7 @@ impl Random {
 }
 
 /// A view from x along z, with a picture of `luma` and an object that fills it but for every seventh pixel or so.
-fn level(x: f64, random: &mut Random, mut luma: impl FnMut(&mut Random) -> u8) -> Level {
+fn level(x: f64, random: &mut Random, mut luma: impl FnMut(&mut Random) -> u8) -> Level<'static> {
     let k = [[60.0, 0.0, 23.5], [0.0, 60.0, 19.5], [0.0, 0.0, 1.0]];
     let r = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
     let camera = Camera { width: WIDTH, height: HEIGHT, k, distortion: [0.0; 5], r, t: [-x, 0.0, 0.0] };
@@ -89,8 +89,8 @@ fn scores_are_zncc() {
 
 /// All that a tile goes through; what came out, bit by bit.
 struct Sweep<'a> {
-    target: &'a Level,
-    neighbour: &'a Level,
+    target: &'a Level<'a>,
+    neighbour: &'a Level<'a>,
     guide: &'a [f32],
     radius: usize,
 }
@@ -102,7 +102,8 @@ impl Work for Sweep<'_> {
     fn run(self) -> Vec<u32> {
         let params = VoteParams { smoothing: 0.8, local_maximum: true, spread: 1.0, agreement_radius: 2 };
         let mut tile = Tile::default();
-        let mut curves = Curves::new(&params);
+        let mut curves = Curves::default();
+        curves.tune(&params);
         let mut bits = Vec::new();
         for (x0, y0) in [(0, 0), (20, 13), (40, 30)] {
             tile.load(self.target, self.guide, x0, y0, self.radius);

@@ -35,9 +35,9 @@ pub struct Curves {
 }
 
 impl Curves {
-    /// For the scores that `params` asks for.
-    pub fn new(params: &VoteParams) -> Self {
-        Self { gaussian: gaussian(params.smoothing), spread: Spread::new(params.spread), ..Self::default() }
+    /// Prepares for the scores that `params` asks for.
+    pub fn tune(&mut self, params: &VoteParams) {
+        (self.gaussian, self.spread) = (gaussian(params.smoothing), Spread::new(params.spread));
     }
 
     /// Makes room for a tile with `sheets` sheets.

@@ -13,28 +13,45 @@ const FAR: f32 = 1e6;
 
 /// Signed distance in 1/64 pixel, positive where smoothed coverage is more than a half. No contour is drawn through
 /// cells that have an unknown corner, nor along the picture's edge.
-pub(super) fn signed_distance(width: usize, height: usize, coverage: &[u8], known: impl Fn(usize) -> bool) -> Vec<i16> {
-    let smooth = smooth(width, height, coverage);
-    let mut columns = Offsets::new(height, width);
-    seed(width, height, &smooth, known, &mut columns);
+/// `out` is overwritten.
+pub(super) fn signed_distance(
+    width: usize,
+    height: usize,
+    coverage: &[u8],
+    known: impl Fn(usize) -> bool,
+    scratch: &mut Scratch,
+    out: &mut Vec<i16>,
+) {
+    let Scratch { half, smooth: smoothed, columns, rows } = scratch;
+    smooth(width, height, coverage, half, smoothed);
+    columns.clear(height, width);
+    seed(width, height, smoothed, known, columns);
     // A straight way to the nearest contour point leads down, up, left or right within 45°, so four sweeps find it.
     columns.sweep();
-    let mut rows = columns.transposed();
+    columns.transpose(rows);
     rows.sweep();
     let limit = 511.0 * Silhouette::UNITS;
     let offsets = rows.x.iter().zip(&rows.y);
-    offsets
-        .zip(&smooth)
-        .map(|((x, y), &s)| {
-            let d = (libm::sqrtf(x * x + y * y) * Silhouette::UNITS + 0.5).min(limit) as i16;
-            if s > HALF { d } else { -d }
-        })
-        .collect()
+    out.clear();
+    out.extend(offsets.zip(smoothed.iter()).map(|((x, y), &s)| {
+        let d = (libm::sqrtf(x * x + y * y) * Silhouette::UNITS + 0.5).min(limit) as i16;
+        if s > HALF { d } else { -d }
+    }));
+}
+
+/// Buffers that go from view to view.
+#[derive(Debug, Default)]
+pub(crate) struct Scratch {
+    /// Coverage smoothed along the rows only.
+    half: Vec<u16>,
+    smooth: Vec<u16>,
+    columns: Offsets,
+    rows: Offsets,
 }
 
 /// Binomially smoothed coverage in 1/4080; the outermost pixels repeat beyond the picture's edge.
-fn smooth(width: usize, height: usize, coverage: &[u8]) -> Vec<u16> {
-    let mut rows = vec![0u16; width * height];
+fn smooth(width: usize, height: usize, coverage: &[u8], rows: &mut Vec<u16>, out: &mut Vec<u16>) {
+    rows.resize(width * height, 0);
     let mut padded = vec![0u16; width + 2];
     for (row, out) in coverage.chunks_exact(width).zip(rows.chunks_exact_mut(width)) {
         padded[0] = u16::from(row[0]);
@@ -46,7 +63,8 @@ fn smooth(width: usize, height: usize, coverage: &[u8]) -> Vec<u16> {
             *o = (0..3).map(|k| BINOMIAL[k] * p[k]).sum();
         }
     }
-    let mut out = vec![0u16; width * height];
+    out.clear();
+    out.resize(width * height, 0);
     for (y, out) in out.chunks_exact_mut(width).enumerate() {
         for k in 0..3 {
             let row = &rows[(y + k).saturating_sub(1).min(height - 1) * width..][..width];
@@ -55,7 +73,6 @@ fn smooth(width: usize, height: usize, coverage: &[u8]) -> Vec<u16> {
             }
         }
     }
-    out
 }
 
 /// Gives the pixels around each piece of contour their offset to it. `offsets` is transposed.
@@ -107,6 +124,7 @@ fn to_segment(p: (f32, f32), a: (f32, f32), b: (f32, f32)) -> (f32, f32) {
 }
 
 /// Offset of every pixel to the nearest contour point found so far.
+#[derive(Debug, Default)]
 struct Offsets {
     width: usize,
     x: Vec<f32>,
@@ -114,8 +132,13 @@ struct Offsets {
 }
 
 impl Offsets {
-    fn new(width: usize, height: usize) -> Self {
-        Self { width, x: vec![FAR; width * height], y: vec![FAR; width * height] }
+    /// No contour point has been found.
+    fn clear(&mut self, width: usize, height: usize) {
+        self.width = width;
+        for offsets in [&mut self.x, &mut self.y] {
+            offsets.clear();
+            offsets.resize(width * height, FAR);
+        }
     }
 
     fn improve(&mut self, i: usize, x: f32, y: f32) {
@@ -139,9 +162,11 @@ impl Offsets {
         }
     }
 
-    fn transposed(&self) -> Self {
+    fn transpose(&self, out: &mut Self) {
         let (w, h) = (self.width, self.x.len() / self.width);
-        Self { width: h, x: transpose(w, h, &self.y), y: transpose(w, h, &self.x) }
+        out.width = h;
+        transpose(w, h, &self.y, &mut out.x);
+        transpose(w, h, &self.x, &mut out.y);
     }
 }
 
@@ -168,9 +193,9 @@ fn hand_on(from_x: &[f32], from_y: &[f32], step: f32, x: &mut [f32], y: &mut [f3
 }
 
 /// Transposes a plane in tiles that fit a cache.
-fn transpose(width: usize, height: usize, plane: &[f32]) -> Vec<f32> {
+fn transpose(width: usize, height: usize, plane: &[f32], out: &mut Vec<f32>) {
     const TILE: usize = 16;
-    let mut out = vec![0.0; plane.len()];
+    out.resize(plane.len(), 0.0);
     for ty in (0..height).step_by(TILE) {
         for tx in (0..width).step_by(TILE) {
             for x in tx..(tx + TILE).min(width) {
@@ -180,5 +205,4 @@ fn transpose(width: usize, height: usize, plane: &[f32]) -> Vec<f32> {
             }
         }
     }
-    out
 }

@@ -6,6 +6,7 @@ mod distance;
 mod matte;
 
 pub use chroma::ChromaKey;
+pub(crate) use distance::Scratch;
 
 use alloc::{format, string::String, vec::Vec};
 
@@ -36,10 +37,22 @@ impl Silhouette {
         coverage: &[u8],
         known: impl Fn(usize) -> bool,
     ) -> Result<Self, String> {
+        Self::in_memory(width, height, coverage, known, &mut Scratch::default(), Vec::new())
+    }
+
+    /// [`Self::from_coverage`] with buffers to use; the distances go to `distance`.
+    pub(crate) fn in_memory(
+        width: u32,
+        height: u32,
+        coverage: &[u8],
+        known: impl Fn(usize) -> bool,
+        scratch: &mut Scratch,
+        mut distance: Vec<i16>,
+    ) -> Result<Self, String> {
         if width < 2 || height < 2 {
             return Err(format!("a silhouette of {width} x {height} pixels has no contour"));
         }
-        let mut distance = distance::signed_distance(width as usize, height as usize, coverage, &known);
+        distance::signed_distance(width as usize, height as usize, coverage, &known, scratch, &mut distance);
         let (mut inside, mut outside) = (false, false);
         for (i, d) in distance.iter_mut().enumerate() {
             if known(i) {
@@ -67,6 +80,11 @@ impl Silhouette {
     /// Signed distance in 1/64 pixel at each pixel's centre, row after row.
     pub fn distances(&self) -> &[i16] {
         &self.distance
+    }
+
+    /// Its memory, to be used again.
+    pub(crate) fn into_distances(self) -> Vec<i16> {
+        self.distance
     }
 
     /// Bilinear signed distance in pixels, positive inside; `None` where nothing is known.

@@ -14,18 +14,26 @@ use std::{
 pub struct Threads(pub usize);
 
 impl Executor for Threads {
-    fn map<T: Send>(&self, count: usize, job: impl Fn(usize) -> T + Sync) -> Vec<T> {
+    fn map_with<S: Default + Send, T: Send>(
+        &self,
+        spare: &mut Vec<S>,
+        count: usize,
+        job: impl Fn(&mut S, usize) -> T + Sync,
+    ) -> Vec<T> {
+        let spare = Mutex::new(spare);
         let next = AtomicUsize::new(0);
         let done = Mutex::new(Vec::new());
         thread::scope(|scope| {
             for _ in 0..self.0 {
                 scope.spawn(|| {
+                    let mut scratch = spare.lock().expect("no job panics").pop().unwrap_or_default();
                     loop {
                         let i = next.fetch_add(1, Ordering::Relaxed);
                         if i >= count {
+                            spare.lock().expect("no job panics").push(scratch);
                             return;
                         }
-                        let result = job(i);
+                        let result = job(&mut scratch, i);
                         done.lock().expect("no job panics").push((i, result));
                     }
                 });
