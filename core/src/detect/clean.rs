@@ -96,15 +96,15 @@ struct Fit {
 }
 
 /// [`Fit`]s of pixels side by side.
-struct Fits {
-    count: Lanes,
-    values: [Lanes; 3],
-    normal: [Lanes; 3],
+pub(super) struct Fits {
+    pub(super) count: Lanes,
+    pub(super) values: [Lanes; 3],
+    pub(super) normal: [Lanes; 3],
 }
 
 /// A depth map's points, each coordinate a picture of its own with a margin all round. Points of one view lie on a
 /// pixel each, so a ball's points are within a window of pixels.
-struct Points {
+pub(super) struct Points {
     /// x, y, z and whether (1) or not (0) there is a point.
     planes: [Vec<f32>; 4],
     /// Row length of the planes.
@@ -120,10 +120,10 @@ struct Points {
 }
 
 /// [`Points::fit`] at a place.
-struct FitAt<'a> {
-    points: &'a Points,
-    x: usize,
-    y: usize,
+pub(super) struct FitAt<'a> {
+    pub(super) points: &'a Points,
+    pub(super) x: usize,
+    pub(super) y: usize,
 }
 
 impl Work for FitAt<'_> {
@@ -136,7 +136,7 @@ impl Work for FitAt<'_> {
 }
 
 impl Points {
-    fn new(level: &Level, map: &DepthMap, params: &CleanParams) -> Self {
+    pub(super) fn new(level: &Level, map: &DepthMap, params: &CleanParams) -> Self {
         let (w, h) = (level.camera.width as usize, level.camera.height as usize);
         let reach = libm::ceilf(params.radius_pixels) as usize;
         let step = if reach < WIDE { 1 } else { 2 };
