@@ -7,7 +7,7 @@ import { fileURLToPath } from "node:url";
 import { launch, openPage, serve } from "../web/site.mjs";
 
 const [path, ...args] = process.argv.slice(2);
-const [capture, record] = args.slice(-2);
+const record = args.at(-1);
 const page = fileURLToPath(new URL("page", import.meta.url));
 const shim = fileURLToPath(new URL("node_modules/@bjorn3/browser_wasi_shim/dist", import.meta.url));
 const server = await serve({ "/": page, "/shim/": shim, "/module/": dirname(path), "/folder/": process.cwd() });
@@ -15,7 +15,7 @@ const browser = await launch();
 try {
     const opened = await openPage(browser, server.address);
     await opened.page.waitForFunction(() => window.run);
-    const { status, printed, text } = await opened.page.evaluate((job) => window.run(job), { module: basename(path), args, capture, record });
+    const { status, printed, text } = await opened.page.evaluate(([module, args]) => window.run(module, args), [basename(path), args]);
     if (printed) console.error(printed);
     if (opened.problems.length > 0) throw new Error(opened.problems.join("\n"));
     process.exitCode = status;

@@ -247,7 +247,7 @@ impl Machine {
             Self::Aarch64 => vec![LINKER[0], LINKER[1], EMULATOR],
             Self::Chromium => vec![setup::CHROMIUM],
         };
-        if self == Self::Chromium {
+        if matches!(self, Self::Wasi | Self::Chromium) {
             ["tests/web", "tests/golden"].iter().try_for_each(|folder| setup::node_packages(&root().join(folder)))?;
         }
         setup::debian(&packages)?;
@@ -267,7 +267,7 @@ impl Machine {
             Self::Aarch64 => through("qemu-aarch64", "-L /usr/aarch64-linux-gnu"),
             Self::Wasi | Self::Chromium => {
                 let script = if self == Self::Wasi { "wasi.mjs" } else { "chromium.mjs" };
-                let mut node = program("node", "--no-warnings");
+                let mut node = program("node", "");
                 node.arg(root().join("tests/golden").join(script)).arg(built);
                 node
             }
