@@ -1,9 +1,12 @@
-// Runs a WebAssembly program that sees the current folder: node wasi.mjs MODULE ARGUMENT...
-import { readFile } from "node:fs/promises";
+// Runs a WebAssembly program in Node, with the current folder's CAPTURE, and writes the RECORD that it leaves into that
+// folder: node wasi.mjs MODULE PRESET DETAIL CAPTURE RECORD
+import { readFile, writeFile } from "node:fs/promises";
 import process from "node:process";
-import { WASI } from "node:wasi";
+import { run } from "./page/run.js";
 
 const [path, ...args] = process.argv.slice(2);
-const wasi = new WASI({ version: "preview1", args: [path, ...args], preopens: { ".": "." } });
-const { instance } = await WebAssembly.instantiate(await readFile(path), wasi.getImportObject());
-process.exitCode = wasi.start(instance);
+const [capture, record] = args.slice(-2);
+const { status, printed, text } = await run(await WebAssembly.compile(await readFile(path)), args, await readFile(capture));
+if (printed) console.error(printed);
+process.exitCode = status;
+if (status === 0) await writeFile(record, text);

@@ -1,4 +1,4 @@
-//! Set-up and checks: `cargo xtask demo | test | golden | bench | web | wasm | install | header`.
+//! Set-up and checks: `cargo xtask demo | test | golden | players | bench | web | wasm | install | header`.
 
 mod abi;
 mod abi_check;
@@ -9,6 +9,7 @@ mod demo;
 mod golden;
 mod measure;
 mod no_std;
+mod players;
 mod process;
 mod sample;
 mod serve;
@@ -62,6 +63,8 @@ enum Task {
         #[arg(long, conflicts_with = "dist")]
         test: bool,
     },
+    /// Play a clip in three.js, Babylon.js and model-viewer, in a browser, and compare with our own pictures of it
+    Players,
     /// Build the npm package, in wasm/pkg
     Wasm,
     /// Build the C library and install it with headers, pkg-config file and CMake package
@@ -96,6 +99,7 @@ fn main() -> ExitCode {
         Task::Web { dist: true, .. } => web::dist(),
         Task::Web { test: true, .. } => web::test(),
         Task::Web { .. } => web::demo(),
+        Task::Players => players::run_alone(),
         Task::Wasm => web::wasm(),
         Task::Install { prefix: Some(prefix), check: false } => abi::install(&prefix),
         Task::Install { .. } => test::c_library(),

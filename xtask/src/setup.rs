@@ -4,10 +4,13 @@ use crate::{
     Result,
     process::{program, run},
 };
-use std::path::Path;
+use std::{fs, path::Path};
 
 /// Debian's packages (names separated by spaces), and a file that is there if they are.
 pub type Package = (&'static str, &'static str);
+
+/// The browser.
+pub const CHROMIUM: Package = ("chromium", "/usr/bin/chromium");
 
 /// Installs those of Debian's packages whose file is missing.
 pub fn debian(packages: &[Package]) -> Result<()> {
@@ -29,4 +32,16 @@ pub fn rust_targets(triples: &[&str]) -> Result<()> {
         return Ok(());
     }
     run(program("rustup", "target add").args(missing)).map(drop)
+}
+
+/// Installs what a folder's package-lock.json says, unless that has been done.
+pub fn node_packages(folder: &Path) -> Result<()> {
+    let fail = |e| format!("{}: {e}", folder.display());
+    let lock = fs::read(folder.join("package-lock.json")).map_err(fail)?;
+    let done = folder.join("node_modules/.installed-lock");
+    if fs::read(&done).is_ok_and(|installed| installed == lock) {
+        return Ok(());
+    }
+    run(program("npm", "ci --no-audit --no-fund").current_dir(folder))?;
+    fs::write(&done, &lock).map_err(fail)
 }

@@ -1,8 +1,9 @@
 //! `cargo xtask test`: all checks, the quick ones first.
 
 use crate::{
-    Result, abi_check, captured, golden, no_std,
+    Result, abi_check, captured, golden, no_std, players,
     process::{cargo, program, root, run as run_program, target},
+    setup,
     steps::{Outcome, Steps, passed},
 };
 use std::{fs, path::PathBuf};
@@ -25,6 +26,7 @@ pub fn run(all: bool) -> Result<()> {
     steps.step("from pictures to meshes", || pipeline().map(Outcome::Passed))?;
     steps.step("Khronos glTF validator", || validator().map(Outcome::Passed))?;
     if all {
+        players::check(&mut steps)?;
         abi_check::check(&mut steps)?;
         captured::check(&mut steps)?;
     }
@@ -93,7 +95,7 @@ const PRESETS: [&str; 4] = ["hull", "paper", "default", "preview"];
 
 fn validator() -> Result<String> {
     let folder = root().join("tests/gltf");
-    run_program(program("npm", "ci --silent --no-audit --no-fund").current_dir(&folder))?;
+    setup::node_packages(&folder)?;
     let frames = PRESETS.iter().flat_map(|p| [0, 1].map(|i| smoke().join(format!("{p}/frame_{i:04}.glb"))));
     let frames: Vec<PathBuf> = frames.collect();
     run_program(program("node", "validate.mjs").args(&frames).current_dir(&folder))?;

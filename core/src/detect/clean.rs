@@ -105,15 +105,15 @@ struct Fit {
 }
 
 /// [`Fit`]s of pixels side by side.
-struct Fits {
-    count: Lanes,
-    values: [Lanes; 3],
-    normal: [Lanes; 3],
+pub(super) struct Fits {
+    pub(super) count: Lanes,
+    pub(super) values: [Lanes; 3],
+    pub(super) normal: [Lanes; 3],
 }
 
 /// A depth map's points, each coordinate a picture of its own with a margin all round. Points of one view lie on a
 /// pixel each, so a ball's points are within a window of pixels.
-struct Points<'a> {
+pub(super) struct Points<'a> {
     /// x, y, z and whether (1) or not (0) there is a point.
     planes: &'a [Vec<f32>; 4],
     /// Row length of the planes.
@@ -129,10 +129,10 @@ struct Points<'a> {
 }
 
 /// [`Points::fit`] at a place.
-struct FitAt<'a> {
-    points: &'a Points<'a>,
-    x: usize,
-    y: usize,
+pub(super) struct FitAt<'a> {
+    pub(super) points: &'a Points<'a>,
+    pub(super) x: usize,
+    pub(super) y: usize,
 }
 
 impl Work for FitAt<'_> {
@@ -145,7 +145,7 @@ impl Work for FitAt<'_> {
 }
 
 impl<'a> Points<'a> {
-    fn new(level: &Level, map: &DepthMap, params: &CleanParams, planes: &'a mut [Vec<f32>; 4]) -> Self {
+    pub(super) fn new(level: &Level, map: &DepthMap, params: &CleanParams, planes: &'a mut [Vec<f32>; 4]) -> Self {
         let (w, h) = (level.camera.width as usize, level.camera.height as usize);
         let reach = libm::ceilf(params.radius_pixels) as usize;
         let step = if reach < WIDE { 1 } else { 2 };

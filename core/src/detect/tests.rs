@@ -1,6 +1,8 @@
 //! The sweep against ZNCC as it is defined, and vector code against the same code without it.
 
 use super::{
+    clean::{CleanParams, FitAt, Fits, Points},
+    depth::DepthMap,
     level::Level,
     sweep::{MAX_RADIUS, NOISE_VARIANCE, TILE, TILE_PIXELS, Tile},
     vote::{Curves, VoteParams},
@@ -144,6 +146,34 @@ fn sweeps_are_the_same_with_vector_code() {
             for radius in 1..=MAX_RADIUS {
                 let sweep = || Sweep { target: &target, neighbour: &neighbour, guide: &guide, radius };
                 assert_eq!(Simd::Baseline.run(sweep()), Simd::detect().run(sweep()), "depth {odd}, radius {radius}");
+            }
+        }
+    }
+}
+
+#[test]
+fn neighbourhoods_are_the_same_with_vector_code() {
+    let odd = [1e-3, 1e30, f32::MIN_POSITIVE / 8.0, 0.0, -0.0, -1.0, f32::NAN, f32::INFINITY];
+    let mut random = Random(23);
+    let level = level(0.1, &mut random, |_| 0);
+    // Rough, and flat: all depths alike.
+    for roughness in [0.4, 0.0] {
+        for odd in odd {
+            let pixels = 0..WIDTH * HEIGHT;
+            let depth = |_| if random.next().is_multiple_of(5) { odd } else { 1.8 + roughness * random.unit() };
+            let map = DepthMap { depth: pixels.map(depth).collect(), fidelity: Vec::new() };
+            for radius_pixels in [1.0, 2.5, 4.0, 5.0] {
+                let params = CleanParams { radius_pixels, density: 0.0, flatness: 1.0, facing: 0.0 };
+                let mut planes = <[Vec<f32>; 4]>::default();
+                let points = Points::new(&level, &map, &params, &mut planes);
+                for (x, y) in [(0, 0), (7, 3), (WIDTH as usize - 1, HEIGHT as usize - 1)] {
+                    let fit = |simd: Simd| {
+                        let Fits { count, values, normal } = simd.run(FitAt { points: &points, x, y });
+                        let all = values.iter().chain(&normal).chain([&count]).flatten();
+                        all.map(|&v| canonical(v)).collect::<Vec<_>>()
+                    };
+                    assert_eq!(fit(Simd::Baseline), fit(Simd::detect()), "depth {odd}, radius {radius_pixels}");
+                }
             }
         }
     }

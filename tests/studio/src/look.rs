@@ -18,7 +18,7 @@ pub struct ColouredMesh {
     pub positions: Vec<DVec3>,
     /// Unit normals, one a vertex.
     pub normals: Vec<DVec3>,
-    /// sRGB in 0..1, one a vertex.
+    /// Linear light in 0..1, one a vertex.
     pub colours: Vec<DVec3>,
     /// Counter-clockwise seen from outside.
     pub faces: Vec<[u32; 3]>,
@@ -34,20 +34,30 @@ impl ColouredMesh {
         let primitive = document.meshes().next().and_then(|m| m.primitives().next()).ok_or("there is no mesh")?;
         let reader = primitive.reader(|_| blob.as_deref());
         let vectors = |list: Vec<[f32; 3]>| list.into_iter().map(|v| DVec3::from(v.map(f64::from))).collect::<Vec<_>>();
-        let srgb = |v: f64| if v <= 0.003_130_8 { 12.92 * v } else { 1.055 * libm::pow(v, 1.0 / 2.4) - 0.055 };
         let colours = vectors(reader.read_colors(0).ok_or("there are no colours")?.into_rgb_f32().collect());
         let indices: Vec<u32> = reader.read_indices().ok_or("there are no faces")?.into_u32().collect();
         Ok(Self {
             positions: vectors(reader.read_positions().ok_or("there are no positions")?.collect()),
             normals: vectors(reader.read_normals().ok_or("there are no normals")?.collect()),
-            colours: colours.into_iter().map(|c| DVec3::from(c.to_array().map(srgb))).collect(),
+            colours,
             faces: indices.as_chunks().0.to_vec(),
         })
     }
 }
 
-/// The mesh as a camera sees it: shaded with light from the camera and above it, and in its own colours.
-pub fn draw(mesh: &ColouredMesh, camera: &Camera) -> [Picture; 2] {
+/// A mesh as a camera sees it, on white.
+#[derive(Debug, Clone)]
+pub struct Drawing {
+    /// Shaded with light from the camera and above it.
+    pub shape: Picture,
+    /// In its own colours; between vertices light is mixed, not its sRGB codes, as glTF wants it.
+    pub colours: Picture,
+    /// Where the mesh is, pixel by pixel.
+    pub covered: Vec<bool>,
+}
+
+/// Draws the mesh as a camera sees it; of a pixel its centre counts.
+pub fn draw(mesh: &ColouredMesh, camera: &Camera) -> Drawing {
     let (w, h) = (camera.width as usize, camera.height as usize);
     let centre = camera.centre();
     let up = -DVec3::from_array(camera.r[1]);
@@ -89,11 +99,21 @@ pub fn draw(mesh: &ColouredMesh, camera: &Camera) -> [Picture; 2] {
             }
         }
     }
-    layers.map(|layer| Picture {
+    let picture = |layer: &[DVec3], code: fn(f64) -> f64| Picture {
         width: camera.width,
         height: camera.height,
-        rgb: layer.iter().flat_map(|c| c.to_array().map(|v| (v.clamp(0.0, 1.0) * 255.0 + 0.5) as u8)).collect(),
-    })
+        rgb: layer.iter().flat_map(|c| c.to_array().map(|v| (code(v.clamp(0.0, 1.0)) * 255.0 + 0.5) as u8)).collect(),
+    };
+    Drawing {
+        shape: picture(&layers[0], |v| v),
+        colours: picture(&layers[1], srgb),
+        covered: nearest.iter().map(|depth| depth.is_finite()).collect(),
+    }
+}
+
+/// IEC 61966-2-1: linear light to sRGB, both in 0..1.
+fn srgb(v: f64) -> f64 {
+    if v <= 0.003_130_8 { 12.92 * v } else { 1.055 * libm::pow(v, 1.0 / 2.4) - 0.055 }
 }
 
 /// The contact sheet of a scene's frame: one group a camera of photograph, shape and colours, cut out round the mesh.
@@ -109,20 +129,20 @@ pub fn sheet(scene: &Path, frame: u32, mesh: &ColouredMesh, cameras: &[usize]) -
         let photograph = image::open(scene.join(&entry.images[i]))?.into_rgb8();
         let (width, height) = photograph.dimensions();
         let drawn = draw(mesh, &camera);
-        let part = part_with_mesh(&drawn[0]);
-        panels.push(cut(&Picture { width, height, rgb: photograph.into_raw() }, part));
-        panels.extend(drawn.iter().map(|picture| cut(picture, part)));
+        let part = part_with_mesh(&drawn, &camera);
+        let photograph = Picture { width, height, rgb: photograph.into_raw() };
+        panels.extend([&photograph, &drawn.shape, &drawn.colours].map(|picture| cut(picture, part)));
     }
     Ok(side_by_side(&panels))
 }
 
-/// Left, top, right and bottom (exclusive) of what is not background, with a margin.
-fn part_with_mesh(picture: &Picture) -> [u32; 4] {
-    let (w, h) = (picture.width, picture.height);
+/// Left, top, right and bottom (exclusive) of the mesh, with a margin.
+fn part_with_mesh(drawing: &Drawing, camera: &Camera) -> [u32; 4] {
+    let (w, h) = (camera.width, camera.height);
     let mut part = [w, h, 0, 0];
-    for (i, pixel) in picture.rgb.chunks_exact(3).enumerate() {
+    for (i, &covered) in drawing.covered.iter().enumerate() {
         let (x, y) = (i as u32 % w, i as u32 / w);
-        if pixel != [255; 3] {
+        if covered {
             part = [part[0].min(x), part[1].min(y), part[2].max(x + 1), part[3].max(y + 1)];
         }
     }

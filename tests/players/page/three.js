@@ -1,0 +1,30 @@
+// three.js: the loader's scene under a group that turns the clip's upward direction to +y.
+import { Group, PerspectiveCamera, Scene, Vector3, WebGLRenderer } from "three";
+import { GLTFLoader } from "three/addons/loaders/GLTFLoader.js";
+
+const loader = new GLTFLoader();
+const scene = new Scene();
+const world = new Group();
+let renderer, camera;
+
+/** Starts the player in `stage`, a square of `view.size` pixels, with the camera on a sphere of radius `view.radius`
+    round `view.target`: `theta` turns it from +z to +x, `phi` is its angle from +y; `fov` is vertical; radians. */
+export function open(stage, view) {
+    renderer = new WebGLRenderer({ antialias: true, alpha: true });
+    renderer.setSize(view.size, view.size);
+    stage.append(renderer.domElement);
+    camera = new PerspectiveCamera((view.fov * 180) / Math.PI, 1, 0.1, 100);
+    const target = new Vector3(...view.target);
+    camera.position.setFromSphericalCoords(view.radius, view.phi, view.theta).add(target);
+    camera.lookAt(target);
+    scene.add(world);
+}
+
+/** Shows the GLB at an address in place of what is shown; `up` is the manifest's. Done when it has been drawn. */
+export async function show(address, up) {
+    const loaded = (await loader.loadAsync(address)).scene;
+    world.traverse((object) => object.geometry?.dispose());
+    world.clear().add(loaded);
+    world.quaternion.setFromUnitVectors(new Vector3(...up).normalize(), new Vector3(0, 1, 0));
+    renderer.render(scene, camera);
+}

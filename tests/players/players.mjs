@@ -1,0 +1,97 @@
+// Plays a clip in three.js, Babylon.js and <model-viewer> and compares what they show with our own pictures of the same
+// meshes: node players.mjs FOLDER. The folder has clip/ (what the command line wrote), view.json (the camera, as
+// page/three.js explains it) and ours/ (a picture of every frame, transparent where there is no mesh).
+import { mkdirSync, readFileSync, writeFileSync } from "node:fs";
+import { join } from "node:path";
+import { fileURLToPath } from "node:url";
+import { launch, openPage, serve } from "../web/site.mjs";
+import { flipped, onGreen, ours, overlap, psnr, shown } from "./compare.mjs";
+
+const PACKAGES = { three: "three", babylon: "@babylonjs/core", "model-viewer": "@google/model-viewer" };
+/** What must be reached: share of the silhouettes, decibels. */
+const OVERLAP = 0.97;
+const PSNR = 30;
+/** Looks taken at a clip that plays. */
+const LOOKS = 12;
+
+const here = (path) => fileURLToPath(new URL(path, import.meta.url));
+const folder = process.argv[2];
+const json = (path) => JSON.parse(readFileSync(path));
+const [view, clip] = [json(join(folder, "view.json")), json(join(folder, "clip/sequence.json"))];
+const pictures = clip.frames.map(({ url }) => ours(readFileSync(join(folder, "ours", url.replace(".glb", ".png")))));
+const shots = here("shots");
+mkdirSync(shots, { recursive: true });
+
+async function measure(browser, address, player) {
+    const { page, problems } = await openPage(browser, `${address}/?player=${player}`);
+    await page.waitForFunction(() => window.player);
+    await page.evaluate((view) => window.player.open(document.getElementById("stage"), view), view);
+    const see = async (background) => {
+        await page.evaluate((colour) => (document.body.style.background = colour), background);
+        return page.screenshot({ clip: { x: 0, y: 0, width: view.size, height: view.size } });
+    };
+    const measured = { overlap: 1, psnr: Infinity, mirrored: 0, looks: 1 };
+    for (const [i, { url }] of clip.frames.entries()) {
+        await page.evaluate(([url, up]) => window.player.show(`/clip/${url}`, up), [url, clip.up]);
+        const [black, white] = [await see("black"), await see("white")];
+        writeFileSync(join(shots, `${player}-${i}.png`), white);
+        const seen = shown(black, white);
+        measured.overlap = Math.min(measured.overlap, overlap(seen, pictures[i]));
+        measured.psnr = Math.min(measured.psnr, psnr(seen, pictures[i]));
+        measured.mirrored = Math.max(measured.mirrored, ...flipped(seen).map((other) => overlap(other, pictures[i])));
+    }
+    await see("#0f0");
+    // One frame after the other, as fast as they come, for as long as it is looked at.
+    const playing = page.evaluate(async ([urls, up]) => {
+        const times = [];
+        for (let i = 0; !window.looked; i++) {
+            const start = performance.now();
+            await window.player.show(`/clip/${urls[i % urls.length]}`, up);
+            times.push(performance.now() - start);
+            await new Promise(requestAnimationFrame);
+        }
+        return times.sort((a, b) => a - b);
+    }, [clip.frames.map(({ url }) => url), clip.up]);
+    const seen = new Set();
+    for (let i = 0; i < LOOKS; i++) {
+        const look = onGreen(await see("#0f0"));
+        const overlaps = pictures.map((picture) => overlap(look, picture));
+        const best = Math.max(...overlaps);
+        seen.add(overlaps.indexOf(best));
+        measured.looks = Math.min(measured.looks, best);
+    }
+    await page.evaluate(() => (window.looked = true));
+    const times = await playing;
+    await page.close();
+    return { ...measured, frames: seen.size, milliseconds: times[times.length >> 1], problems };
+}
+
+function shortcomings({ overlap, psnr, mirrored, looks, frames, problems }) {
+    const wrong = [...problems];
+    if (!(overlap >= OVERLAP)) wrong.push(`silhouettes overlap by ${overlap.toFixed(3)}, not ${OVERLAP}`);
+    if (!(psnr >= PSNR)) wrong.push(`colours are at ${psnr.toFixed(1)} dB, not ${PSNR}`);
+    if (!(mirrored < OVERLAP)) wrong.push("the mesh is its own mirror image: nothing is said about where up is");
+    if (!(looks >= OVERLAP)) wrong.push(`while the clip plays, a look overlaps no frame by more than ${looks.toFixed(3)}`);
+    if (clip.frames.length > 1 && frames < 2) wrong.push("the clip stands still");
+    return wrong;
+}
+
+const server = await serve({ "/": here("page"), "/node_modules/": here("node_modules"), "/clip/": join(folder, "clip") });
+const browser = await launch();
+try {
+    for (const player of Object.keys(PACKAGES)) {
+        const measured = await measure(browser, server.address, player);
+        const { overlap, mirrored, psnr, looks, frames, milliseconds } = measured;
+        const name = `${player} ${json(here(`node_modules/${PACKAGES[player]}/package.json`)).version}`;
+        const still = `overlap ${overlap.toFixed(4)} (flipped at most ${mirrored.toFixed(3)}), ${psnr.toFixed(1)} dB`;
+        const playing = `playing: overlap ${looks.toFixed(4)}, ${frames} of ${clip.frames.length} frames seen, ${milliseconds.toFixed(0)} ms a frame`;
+        console.log(`${name}: ${still}; ${playing}`);
+        for (const wrong of shortcomings(measured)) {
+            console.log(`  ${wrong}`);
+            process.exitCode = 1;
+        }
+    }
+} finally {
+    await browser.close();
+    server.close();
+}

@@ -1,0 +1,77 @@
+//! `cargo xtask players`: a clip in other people's players, compared with our own pictures of it (see tests/players).
+
+use crate::{
+    Result,
+    process::{cargo, program, root, run, target},
+    sample, setup,
+    steps::{Outcome, Steps},
+};
+use image::{ColorType, ImageFormat};
+use serde_json::json;
+use std::{f64::consts::FRAC_PI_4, fs, path::Path};
+use studio::{
+    Ring,
+    look::{ColouredMesh, Drawing, draw},
+};
+
+/// Pixels of a picture's side.
+const SIZE: u32 = 512;
+
+/// The check alone.
+pub fn run_alone() -> Result<()> {
+    let mut steps = Steps::default();
+    check(&mut steps)?;
+    steps.finish();
+    Ok(())
+}
+
+/// Reconstructs the page's sample with the command line and plays it in a browser.
+pub fn check(steps: &mut Steps) -> Result<()> {
+    steps.step("players", || {
+        let (scene, folder, tests) =
+            (root().join("web/public/sample"), target().join("players"), root().join("tests/players"));
+        sample::make(&scene)?;
+        run(&mut cargo("build --quiet --release --package pcmvs-cli"))?;
+        let mut reconstruct = program(target().join("release/pcmvs"), "reconstruct");
+        run(reconstruct.arg(&scene).arg("-o").arg(folder.join("clip")))?;
+        look(&folder)?;
+        setup::debian(&[setup::CHROMIUM])?;
+        setup::node_packages(&root().join("tests/web"))?;
+        setup::node_packages(&tests)?;
+        let measured = run(program("node", "players.mjs").arg(&folder).current_dir(&tests))?;
+        Ok(Outcome::Passed(format!("\n{}", measured.trim_end())))
+    })
+}
+
+/// Writes the camera, as players take it, and what it sees of every frame.
+fn look(folder: &Path) -> Result<()> {
+    let fail = |e: &dyn std::fmt::Display| format!("{}: {e}", folder.display());
+    let ring = Ring { count: 8, unevenness: 0.0, ..Ring::default() }.sized(SIZE, SIZE);
+    // The second camera, by an eighth of a turn from the scene's +x. Players have up at +y, and the scene's -y at +z.
+    let camera = ring.cameras()[1];
+    let target = ring.look_at;
+    let above = ring.height - target.z;
+    let view = json!({
+        "size": SIZE,
+        "target": [target.x, target.z, -target.y],
+        "radius": libm::hypot(ring.radius, above),
+        "theta": 3.0 * FRAC_PI_4,
+        "phi": libm::atan2(ring.radius, above),
+        "fov": ring.fov,
+    });
+    fs::create_dir_all(folder.join("ours")).map_err(|e| fail(&e))?;
+    fs::write(folder.join("view.json"), view.to_string()).map_err(|e| fail(&e))?;
+    let manifest = fs::read(folder.join("clip/sequence.json")).map_err(|e| fail(&e))?;
+    let manifest: serde_json::Value = serde_json::from_slice(&manifest).map_err(|e| fail(&e))?;
+    for frame in manifest["frames"].as_array().into_iter().flatten() {
+        let name = frame["url"].as_str().ok_or_else(|| fail(&"a frame has no file"))?;
+        let mesh = ColouredMesh::read(&folder.join("clip").join(name)).map_err(|e| fail(&e))?;
+        let Drawing { colours, covered, .. } = draw(&mesh, &camera);
+        let pixels = colours.rgb.chunks_exact(3).zip(&covered);
+        let rgba: Vec<u8> = pixels.flat_map(|(c, &covered)| [c[0], c[1], c[2], u8::from(covered) * 255]).collect();
+        let path = folder.join("ours").join(name).with_extension("png");
+        image::save_buffer_with_format(path, &rgba, SIZE, SIZE, ColorType::Rgba8, ImageFormat::Png)
+            .map_err(|e| fail(&e))?;
+    }
+    Ok(())
+}
