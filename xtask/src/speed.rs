@@ -26,16 +26,6 @@ impl Run {
     }
 }
 
-/// A table by its name.
-pub fn table(name: &str) -> Result<String> {
-    match name {
-        "scaling" => scaling(),
-        "threads" => threads(),
-        "meshing" => meshing(),
-        _ => Err(format!("there is no table {name}")),
-    }
-}
-
 fn folder() -> PathBuf {
     target().join("speed")
 }
@@ -70,7 +60,7 @@ fn best(scene: &Path, threads: u32) -> Result<Run> {
 }
 
 /// Seconds and memory for more views, and for larger pictures.
-fn scaling() -> Result<String> {
+pub fn scaling() -> Result<String> {
     build()?;
     let sizes = [(320, 240), (640, 480), (1024, 768), (2048, 1536)];
     let views = [5, 10, 20, 40].map(|views| (views, (1024, 768)));
@@ -93,7 +83,7 @@ fn scaling() -> Result<String> {
 }
 
 /// What two threads bring over one, for one frame and for many.
-fn threads() -> Result<String> {
+pub fn threads() -> Result<String> {
     build()?;
     let mut table = Table::new(&["two threads instead of one", "1: s", "2: s", "times"]);
     let mut row = |name: &str, one: f64, two: f64| {
@@ -126,7 +116,7 @@ for name in ['exact', 'noisy']:
 ";
 
 /// Meshing alone, of 200,000 points on a torus, exact and noisy, beside Open3D's.
-fn meshing() -> Result<String> {
+pub fn meshing() -> Result<String> {
     fs::create_dir_all(folder()).map_err(|e| format!("{}: {e}", folder().display()))?;
     install_packages()?;
     let ours = run(cargo("run --quiet --release --package pcmvs-core --example meshing").arg(folder()))?;
