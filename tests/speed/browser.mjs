@@ -10,7 +10,7 @@ const site = await serve({ "/": here("browser"), "/pkg/": here("../../wasm/pkg")
 const browser = await launch();
 try {
     for (const build of ["simd", "scalar"]) {
-        const { page, problems } = await openPage(browser, `${site.address}/worker.js`);
+        const { page, problems } = await openPage(browser, `${site.address}/`);
         const work = { build, capture: `/capture/${basename(capture)}`, rounds: Number(rounds) };
         const done = await page.evaluate((work) => new Promise((resolve, reject) => {
             const worker = new Worker("/worker.js", { type: "module" });

@@ -27,7 +27,7 @@ pub fn table() -> Result<String> {
         Err(why) => eprintln!("warning: compared with nothing: {why}"),
     }
     let mut table = Table::new(&[String::from("stage"), format!("million instructions, {}", conditions()?)]);
-    counts.iter().for_each(|(stage, millions)| table.row(&[stage.clone(), figure(Some(*millions), 1)]));
+    counts.iter().for_each(|(stage, millions)| table.row(&[stage.clone(), figure(Some(*millions), 3)]));
     Ok(table.text())
 }
 
@@ -104,11 +104,11 @@ fn committed() -> Result<Vec<(String, f64)>> {
 fn compare(before: &[(String, f64)], now: &[(String, f64)]) {
     for (stage, millions) in now {
         let Some((_, old)) = before.iter().find(|(name, _)| name == stage) else {
-            eprintln!("{stage:14} {millions:10.1} million instructions, none before");
+            eprintln!("{stage:14} {millions:10.3} million instructions, none before");
             continue;
         };
         let change = millions / old - 1.0;
-        eprintln!("{stage:14} {millions:10.1} million instructions, {:+.2} %", 100.0 * change);
+        eprintln!("{stage:14} {millions:10.3} million instructions, {:+.3} %", 100.0 * change);
         if change > TOLERANCE {
             eprintln!("warning: {stage} takes {:.1} % more instructions than committed", 100.0 * change);
         }
