@@ -15,10 +15,11 @@ pub enum Simd {
 }
 
 impl Simd {
-    /// The widest that this processor and its operating system offer.
+    /// The widest that this processor and its operating system offer; in builds with `--cfg pcmvs_baseline`, which
+    /// tell what the others gain, what the crate was compiled for.
     pub fn detect() -> Self {
         #[cfg(target_arch = "x86_64")]
-        if x86::has_avx2() {
+        if cfg!(not(pcmvs_baseline)) && x86::has_avx2() {
             return Self::Avx2;
         }
         Self::Baseline

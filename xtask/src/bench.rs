@@ -1,7 +1,7 @@
 //! `cargo xtask bench`: the tables of BENCHMARKS.md.
 
 use crate::{
-    Result,
+    Result, browser, instructions,
     measure::{Captured, Job, Measured},
     process::root,
     speed,
@@ -47,19 +47,38 @@ const CONFIGURATIONS: [(&str, Option<&str>); 3] = [
 ];
 
 /// The tables, each of which can be renewed alone.
-const PARTS: [&str; 7] =
-    ["scores", "ablations-default", "configurations", "ablations-paper", SPEED[0], SPEED[1], SPEED[2]];
+const PARTS: [&str; 9] = [
+    "scores",
+    "ablations-default",
+    "configurations",
+    "ablations-paper",
+    "scaling",
+    "threads",
+    "meshing",
+    "instructions",
+    "wasm",
+];
 
-/// Those that need no captured scenes.
-const SPEED: [&str; 3] = ["scaling", "threads", "meshing"];
+/// A table that needs no captured scenes.
+fn without_captures(name: &str) -> Option<Result<String>> {
+    Some(match name {
+        "scaling" => speed::scaling(),
+        "threads" => speed::threads(),
+        "meshing" => speed::meshing(),
+        "instructions" => instructions::table(),
+        "wasm" => browser::table(),
+        _ => return None,
+    })
+}
 
 /// Measures and writes the tables, all or one; `quick` takes one scene, one frame and two ideas, and prints them.
 pub fn run(quick: bool, part: Option<&str>) -> Result<()> {
     if let Some(part) = part.filter(|part| !PARTS.contains(part)) {
         return Err(format!("there is no table {part}: {}", PARTS.join(", ")));
     }
-    if let Some(part) = part.filter(|part| SPEED.contains(part)) {
-        return replace_in(&root().join("BENCHMARKS.md"), &[(part, speed::table(part)?)]);
+    let write = |made: &[(&str, String)]| replace_in(&root().join("BENCHMARKS.md"), made);
+    if let Some((part, made)) = part.and_then(|part| Some((part, without_captures(part)?))) {
+        return write(&[(part, made?)]);
     }
     let captured = Captured::find()??;
     let ideas = if quick { &IDEAS[..2] } else { &IDEAS };
@@ -75,13 +94,15 @@ pub fn run(quick: bool, part: Option<&str>) -> Result<()> {
                 vec![("machine", machine()), ("scores", scores(&results)), ("seconds", seconds(&results))]
             }
             "configurations" => vec![(name, configurations(&captured)?)],
-            _ if SPEED.contains(&name) => vec![(name, speed::table(name)?)],
-            _ => vec![(name, ablations(&captured, &name["ablations-".len()..], ideas, ablation_scenes)?)],
+            _ => match without_captures(name) {
+                Some(table) => vec![(name, table?)],
+                None => vec![(name, ablations(&captured, &name["ablations-".len()..], ideas, ablation_scenes)?)],
+            },
         };
         if quick {
             made.iter().for_each(|(name, table)| println!("## {name}\n\n{table}\n"));
         } else {
-            replace_in(&root().join("BENCHMARKS.md"), &made)?;
+            write(&made)?;
         }
     }
     Ok(())

@@ -3,10 +3,12 @@
 mod abi;
 mod abi_check;
 mod bench;
+mod browser;
 mod captured;
 mod compiler;
 mod demo;
 mod golden;
+mod instructions;
 mod measure;
 mod no_std;
 mod players;
@@ -84,7 +86,7 @@ enum Task {
         #[arg(long)]
         quick: bool,
         /// One table only: scores, ablations-default, configurations, ablations-paper,
-        /// scaling, threads or meshing
+        /// scaling, threads, meshing, instructions or wasm
         #[arg(long)]
         part: Option<String>,
     },

@@ -3,7 +3,7 @@
 use crate::{
     Result,
     measure::{Measured, build, install_packages, packages, reported_frames},
-    process::{cargo, program, root, run, target},
+    process::{cargo, program, run, target},
     tables::{Table, figure},
 };
 use std::{
@@ -23,16 +23,6 @@ impl Run {
     /// Mean seconds a frame of the steps that `wanted` names.
     fn seconds(&self, wanted: impl Fn(&str) -> bool) -> f64 {
         self.measured.seconds().iter().filter(|(name, _)| wanted(name)).map(|(_, s)| s).sum()
-    }
-}
-
-/// A table by its name.
-pub fn table(name: &str) -> Result<String> {
-    match name {
-        "scaling" => scaling(),
-        "threads" => threads(),
-        "meshing" => meshing(),
-        _ => Err(format!("there is no table {name}")),
     }
 }
 
@@ -70,7 +60,7 @@ fn best(scene: &Path, threads: u32) -> Result<Run> {
 }
 
 /// Seconds and memory for more views, and for larger pictures.
-fn scaling() -> Result<String> {
+pub fn scaling() -> Result<String> {
     build()?;
     let sizes = [(320, 240), (640, 480), (1024, 768), (2048, 1536)];
     let views = [5, 10, 20, 40].map(|views| (views, (1024, 768)));
@@ -93,7 +83,7 @@ fn scaling() -> Result<String> {
 }
 
 /// What two threads bring over one, for one frame and for many.
-fn threads() -> Result<String> {
+pub fn threads() -> Result<String> {
     build()?;
     let mut table = Table::new(&["two threads instead of one", "1: s", "2: s", "times"]);
     let mut row = |name: &str, one: f64, two: f64| {
@@ -112,40 +102,50 @@ fn threads() -> Result<String> {
 /// Open3D's meshing, which is Kazhdan's PoissonRecon, of the same points: seconds of processor time on one thread.
 const OTHER: &str = "
 import sys, time, numpy as np, open3d as o3d
-cloud = o3d.io.read_point_cloud(sys.argv[1])
-start = time.process_time()
-mesh, _ = o3d.geometry.TriangleMesh.create_from_point_cloud_poisson(cloud, depth=8, n_threads=1)
-seconds = time.process_time() - start
-p = np.asarray(mesh.vertices)
-ring = np.hypot(p[:, 0], p[:, 1]) - 0.38
-error = np.abs(0.15 - np.hypot(ring, p[:, 2]))
-print(seconds, len(p), error.mean() * 1e3, np.quantile(error, 0.99) * 1e3)
+for name in ['exact', 'noisy']:
+    cloud = o3d.io.read_point_cloud(f'{sys.argv[1]}/torus-{name}.ply')
+    seconds = np.inf
+    for _ in range(3):
+        start = time.process_time()
+        mesh, _ = o3d.geometry.TriangleMesh.create_from_point_cloud_poisson(cloud, depth=8, n_threads=1)
+        seconds = min(seconds, time.process_time() - start)
+    p = np.asarray(mesh.vertices)
+    ring = np.hypot(p[:, 0], p[:, 1]) - 0.38
+    error = np.abs(0.15 - np.hypot(ring, p[:, 2]))
+    print(name, seconds, len(p), error.mean() * 1e3, np.quantile(error, 0.99) * 1e3)
 ";
 
-/// Meshing alone, of 200,000 points on a torus, beside Open3D's.
-fn meshing() -> Result<String> {
-    let points = folder().join("torus.ply");
+/// Meshing alone, of 200,000 points on a torus, exact and noisy, beside Open3D's.
+pub fn meshing() -> Result<String> {
     fs::create_dir_all(folder()).map_err(|e| format!("{}: {e}", folder().display()))?;
     install_packages()?;
-    let ours = run(cargo("run --quiet --release --package pcmvs-core --example meshing").arg(&points))?;
+    let ours = run(cargo("run --quiet --release --package pcmvs-core --example meshing").arg(folder()))?;
     let mut other = program("python3", "-c");
-    let other = run(other.arg(OTHER).arg(&points).env("PYTHONPATH", packages()).current_dir(root()))?;
+    let other = run(other.arg(OTHER).arg(folder()).env("PYTHONPATH", packages()))?;
     let mut table =
         Table::new(&["200,000 points on a torus", "s", "vertices", "mean error, ‰", "99 % within, ‰", "times faster"]);
-    let figures = |line: &str| -> Vec<f64> { line.split_whitespace().filter_map(|v| v.parse().ok()).collect() };
-    let (ours, other) = (figures(&ours), figures(&other));
-    for (name, f) in [("pcmvs", &ours), ("Open3D (PoissonRecon), depth 8, one thread", &other)] {
-        let &[seconds, vertices, mean, most] = f.as_slice() else {
-            return Err(format!("{name}: unexpected output"));
-        };
-        table.row(&[
-            name.to_owned(),
-            figure(Some(seconds), 2),
-            figure(Some(vertices), 0),
-            figure(Some(mean), 3),
-            figure(Some(most), 3),
-            figure(Some(other[0] / seconds), 1),
-        ]);
+    for (ours, other) in ours.lines().zip(other.lines()) {
+        let (cloud, ours) = meshed(ours)?;
+        let (_, other) = meshed(other)?;
+        for (solver, f) in [("pcmvs", ours), ("Open3D (PoissonRecon), depth 8, one thread", other)] {
+            let [seconds, vertices, mean, most] = f;
+            table.row(&[
+                format!("{cloud}, {solver}"),
+                figure(Some(seconds), 2),
+                figure(Some(vertices), 0),
+                figure(Some(mean), 3),
+                figure(Some(most), 3),
+                figure(Some(other[0] / seconds), 1),
+            ]);
+        }
     }
     Ok(table.text())
+}
+
+/// A line of a solver: the cloud's name; seconds, vertices, mean and 99 % error.
+fn meshed(line: &str) -> Result<(&str, [f64; 4])> {
+    let unexpected = || format!("unexpected output: {line}");
+    let (cloud, figures) = line.split_once(' ').ok_or_else(unexpected)?;
+    let figures: Vec<f64> = figures.split(' ').filter_map(|v| v.parse().ok()).collect();
+    Ok((cloud, figures.try_into().map_err(|_| unexpected())?))
 }

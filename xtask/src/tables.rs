@@ -36,12 +36,25 @@ pub fn figure(value: Option<f64>, digits: usize) -> String {
     value.map_or_else(|| String::from("–"), |v| format!("{v:.digits$}"))
 }
 
+/// What stands between `<!-- begin: name -->` and `<!-- end: name -->` of a file's text.
+pub fn content<'a>(text: &'a str, name: &str) -> Result<&'a str> {
+    let [_, content, _] = split(text, name)?;
+    Ok(content.trim())
+}
+
+/// Text before, between and after the markers of a name, which belong to the outer parts.
+fn split<'a>(text: &'a str, name: &str) -> Result<[&'a str; 3]> {
+    let [begin, end] = ["begin", "end"].map(|word| format!("<!-- {word}: {name} -->"));
+    let inner = text.find(&begin).map(|at| at + begin.len());
+    let found = inner.and_then(|from| Some((from, from + text[from..].find(&end)?)));
+    let (from, to) = found.ok_or_else(|| format!("`{begin}` or `{end}` is missing"))?;
+    Ok([&text[..from], &text[from..to], &text[to..]])
+}
+
 /// Puts `content` between `<!-- begin: name -->` and `<!-- end: name -->` of a file's text.
 pub fn replace(text: &str, name: &str, content: &str) -> Result<String> {
-    let (begin, end) = (format!("<!-- begin: {name} -->"), format!("<!-- end: {name} -->"));
-    let found = text.split_once(&begin).and_then(|(before, rest)| Some((before, rest.split_once(&end)?.1)));
-    let (before, after) = found.ok_or_else(|| format!("`{begin}` or `{end}` is missing"))?;
-    Ok(format!("{before}{begin}\n{}\n{end}{after}", content.trim_end()))
+    let [before, _, after] = split(text, name)?;
+    Ok(format!("{before}\n{}\n{after}", content.trim_end()))
 }
 
 /// Replaces several parts of a file.
@@ -64,6 +77,7 @@ mod tests {
         let once = replace(text, "a", "new | table\n").unwrap();
         assert_eq!(once, text.replace("old", "new | table"));
         assert_eq!(replace(&once, "a", "new | table").unwrap(), once);
+        assert_eq!(content(&once, "a").unwrap(), "new | table");
         assert!(replace(&once, "b", "x").unwrap().ends_with("<!-- begin: b -->\nx\n<!-- end: b -->\nlast"));
         assert!(replace(text, "c", "").is_err());
     }

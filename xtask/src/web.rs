@@ -94,7 +94,7 @@ pub fn test() -> Result<()> {
 }
 
 /// Installs what a folder's lock file says, unless that has been done.
-fn install(folder: &Path) -> Result<()> {
+pub fn install(folder: &Path) -> Result<()> {
     let (lock, done) = (read(&folder.join("package-lock.json"))?, folder.join("node_modules/.installed-lock"));
     if fs::read(&done).is_ok_and(|installed| installed == lock) {
         return Ok(());

@@ -10,8 +10,10 @@ pub struct Case {
     pub name: &'static str,
     /// Name of the preset.
     pub preset: &'static str,
-    views: u32,
-    size: (u32, u32),
+    /// Cameras on the ring.
+    pub views: u32,
+    /// Pixels of a picture, in a row and rows.
+    pub size: (u32, u32),
 }
 
 /// Small enough for emulators.

@@ -1,0 +1,77 @@
+//! Reconstructs a frame on one thread with the default preset and prints how long each stage took.
+//!
+//! `speed CAPTURE ROUNDS`: the capture is a file of `golden::Scene`. Prints a line for each stage with its name and
+//! the seconds of every round, then `frame` with those of `reconstruct` as a whole, then `hash` with that of the
+//! coloured mesh. Under callgrind, [`boundary`] tells where stages begin and end.
+
+use golden::Scene;
+use pcmvs_core::{Error, Params, Preset, Progress, Rig, Serial, Stage, export::glb, reconstruct};
+use std::{
+    env, error, fs,
+    hint::black_box,
+    sync::{Mutex, PoisonError},
+    time::Instant,
+};
+
+/// Where callgrind dumps its counters: it must stay a function, wherever it is called.
+#[inline(never)]
+fn boundary(now: Instant) -> Instant {
+    black_box(now)
+}
+
+/// Seconds by name, in the order in which they were taken.
+type Seconds = Vec<(&'static str, f64)>;
+
+/// Measures from one mark to the next.
+#[derive(Default)]
+struct Clock(Mutex<(Option<Instant>, Seconds)>);
+
+impl Clock {
+    fn tick(&self, name: &'static str, begin: bool) {
+        let (begun, seconds) = &mut *self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        let now = boundary(Instant::now());
+        match begun.take() {
+            Some(begun) if !begin => seconds.push((name, (now - begun).as_secs_f64())),
+            _ => *begun = Some(now),
+        }
+    }
+}
+
+impl Progress for Clock {
+    fn mark(&self, stage: Stage, begin: bool) {
+        self.tick(stage.name(), begin);
+    }
+
+    fn step(&self, _: Stage, _: u32, _: u32) -> bool {
+        true
+    }
+}
+
+/// Seconds of one round and the mesh's hash.
+fn round(rig: &Rig, scene: &Scene) -> Result<(Seconds, u64), Error> {
+    let (clock, inputs) = (Clock::default(), scene.inputs());
+    let start = Instant::now();
+    let result = reconstruct(rig, &inputs, &Params::preset(Preset::Default), &Serial, &clock)?;
+    let frame = start.elapsed().as_secs_f64();
+    clock.tick("glb", true);
+    black_box(glb::write(&result.mesh, rig.origin(), &glb::Options::default()));
+    clock.tick("glb", false);
+    let (_, mut seconds) = clock.0.into_inner().unwrap_or_else(PoisonError::into_inner);
+    seconds.push(("frame", frame));
+    Ok((seconds, result.mesh.hash()))
+}
+
+fn main() -> Result<(), Box<dyn error::Error>> {
+    let arguments: Vec<String> = env::args().collect();
+    let [_, capture, rounds] = arguments.as_slice() else { return Err("speed CAPTURE ROUNDS".into()) };
+    let scene = Scene::from_bytes(&fs::read(capture)?).ok_or("the capture is cut short")?;
+    let rig = Rig::new(&scene.cameras)?;
+    let rounds = (0..rounds.parse()?).map(|_| round(&rig, &scene)).collect::<Result<Vec<_>, _>>()?;
+    let (first, hash) = rounds.first().ok_or("at least one round")?;
+    for (i, (name, _)) in first.iter().enumerate() {
+        let seconds: Vec<String> = rounds.iter().map(|(seconds, _)| seconds[i].1.to_string()).collect();
+        println!("{name} {}", seconds.join(" "));
+    }
+    println!("hash {hash:016x}");
+    Ok(())
+}

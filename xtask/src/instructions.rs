@@ -1,0 +1,116 @@
+//! How many instructions each stage takes: what noise does not move, so that a stage that got slower is seen.
+
+use crate::{
+    Result,
+    process::{cargo, program, root, run, target},
+    setup::{self, Package},
+    tables::{Table, content, figure},
+};
+use golden::case::Case;
+use std::{fs, path::PathBuf};
+
+/// Small enough for a machine that is interpreted.
+const CAPTURE: Case = Case { name: "medium", preset: "default", views: 20, size: (320, 240) };
+/// More instructions than the committed table has by this share are worth a warning.
+const TOLERANCE: f64 = 0.1;
+const VALGRIND: Package = ("valgrind", "/usr/bin/valgrind");
+/// The table's name in BENCHMARKS.md.
+const NAME: &str = "instructions";
+const FILE: &str = "BENCHMARKS.md";
+
+/// Counts, compares with the committed table, and tells what has changed.
+pub fn table() -> Result<String> {
+    setup::debian(&[VALGRIND])?;
+    let counts = count()?;
+    match committed() {
+        Ok(before) => compare(&before, &counts),
+        Err(why) => eprintln!("warning: compared with nothing: {why}"),
+    }
+    let mut table = Table::new(&[String::from("stage"), format!("million instructions, {}", conditions()?)]);
+    counts.iter().for_each(|(stage, millions)| table.row(&[stage.clone(), figure(Some(*millions), 3)]));
+    Ok(table.text())
+}
+
+/// What counts depend on besides the source.
+fn conditions() -> Result<String> {
+    let compiler = run(&mut program("rustc", "--version"))?;
+    let version = compiler.split(' ').nth(1).unwrap_or("unknown");
+    let (views, (width, height)) = (CAPTURE.views, CAPTURE.size);
+    Ok(format!("{views} views of {width} x {height}, {}, rustc {version}", std::env::consts::ARCH))
+}
+
+/// Where a capture is for `tests/speed`; it is rendered here.
+pub fn capture(case: &Case) -> Result<PathBuf> {
+    let folder = target().join("speed");
+    let path = folder.join(format!("{}.capture", case.name));
+    let fail = |e| format!("{}: {e}", path.display());
+    fs::create_dir_all(&folder).map_err(fail)?;
+    fs::write(&path, case.render().to_bytes()).map_err(fail)?;
+    Ok(path)
+}
+
+/// Millions of instructions of each stage, of what is between them, and of all.
+fn count() -> Result<Vec<(String, f64)>> {
+    run(&mut cargo("build --quiet --release --package speed"))?;
+    let capture = capture(&CAPTURE)?;
+    let folder = target().join("speed/callgrind");
+    let fail = |e| format!("{}: {e}", folder.display());
+    if folder.exists() {
+        fs::remove_dir_all(&folder).map_err(fail)?;
+    }
+    fs::create_dir_all(&folder).map_err(fail)?;
+    let mut valgrind = program("valgrind", "--quiet --tool=callgrind --dump-before=speed::boundary");
+    valgrind.arg(format!("--callgrind-out-file={}", folder.join("out").display()));
+    let printed = run(valgrind.arg(target().join("release/speed")).arg(capture).arg("1"))?;
+    // The last two lines are of the frame and the hash.
+    let lines: Vec<&str> = printed.lines().collect();
+    let stages = lines[..lines.len().saturating_sub(2)].iter().filter_map(|line| line.split(' ').next());
+
+    // The counters start anew at every boundary: dump 1 is what comes before the first stage, 2 that stage, 3 what
+    // comes after it, 4 the second stage, ...
+    let mut counts = Vec::new();
+    let mut between = 0.0;
+    for (i, stage) in stages.enumerate() {
+        if i > 0 {
+            between += millions(&folder.join(format!("out.{}", 2 * i + 1)))?;
+        }
+        counts.push((stage.to_owned(), millions(&folder.join(format!("out.{}", 2 * i + 2)))?));
+    }
+    counts.push((String::from("between them"), between));
+    counts.push((String::from("all"), counts.iter().map(|(_, millions)| millions).sum()));
+    Ok(counts)
+}
+
+/// Millions of instructions in one of callgrind's dumps.
+fn millions(dump: &PathBuf) -> Result<f64> {
+    let text = fs::read_to_string(dump).map_err(|e| format!("{}: {e}", dump.display()))?;
+    let total = text.lines().find_map(|line| line.strip_prefix("totals: ")?.trim().parse::<f64>().ok());
+    total.map(|count| count / 1e6).ok_or_else(|| format!("{}: no totals", dump.display()))
+}
+
+/// The table of the last commit.
+fn committed() -> Result<Vec<(String, f64)>> {
+    let text = run(program("git", "show").arg(format!("HEAD:{FILE}")).current_dir(root()))?;
+    let rows = content(&text, NAME)?.lines().skip(2);
+    let row = |line: &str| {
+        let mut cells = line.trim_matches(['|', ' ']).split(" | ");
+        let (stage, millions) = (cells.next()?.to_owned(), cells.next()?.parse().ok()?);
+        Some((stage, millions))
+    };
+    rows.map(|line| row(line).ok_or_else(|| format!("{FILE}: `{line}` is no row of {NAME}"))).collect()
+}
+
+/// Prints how far each stage is from before, and warns of those that take more.
+fn compare(before: &[(String, f64)], now: &[(String, f64)]) {
+    for (stage, millions) in now {
+        let Some((_, old)) = before.iter().find(|(name, _)| name == stage) else {
+            eprintln!("{stage:14} {millions:10.3} million instructions, none before");
+            continue;
+        };
+        let change = millions / old - 1.0;
+        eprintln!("{stage:14} {millions:10.3} million instructions, {:+.3} %", 100.0 * change);
+        if change > TOLERANCE {
+            eprintln!("warning: {stage} takes {:.1} % more instructions than committed", 100.0 * change);
+        }
+    }
+}
