@@ -4,8 +4,8 @@
 
 use criterion::{BatchSize, Criterion, criterion_group, criterion_main};
 use pcmvs_core::{
-    Counts, Error, Mask, Params, Preset, Rig, Serial, Silent, Stages, View, ViewInput, colour::colour, export::glb,
-    hull::VisualHull, stages,
+    Counts, Error, Mask, Params, Preset, Rig, Serial, Silent, Stages, View, ViewInput, colour::colour, detect::Scratch,
+    export::glb, hull::VisualHull, stages,
 };
 use std::hint::black_box;
 use studio::{Capture, Faults, Ring, Subject};
@@ -36,21 +36,27 @@ fn bench(criterion: &mut Criterion) -> Result<(), Error> {
     let hull = hull()?;
 
     let mut made = Stages { hull: stages::hull_mesh(&hull, &params).0, ..Stages::default() };
-    let contours = || {
+    let contours = || -> Result<_, Error> {
         let frontier = views.iter().flat_map(|view| stages::frontier(view, &hull, &params)).collect();
-        (frontier, stages::implicit(&made.hull, &views, &params))
+        Ok((frontier, stages::implicit(&made.hull, &views, &params, &Silent)?))
     };
     group.bench_function("contours", |b| b.iter(contours));
-    (made.frontier, made.implicit) = contours();
+    (made.frontier, made.implicit) = contours()?;
 
-    let coarse = || stages::coarse(&views, &made.hull, &made.frontier, &hull, &params, &Serial, &Silent);
-    group.bench_function("coarse", |b| b.iter(coarse));
-    made.coarse = coarse()?;
+    let coarse = |scratch: &mut _| {
+        stages::coarse(&rig, &views, &made.hull, &made.frontier, &hull, &params, &Serial, scratch, &Silent)
+    };
+    let mut scratch = Vec::new();
+    group.bench_function("coarse", |b| b.iter(|| coarse(&mut scratch)));
+    made.coarse = coarse(&mut scratch)?;
 
     let levels = stages::levels(&views, &params, &Serial);
-    let detect = |view| stages::detect(view, &levels, &hull, &made.hull, &made.coarse, &params, &Silent);
-    group.bench_function("detect, one view", |b| b.iter(|| detect(black_box(0))));
-    made.detected = (0..views.len()).map(|view| Ok(detect(view)?.0)).collect::<Result<_, Error>>()?;
+    let detect = |view, scratch: &mut _| {
+        stages::detect(&rig, view, &levels, &hull, &made.hull, &made.coarse, &params, scratch, &Silent)
+    };
+    let mut scratch = Scratch::default();
+    group.bench_function("detect, one view", |b| b.iter(|| detect(black_box(0), &mut scratch)));
+    made.detected = (0..views.len()).map(|view| Ok(detect(view, &mut scratch)?.0)).collect::<Result<_, Error>>()?;
 
     let merge = || stages::merge(&made, &views, &hull, &params, &mut Counts::default(), &Silent);
     group.bench_function("merge", |b| b.iter(merge));
@@ -61,10 +67,10 @@ fn bench(criterion: &mut Criterion) -> Result<(), Error> {
     let mut mesh = mesh()?.mesh;
 
     group.bench_function("colour", |b| {
-        let coloured = |mesh: &mut _| colour(mesh, &views, &params.colour, &Silent);
+        let coloured = |mesh: &mut _| colour(mesh, &views, rig.gains(), &params.colour, &Silent);
         b.iter_batched_ref(|| mesh.clone(), coloured, BatchSize::LargeInput);
     });
-    colour(&mut mesh, &views, &params.colour, &Silent)?;
+    colour(&mut mesh, &views, rig.gains(), &params.colour, &Silent)?;
 
     group.bench_function("glb", |b| b.iter(|| glb::write(&mesh, rig.origin(), &glb::Options::default())));
     group.finish();

@@ -112,13 +112,13 @@ fn pcmvs(
     // §4.4: points that the silhouettes alone give.
     timed(progress, Stage::Contours, || {
         let found = executor.map(views.len(), |i| {
-            progress::step(progress, Stage::Contours, i as u32, views.len() as u32)?;
+            progress::step(progress, Stage::Contours, i as u32, 2 * views.len() as u32)?;
             Ok(stages::frontier(&views[i], hull, params))
         });
         for cloud in found {
             stages.frontier.extend(cloud?);
         }
-        stages.implicit = stages::implicit(&stages.hull, views, params);
+        stages.implicit = stages::implicit(&stages.hull, views, params, progress)?;
         Ok(())
     })?;
     (counts.frontier, counts.implicit) = (stages.frontier.len() as u32, stages.implicit.len() as u32);

@@ -11,7 +11,7 @@ use crate::{
     mesh::{self, Meshed},
     params::Params,
     point_cloud::{self, Mesh, Point, PointCloud},
-    progress::{Executor, Part, Progress, Stage},
+    progress::{self, Executor, Part, Progress, Stage},
     report::Counts,
     rig::Rig,
     view::View,
@@ -67,14 +67,19 @@ pub fn frontier(view: &View, hull: &VisualHull, params: &Params) -> PointCloud {
     cloud
 }
 
-/// Implicit points (§4.4), weighted for meshing; none if `params` does without.
-pub fn implicit(hull_mesh: &Mesh, views: &[View], params: &Params) -> PointCloud {
+/// Implicit points (§4.4), weighted for meshing; none if `params` does without. They are the second half of their stage.
+///
+/// # Errors
+/// [`crate::Error::Cancelled`].
+pub fn implicit(hull_mesh: &Mesh, views: &[View], params: &Params, progress: &dyn Progress) -> Result<PointCloud> {
     if !params.implicit {
-        return PointCloud::new();
+        return Ok(PointCloud::new());
     }
-    let mut cloud = detect::implicit(hull_mesh, views);
+    let count = views.len() as u32;
+    let tick = |i| progress::step(progress, Stage::Contours, count + i, 2 * count);
+    let mut cloud = detect::implicit(hull_mesh, views, tick)?;
     cloud.iter_mut().for_each(|point| point.weight = params.merging.implicit_weight);
-    cloud
+    Ok(cloud)
 }
 
 /// The mesh of the coarse pass, which guides the second; empty if `params` does without. `scratch` are buffers to use, more

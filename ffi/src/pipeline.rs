@@ -194,11 +194,11 @@ impl Pipeline {
             let carved = carved(&this.carved)?;
             let (views, hull) = (carved.borrow_owner(), &carved.borrow_dependent().hull);
             let found = threads.map(views.len(), |i| {
-                step(progress, Stage::Contours, i, views.len())?;
+                step(progress, Stage::Contours, i, 2 * views.len())?;
                 Ok(stages::frontier(&views[i], hull, &this.params))
             });
             this.stages.frontier = found.into_iter().collect::<Result<Vec<_>>>()?.concat();
-            this.stages.implicit = stages::implicit(&this.stages.hull, views, &this.params);
+            this.stages.implicit = stages::implicit(&this.stages.hull, views, &this.params, progress)?;
             this.counts.frontier = this.stages.frontier.len() as u32;
             this.counts.implicit = this.stages.implicit.len() as u32;
             Ok(())

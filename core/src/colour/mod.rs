@@ -53,6 +53,8 @@ pub fn colour(
     params: &ColourParams,
     progress: &dyn Progress,
 ) -> Result<Vec<Vec3>> {
+    // A step a view, one for the gains, one for the blend.
+    let step = |done: u32| progress::step(progress, Stage::Colour, done, views.len() as u32 + 2);
     let compared = params.gains && fixed_gains.is_none();
     let blended = params.blended_views.max(1) as usize;
     // Blending needs the best view that is left out as well.
@@ -70,14 +72,16 @@ pub fn colour(
             }
             insert(&mut offers[v * kept..][..kept], offer);
         }
-        progress::step(progress, Stage::Colour, i as u32 + 1, views.len() as u32)?;
+        step(i as u32 + 1)?;
     }
     let gains = match fixed_gains {
         Some(gains) => gains.to_vec(),
         None if compared => overlap.solve(),
         None => vec![Vec3::ONE; views.len()],
     };
+    step(views.len() as u32 + 1)?;
     let colours = offers.chunks_exact(kept).map(|offers| blend(offers, blended, &gains)).collect();
+    step(views.len() as u32 + 2)?;
     mesh.colours = fill::fill(mesh, colours)
         .into_iter()
         .map(|c| c.to_array().map(|v| libm::roundf(v.clamp(0.0, 255.0)) as u8))

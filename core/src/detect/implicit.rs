@@ -1,6 +1,7 @@
 //! §4.4: implicit points, on parts of the hull that no camera sees.
 
 use crate::{
+    error::Result,
     point_cloud::{Mesh, Point, PointCloud, Rank},
     raster::Raster,
     view::View,
@@ -13,11 +14,12 @@ const CONTOUR_PIXELS: f32 = 1.5;
 const HIDDEN_FOOTPRINTS: f32 = 3.0;
 
 /// The vertices of the hull's mesh that every view either does not see, because the hull hides them, or sees on its
-/// contour. They only keep the model complete.
-pub fn implicit(hull: &Mesh, views: &[View]) -> PointCloud {
+/// contour. They only keep the model complete. `tick` is called with the number of each view.
+pub fn implicit(hull: &Mesh, views: &[View], mut tick: impl FnMut(u32) -> Result<()>) -> Result<PointCloud> {
     let mut seen = vec![false; hull.positions.len()];
     let mut raster = Raster::default();
-    for view in views {
+    for (i, view) in views.iter().enumerate() {
+        tick(i as u32)?;
         raster.render(hull, &view.camera);
         for (seen, &p) in seen.iter_mut().zip(&hull.positions) {
             let pixel = view.camera.project(p);
@@ -32,14 +34,13 @@ pub fn implicit(hull: &Mesh, views: &[View]) -> PointCloud {
         }
     }
     let unseen = seen.iter().enumerate().filter(|&(_, &seen)| !seen);
-    unseen
-        .map(|(i, _)| Point {
-            position: hull.positions[i],
-            normal: hull.normals[i],
-            fidelity: 0.0,
-            weight: 0.0,
-            view: Point::NO_VIEW,
-            rank: Rank::Implicit,
-        })
-        .collect()
+    let points = unseen.map(|(i, _)| Point {
+        position: hull.positions[i],
+        normal: hull.normals[i],
+        fidelity: 0.0,
+        weight: 0.0,
+        view: Point::NO_VIEW,
+        rank: Rank::Implicit,
+    });
+    Ok(points.collect())
 }

@@ -48,7 +48,7 @@ pub(super) struct Solution {
 /// Number of steps that [`solve`] reports at most.
 pub(super) fn steps(low: Vec3, high: Vec3, voxel: f32) -> u32 {
     let (_, levels) = domain::domain(low, high, voxel);
-    1 + levels as u32 * (ITERATIONS + 6)
+    3 + levels as u32 * (ITERATIONS + 7)
 }
 
 /// Solves for χ over the bounds `low`, `high`. `screening` is the weight by which χ is held at 1/2 at the points; an
@@ -62,11 +62,10 @@ pub(super) fn solve(
     steps: &mut Steps,
 ) -> Result<Solution> {
     let (finest, count) = domain::domain(low, high, voxel);
-    let mut samples = samples::collect(points, &finest);
+    let mut samples = samples::collect(points, &finest, || steps.step())?;
     if samples.is_empty() {
         return Err(Error::NoSurface);
     }
-    steps.step()?;
     samples::weigh(&mut samples, &finest, count, || steps.step())?;
     // What is finer than a level acts there and above as a whole.
     let mut samples = vec![samples];

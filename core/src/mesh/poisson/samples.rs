@@ -28,8 +28,12 @@ pub(super) struct Sample {
 }
 
 /// The points with a normal and a positive weight, merged cell by cell, in an order that does not depend on the order
-/// of `points`.
-pub(super) fn collect(points: &[Point], grid: &SparseGrid) -> Vec<Sample> {
+/// of `points`. `step` is called between its parts.
+pub(super) fn collect(
+    points: &[Point],
+    grid: &SparseGrid,
+    mut step: impl FnMut() -> Result<()>,
+) -> Result<Vec<Sample>> {
     let mut keyed: Vec<(u64, u32)> = Vec::with_capacity(points.len());
     let size = grid.dims.map(|v| (v as usize * BLOCK) as f32);
     for (i, point) in points.iter().enumerate() {
@@ -40,14 +44,20 @@ pub(super) fn collect(points: &[Point], grid: &SparseGrid) -> Vec<Sample> {
             keyed.push((spread(x) | spread(y) << 1 | spread(z) << 2, i as u32));
         }
     }
-    keyed.sort_unstable_by(|a, b| {
-        let bits = |i: u32| {
-            let p = &points[i as usize];
-            (p.position.to_array().map(f32::to_bits), p.normal.to_array().map(f32::to_bits), p.weight.to_bits())
-        };
-        a.0.cmp(&b.0).then_with(|| bits(a.1).cmp(&bits(b.1)))
-    });
-    keyed.chunk_by(|a, b| a.0 == b.0).map(|cell| merged(cell, points, grid)).collect()
+    step()?;
+    keyed.sort_unstable();
+    step()?;
+    let bits = |&(_, i): &(u64, u32)| {
+        let p = &points[i as usize];
+        (p.position.to_array().map(f32::to_bits), p.normal.to_array().map(f32::to_bits), p.weight.to_bits())
+    };
+    let mut samples = Vec::with_capacity(keyed.len() / 2);
+    for cell in keyed.chunk_by_mut(|a, b| a.0 == b.0) {
+        cell.sort_unstable_by_key(bits);
+        samples.push(merged(cell, points, grid));
+    }
+    step()?;
+    Ok(samples)
 }
 
 /// Moves the lowest 21 bits three places apart (Morton order).
@@ -109,7 +119,7 @@ const SPREAD: f32 = 1.5;
 /// Sets each sample's share of the surface, in square voxels, and its level of detail from the density of the samples
 /// around it. Dense and sparse parts of the cloud then bound the same volume, and weights (eq. 3) decide between
 /// neighbours only.
-/// `step` is called once a level.
+/// `step` is called twice a level.
 pub(super) fn weigh(
     samples: &mut [Sample],
     finest: &SparseGrid,
@@ -123,6 +133,7 @@ pub(super) fn weigh(
         merged = coarser(if level == 1 { samples } else { &merged }, |_| true);
         let scale = 1.0 / (1 << level) as f32;
         let grid = around(&merged, finest, level, 2.0);
+        step()?;
         let density = density(&merged, &grid, scale);
         step()?;
         let last = level == levels - 1;
