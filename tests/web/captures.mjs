@@ -1,4 +1,5 @@
 // The sample's first frame as other programs write captures, and with faults.
+import { execFileSync } from "node:child_process";
 import { cpSync, mkdirSync, mkdtempSync, readFileSync, writeFileSync } from "node:fs";
 import { tmpdir } from "node:os";
 import { join } from "node:path";
@@ -56,6 +57,24 @@ export function transforms() {
         return { file_path: `./images/${c.name}.jpg`, fl_x: c.K[0][0], fl_y: c.K[1][1], cx: c.K[0][2] + 0.5, cy: c.K[1][2] + 0.5, w: c.width, h: c.height, transform_matrix: [...rows, [0, 0, 0, 1]] };
     });
     writeFileSync(join(to, "transforms.json"), JSON.stringify({ camera_model: "PINHOLE", frames }));
+    return to;
+}
+
+export function opencv() {
+    const to = folder();
+    pictures(to);
+    const matrix = (rows) => `!!opencv-matrix\n   rows: ${rows.length}\n   cols: ${rows[0].length}\n   dt: d\n   data: [ ${rows.flat().join(", ")} ]`;
+    for (const c of scene.cameras) {
+        const lines = [`camera_matrix: ${matrix(c.K)}`, `R: ${matrix(c.R)}`, `T: ${matrix(c.t.map((v) => [v]))}`, `image_width: ${c.width}`, `image_height: ${c.height}`];
+        writeFileSync(join(to, `${c.name}.yml`), ["%YAML:1.0", "---", ...lines, ""].join("\n"));
+    }
+    return to;
+}
+
+/** A folder as a zip, its entries compressed. */
+export function zipped(source) {
+    const to = join(folder(), "capture.zip");
+    execFileSync("python3", ["-c", "import shutil,sys\nshutil.make_archive(sys.argv[1][:-4],'zip',sys.argv[2])", to, source]);
     return to;
 }
 

@@ -1,22 +1,27 @@
-// The npm package in Node: both builds give the command line's bytes.
+// The npm package: both builds give the command line's bytes, wherever it is used.
 import assert from "node:assert/strict";
-import { readFile, readFileSync } from "node:fs";
+import { execFileSync } from "node:child_process";
+import { createHash } from "node:crypto";
+import { readFile, readFileSync, writeFileSync } from "node:fs";
 import { join } from "node:path";
-import { promisify } from "node:util";
 import { test } from "node:test";
+import { fileURLToPath } from "node:url";
+import { promisify } from "node:util";
 import { folder, scene } from "./captures.mjs";
-import { pcmvs, sample } from "./site.mjs";
+import { launch, openPage, pcmvs, sample, serve } from "./site.mjs";
 
 const pkg = new URL("../../wasm/pkg/", import.meta.url);
 
-function reconstruct({ Rig, Frame }, preset, progress) {
+function frameOf({ Rig, Frame }) {
     const frame = new Frame(new Rig(scene.cameras));
     scene.cameras.forEach((_, i) => {
         frame.setImage(i, readFileSync(join(sample, scene.frames[0].images[i])));
         frame.setMask(i, readFileSync(join(sample, scene.frames[0].masks[i])));
     });
-    return frame.reconstruct(preset, progress);
+    return frame;
 }
+
+const reconstruct = (api, preset, progress) => frameOf(api).reconstruct(preset, progress);
 
 test("both builds give the command line's bytes", async () => {
     const out = folder();
@@ -44,10 +49,62 @@ test("the entry point chooses a build, tells progress, cancels and throws errors
     assert.equal(mesh.positions.length, 3 * made.vertices);
     assert.equal(mesh.triangles.length, 3 * made.triangles);
     assert.match(made.hashes().mesh, /^[0-9a-f]{16}$/);
+    const sketch = frameOf(api).sketch();
+    assert.ok(sketch.triangles > 500 && sketch.triangles < made.triangles / 3, `${sketch.triangles} of ${made.triangles}`);
     assert.throws(() => reconstruct(api, "hull", (stage) => stage !== "hull"), { name: "PcmvsError", code: "cancelled", stage: "hull" });
     assert.throws(() => reconstruct(api, "hull", () => { throw new RangeError("mine"); }), { name: "RangeError", message: "mine" });
     assert.throws(() => new api.Rig(scene.cameras.slice(0, 2)), { code: "too-few-views" });
     const frame = new api.Frame(new api.Rig(scene.cameras));
     assert.throws(() => frame.setImage(4, new Uint8Array(10)), { code: "image", camera: 4 });
     assert.throws(() => frame.reconstruct("hull"), { code: "image", camera: 0 });
+});
+
+/** A page's script that reconstructs the sample's hull; `from` is where the package is. */
+const script = (from) => `
+    import { Frame, Rig, ready } from "${from}";
+    const bytes = async (path) => new Uint8Array(await (await fetch("/sample/" + path)).arrayBuffer());
+    await ready;
+    const scene = await (await fetch("/sample/scene.json")).json();
+    const frame = new Frame(new Rig(scene.cameras));
+    for (const [i, path] of scene.frames[0].images.entries()) {
+        frame.setImage(i, await bytes(path));
+        frame.setMask(i, await bytes(scene.frames[0].masks[i]));
+    }
+    const hash = await crypto.subtle.digest("SHA-256", frame.reconstruct("hull").glb(scene.up));
+    document.body.textContent = [...new Uint8Array(hash)].map((v) => v.toString(16).padStart(2, "0")).join("");
+`;
+
+test("packed and installed, it works in Node, from a plain script, and through a bundler", async (t) => {
+    const out = folder();
+    pcmvs("reconstruct", sample, "-o", out, "--frames", "0", "--preset", "hull");
+    const expected = createHash("sha256").update(readFileSync(join(out, "frame_0000.glb"))).digest("hex");
+    const app = folder();
+    const npm = (...args) => execFileSync("npm", [...args, "--silent", "--no-audit", "--no-fund"], { cwd: app, encoding: "utf8" });
+    writeFileSync(join(app, "package.json"), JSON.stringify({ private: true, type: "module" }));
+    const tarball = npm("pack", fileURLToPath(pkg)).trim();
+    npm("install", "--offline", `./${tarball}`);
+
+    writeFileSync(join(app, "node.mjs"), 'import { ready, version } from "pcmvs";\nawait ready;\nconsole.log(version());\n');
+    const { version } = JSON.parse(readFileSync(new URL("package.json", pkg), "utf8"));
+    assert.equal(execFileSync("node", ["node.mjs"], { cwd: app, encoding: "utf8" }).trim(), version);
+
+    const page = (code) => `<!doctype html><title>t</title><body><script type="module"${code}</script>`;
+    writeFileSync(join(app, "index.html"), page(' src="./main.js">'));
+    writeFileSync(join(app, "main.js"), script("pcmvs"));
+    writeFileSync(join(app, "plain.html"), page(`>${script("/node_modules/pcmvs/index.js")}`));
+    const { build } = await import(new URL("../../web/node_modules/vite/dist/node/index.js", import.meta.url));
+    await build({ root: app, base: "./", logLevel: "error", build: { target: "es2022" } });
+
+    const site = await serve({ "/": app, "/sample/": sample });
+    const browser = await launch();
+    t.after(async () => {
+        await browser.close();
+        site.close();
+    });
+    for (const path of ["plain.html", "dist/index.html"]) {
+        const { page, problems } = await openPage(browser, `${site.address}/${path}`);
+        await page.waitForFunction(() => /^[0-9a-f]{64}$/.test(document.body.textContent), undefined, { timeout: 60_000 }).catch(() => {});
+        assert.equal(await page.innerText("body"), expected, `${path} ${problems}`);
+        assert.deepEqual(problems.filter((p) => !p.includes("favicon")), []);
+    }
 });

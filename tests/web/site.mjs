@@ -1,9 +1,11 @@
 // The built site on a port of its own, Chromium to look at it, the command line to compare with.
 import { execFileSync } from "node:child_process";
+import assert from "node:assert/strict";
 import { createServer } from "node:http";
 import { mkdirSync, readFileSync } from "node:fs";
 import { readFile } from "node:fs/promises";
 import { extname, join, normalize } from "node:path";
+import { after, before } from "node:test";
 import { fileURLToPath } from "node:url";
 import { chromium } from "playwright-core";
 
@@ -63,5 +65,48 @@ export async function openFolder(page, folder) {
     await page.setInputFiles("#folder-input", folder);
     await page.waitForFunction(() => /^(Ready|Nothing opened|Clip opened)/.test(document.getElementById("status").textContent));
 }
+
+/** Reconstructs as it is set up, to the end. */
+export async function run(page) {
+    await page.evaluate(() => (document.body.dataset.state = "asked"));
+    await page.click("#run");
+    await ended(page);
+}
+
+/** A browser and the site for a file of tests. */
+export function drive() {
+    let browser, site;
+    before(async () => {
+        // Not at the root: the site works from any folder.
+        site = await serve({ "/some/where/": dist });
+        browser = await launch();
+    });
+    after(async () => {
+        await browser.close();
+        site.close();
+    });
+    /** The page in a test; it is closed when the test ends. `own`: another browser. */
+    const open = async (t, { own = browser, ...options } = {}) => {
+        const opened = await openPage(own, `${site.address}/some/where/`, options);
+        t.after(() => opened.page.context().close());
+        return opened;
+    };
+    /** The page with a capture instead of the sample, and the coarse preset for what does not need the best. */
+    const openWith = async (t, folder, options) => {
+        const opened = await open(t, options);
+        await opened.page.waitForSelector("#cancel:enabled");
+        await opened.page.click("#cancel");
+        await openFolder(opened.page, folder);
+        await opened.page.selectOption("#preset", "hull");
+        return opened;
+    };
+    return { open, openWith };
+}
+
+/** Equal bytes, without printing millions of them where they are not. */
+export const same = (a, b) => assert.ok(a.equals(b), `${a.length} bytes are not the other ${b.length}`);
+
+/** A pixel's worth of the picture that the view shows now, to see whether it changes. */
+export const view = async (page) => (await download(page, "export-png")).toString("base64");
 
 export const pcmvs = (...args) => execFileSync(process.env.PCMVS, args, { stdio: ["ignore", "pipe", "pipe"] });

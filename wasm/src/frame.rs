@@ -9,13 +9,18 @@ use crate::{
 };
 use js_sys::{Function, Uint8Array, Uint8ClampedArray};
 use pcmvs_core::{
-    ChromaKey, ImageRef, Mask, Params, PixelFormat, Preset, Progress, Serial, View, ViewInput, reconstruct,
+    Camera, ChromaKey, ImageRef, Mask, Params, PixelFormat, Preset, Progress, Serial, View, ViewInput,
+    params::{ColourParams, HullParams},
+    reconstruct,
     silhouette::Silhouette,
 };
 use pcmvs_scene::Picture;
 use serde::Deserialize;
 use std::rc::Rc;
 use wasm_bindgen::prelude::*;
+
+/// Cameras that a sketch needs at least.
+const SKETCHED: usize = 8;
 
 /// A key as JavaScript writes it: what is left out is the default.
 #[derive(Deserialize)]
@@ -137,20 +142,45 @@ impl Frame {
             Some("preview") => Preset::Preview,
             _ => return Err(Failed::new("input", "a preset is one of default, paper, hull, preview", None, None)),
         };
-        let inputs: Vec<ViewInput> = (0..self.slots.len()).map(|i| self.input(i)).collect::<Result<_, _>>()?;
+        self.run(&self.rig, 1, &Params::preset(preset), progress)
+    }
+
+    /// A coarse visual hull, from every second camera where there are many: something to look at early. Its `stages`
+    /// are empty but for the hull. Throws `PcmvsError`.
+    pub fn sketch(&self) -> Result<Reconstruction, Failed> {
+        let mut params = Params::preset(Preset::Hull);
+        params.hull = HullParams { voxel_pixels: 4.0 };
+        params.colour = ColourParams { gains: false, blended_views: 1 };
+        let cameras = self.rig.cameras();
+        let step = if cameras.len() < 2 * SKETCHED { 1 } else { 2 };
+        let chosen: Vec<Camera> = cameras.iter().step_by(step).cloned().collect();
+        let rig = pcmvs_core::Rig::new(&chosen).map_err(|error| Failed::core(&error, None))?;
+        self.run(&rig, step, &params, None)
+    }
+}
+
+impl Frame {
+    /// With every `step`th of the cameras, which `rig` has.
+    fn run(
+        &self,
+        rig: &pcmvs_core::Rig,
+        step: usize,
+        params: &Params,
+        progress: Option<ProgressFunction>,
+    ) -> Result<Reconstruction, Failed> {
+        let chosen = (0..self.slots.len()).step_by(step);
+        let inputs: Vec<ViewInput> = chosen.map(|i| self.input(i)).collect::<Result<_, _>>()?;
         let callback = Callback::new(progress.map(|f| f.unchecked_into::<Function>()));
         let sink: &dyn Progress = &callback;
-        match reconstruct(&self.rig, &inputs, &Params::preset(preset), &Serial, sink) {
-            Ok(result) => Ok(Reconstruction::new(result, self.rig.origin())),
+        match reconstruct(rig, &inputs, params, &Serial, sink) {
+            Ok(result) => Ok(Reconstruction::new(result, rig.origin())),
             Err(error) => Err(match callback.thrown() {
                 Some(thrown) => thrown.into(),
                 None => Failed::core(&error, callback.stage()),
             }),
         }
     }
-}
 
-impl Frame {
     fn slot(&mut self, camera: usize) -> Result<&mut Slot, Failed> {
         let count = self.slots.len();
         let missing = || Failed::new("input", &format!("there are cameras 0 to {}", count - 1), None, None);

@@ -1,8 +1,7 @@
 // A clip: one GLB a frame, as they come, and the playhead.
 import type { BufferGeometry, Mesh } from "three";
 import { GLTFLoader } from "three/addons/loaders/GLTFLoader.js";
-import type { Preset } from "pcmvs";
-import type { FrameStages } from "./protocol";
+import type { FrameStages, Rung } from "./protocol";
 
 /** Geometries kept ready; the others are read again from their files when they are shown. */
 const READY = 48;
@@ -10,8 +9,10 @@ const READY = 48;
 export interface ClipFrame {
     index: number;
     glb: Blob | null;
-    preset: Preset | null;
+    preset: Rung | null;
     triangles: number;
+    /** Its reconstruction took so long. */
+    seconds: number;
     stages: FrameStages | null;
 }
 
@@ -30,7 +31,7 @@ export class Clip {
     onchange: () => void = () => {};
 
     constructor(indices: number[], readonly fps: number) {
-        this.frames = indices.map((index) => ({ index, glb: null, preset: null, triangles: 0, stages: null }));
+        this.frames = indices.map((index) => ({ index, glb: null, preset: null, triangles: 0, seconds: 0, stages: null }));
     }
 
     get position() {

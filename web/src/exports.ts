@@ -1,7 +1,5 @@
 // What can be taken away: the same files as the command line's.
 import { version } from "./version";
-import { Mesh } from "three";
-import { PLYExporter } from "three/addons/exporters/PLYExporter.js";
 import type { Scene } from "pcmvs";
 import { inspectGlb, type Clip, type ClipFrame } from "./clip";
 import type { Pool } from "./pool";
@@ -17,10 +15,10 @@ export function save(blob: Blob, name: string) {
     setTimeout(() => URL.revokeObjectURL(link.href), 10_000);
 }
 
-export async function ply(clip: Clip, frame: ClipFrame): Promise<Blob> {
-    const geometry = await clip.geometry(frame);
-    const bytes = new PLYExporter().parse(new Mesh(geometry), () => {}, { binary: true, littleEndian: true });
-    return new Blob([bytes as ArrayBuffer], { type: "application/octet-stream" });
+/** A frame as PLY, as the command line writes it but for normals' last digits: a GLB's are of unit length. */
+export async function ply(clip: Clip, frame: ClipFrame, pool: Pool): Promise<Blob> {
+    const { attributes, index } = await clip.geometry(frame);
+    return pool.run({ type: "ply", positions: attributes.position.array, normals: attributes.normal?.array, colours: attributes.color?.array, triangles: index?.array });
 }
 
 /** All finished frames and sequence.json, the clip's manifest. */

@@ -1,6 +1,6 @@
 // What a person drops or picks, as entries by path.
+import type { Pool } from "./pool";
 import type { Entries } from "./protocol";
-import { readZip } from "./zip";
 
 const hidden = (path: string) => path.split("/").some((part) => part.startsWith(".") || part === "__MACOSX");
 
@@ -12,26 +12,31 @@ export async function sampleFiles(): Promise<Entries> {
     const scene = await response.blob();
     const { frames } = JSON.parse(await scene.text()) as { frames: { images: string[]; masks: string[] }[] };
     const entries: Entries = new Map([["scene.json", { kind: "blob", blob: scene }]]);
-    for (const path of frames.flatMap((frame) => [...frame.images, ...frame.masks])) {
-        entries.set(path, { kind: "url", url: new URL(path, base).href });
-    }
+    const paths = (some: typeof frames) => some.flatMap((frame) => [...frame.images, ...frame.masks]);
+    for (const path of paths(frames)) entries.set(path, { kind: "url", url: new URL(path, base).href });
+    // The first frame's pictures at once; what fails to come is asked for again, and told, when it is used.
+    const fetched = paths(frames.slice(0, 1)).map(async (path) => {
+        const picture = await fetch(new URL(path, base));
+        if (picture.ok) entries.set(path, { kind: "blob", blob: await picture.blob() });
+    });
+    await Promise.allSettled(fetched);
     return entries;
 }
 
 /** Picked files; a folder's have paths. */
-export function pickedFiles(list: FileList): Promise<Entries> {
-    return unpack([...list].map((file) => [file.webkitRelativePath || file.name, file]));
+export function pickedFiles(list: FileList, pool: Pool): Promise<Entries> {
+    return unpack([...list].map((file) => [file.webkitRelativePath || file.name, file]), pool);
 }
 
 /** Dropped files and folders. Must be called while the event is handled. */
-export function droppedFiles(transfer: DataTransfer): Promise<Entries> {
+export function droppedFiles(transfer: DataTransfer, pool: Pool): Promise<Entries> {
     const roots = [...transfer.items].map((item) => {
         const entry = item.webkitGetAsEntry();
         const file = item.getAsFile();
         // What does not come from a disk has no entry.
         return entry ? walk(entry) : Promise.resolve<[string, File][]>(file ? [[file.name, file]] : []);
     });
-    return Promise.all(roots).then((found) => unpack(found.flat()));
+    return Promise.all(roots).then((found) => unpack(found.flat(), pool));
 }
 
 async function walk(entry: FileSystemEntry): Promise<[string, File][]> {
@@ -52,12 +57,12 @@ async function walk(entry: FileSystemEntry): Promise<[string, File][]> {
     return (await Promise.all(below.map(walk))).flat();
 }
 
-async function unpack(files: [string, File][]): Promise<Entries> {
+async function unpack(files: [string, File][], pool: Pool): Promise<Entries> {
     const entries: Entries = new Map();
     for (const [path, file] of files) {
         if (hidden(path)) continue;
         if (path.toLowerCase().endsWith(".zip")) {
-            for (const [inside, entry] of await readZip(file)) if (!hidden(inside)) entries.set(inside, entry);
+            for (const [inside, entry] of await pool.run({ type: "unzip", zip: file })) if (!hidden(inside)) entries.set(inside, entry);
         } else {
             entries.set(path, { kind: "blob", blob: file });
         }

@@ -1,10 +1,10 @@
 // Workers, at most one a processor, each with one job at a time.
-import type { Failure, FrameResult, Job, JobResults, Reply } from "./protocol";
-import type { Preset, Stage } from "pcmvs";
+import type { Failure, FrameResult, Job, JobResults, Reply, Rung } from "./protocol";
+import type { Stage } from "pcmvs";
 
 export interface Listener {
     started?(): void;
-    progress?(preset: Preset, stage: Stage, done: number, total: number): void;
+    progress?(preset: Rung, stage: Stage, done: number, total: number): void;
     result?(result: FrameResult): void;
 }
 
@@ -23,6 +23,14 @@ interface Task {
 }
 
 const CANCELLED: Failure = { code: "cancelled", message: "cancelled" };
+
+const start = () => new Worker(new URL("./worker.ts", import.meta.url), { type: "module" });
+const warmed: Worker[] = [];
+
+/** Starts workers ahead: pools that need one find it ready. */
+export function warm(count: number) {
+    for (let i = 0; i < count; i++) warmed.push(start());
+}
 
 export class Pool {
     private readonly waiting: Task[] = [];
@@ -61,7 +69,7 @@ export class Pool {
     private next() {
         while (this.waiting.length > 0 && this.busy.size < this.size) {
             const task = this.waiting.shift() as Task;
-            const worker = this.idle.pop() ?? new Worker(new URL("./worker.ts", import.meta.url), { type: "module" });
+            const worker = this.idle.pop() ?? warmed.pop() ?? start();
             worker.onmessage = (event: MessageEvent<Reply>) => this.hear(worker, task, event.data);
             worker.onerror = (event) => {
                 event.preventDefault();

@@ -16,13 +16,26 @@ export interface ViewFiles {
     key: ChromaKey | null;
 }
 
+/** What a frame is shown as on its way to what is wanted. */
+export type Rung = "sketch" | Preset;
+
 export type Job =
     | { type: "open"; entries: Entries }
     | { type: "read"; entry: Entry }
-    | { type: "frame"; cameras: Camera[]; views: ViewFiles[]; up: Scene["up"]; presets: Preset[]; stages: boolean }
+    | { type: "unzip"; zip: Blob }
+    | { type: "frame"; cameras: Camera[]; views: ViewFiles[]; up: Scene["up"]; rungs: Rung[]; stages: boolean }
     | { type: "photograph"; cameras: Camera[]; camera: number; view: ViewFiles; width: number }
     | { type: "zip"; files: { name: string; blob: Blob }[] }
-    | { type: "digest"; blobs: Blob[] };
+    | { type: "digest"; blobs: Blob[] }
+    | ({ type: "ply" } & PlyInput);
+
+/** A mesh's arrays: colours are linear light, 0 to 1 in floats or the whole range of integers. */
+export interface PlyInput {
+    positions: ArrayLike<number>;
+    normals?: ArrayLike<number>;
+    colours?: ArrayLike<number>;
+    triangles?: ArrayLike<number>;
+}
 
 /** Positions in the scene's frame less `origin`; `tags` are detecting views, or ranks. */
 export interface StageCloud {
@@ -47,7 +60,7 @@ export interface FrameStages {
 }
 
 export interface FrameResult {
-    preset: Preset;
+    preset: Rung;
     glb: Uint8Array<ArrayBuffer>;
     vertices: number;
     triangles: number;
@@ -70,10 +83,12 @@ export interface PhotographResult {
 export interface JobResults {
     open: Scene;
     read: Uint8Array<ArrayBuffer>;
+    unzip: Entries;
     frame: null;
     photograph: PhotographResult;
     zip: Blob;
     digest: string[];
+    ply: Blob;
 }
 
 export interface Failure {
@@ -84,7 +99,7 @@ export interface Failure {
 }
 
 export type Reply =
-    | { type: "progress"; preset: Preset; stage: Stage; done: number; total: number }
+    | { type: "progress"; preset: Rung; stage: Stage; done: number; total: number }
     | { type: "result"; result: FrameResult }
     | { type: "done"; value: unknown; memory: number }
     | { type: "failed"; failure: Failure };

@@ -2,7 +2,7 @@
 import type { Camera, ChromaKey, Preset, Scene, Stage } from "pcmvs";
 import type { Clip } from "./clip";
 import { JobError, type Pool } from "./pool";
-import type { Entries, Entry, Failure, ViewFiles } from "./protocol";
+import type { Entries, Entry, Failure, Rung, ViewFiles } from "./protocol";
 
 export type ViewChoice = "all" | "half" | "bino";
 export type SilhouetteChoice = "masks" | "chroma" | "none";
@@ -48,7 +48,7 @@ export function viewFiles(scene: Scene, entries: Entries, frame: number, camera:
 export interface Status {
     frame: number;
     stage: Stage | null;
-    preset: Preset | null;
+    preset: Rung | null;
     /** 0 to 1 in this frame. */
     done: number;
     /** 0 to 1 over all frames. */
@@ -62,6 +62,9 @@ export class Session {
     private readonly start = performance.now();
     readonly cameras: Camera[];
     private readonly chosen: number[];
+    private readonly first = Promise.withResolvers<void>();
+    /** The first frame is as good as it gets, or there will be none. */
+    readonly finished = this.first.promise;
 
     constructor(readonly scene: Scene, private readonly entries: Entries, private readonly choice: Choice, private readonly clip: Clip) {
         this.fractions = scene.frames.map(() => 0);
@@ -71,27 +74,27 @@ export class Session {
 
     /** Makes all frames; those that fail are told and do not stop the others. */
     async run(pool: Pool, tell: (status: Status) => void, fail: (failure: Failure, frame: number) => void) {
-        // The first frame alone until there is something to look at: it has all processors until then.
-        const seen = Promise.withResolvers<void>();
+        // The first frame alone: what somebody waits for has all processors, of which drawing takes one.
         const frame = async (position: number) => {
-            if (position > 0) await seen.promise;
-            await this.make(pool, position, tell, seen.resolve);
+            if (position > 0) await this.finished;
+            await this.make(pool, position, tell);
         };
         const frames = this.scene.frames.map((_, position) => frame(position).catch((error: unknown) => {
-            seen.resolve();
+            this.first.resolve();
             this.fractions[position] = 1;
             fail(error instanceof JobError ? error.failure : { code: "internal", message: String(error) }, position);
         }));
         await Promise.all(frames);
     }
 
-    private async make(pool: Pool, position: number, tell: (status: Status) => void, seen: () => void) {
+    private async make(pool: Pool, position: number, tell: (status: Status) => void) {
         const { preset } = this.choice;
-        const ladder: Preset[] = position > 0 ? [preset] : preset === "hull" ? ["hull"] : preset === "preview" ? ["hull", "preview"] : ["hull", "preview", preset];
-        const shares = ladder.length === 3 ? [0.1, 0.2, 0.7] : ladder.length === 2 ? [0.35, 0.65] : [1];
+        const coarse: Rung[] = preset === "hull" || preset === "preview" ? ["sketch"] : ["sketch", "preview"];
+        const ladder: Rung[] = position > 0 ? [preset] : [...coarse, preset];
+        const shares = ladder.length === 3 ? [0.05, 0.25, 0.7] : ladder.length === 2 ? [0.2, 0.8] : [1];
         const views = this.chosen.map((camera) => viewFiles(this.scene, this.entries, position, camera, this.choice));
         let step = 0;
-        await pool.run({ type: "frame", cameras: this.cameras, views, up: this.scene.up, presets: ladder, stages: position < STAGES_KEPT }, {
+        await pool.run({ type: "frame", cameras: this.cameras, views, up: this.scene.up, rungs: ladder, stages: position < STAGES_KEPT }, {
             progress: (preset, stage, done, total) => {
                 const before = STAGES.slice(0, STAGES.indexOf(stage)).reduce((sum, s) => sum + STAGE_SHARES[s], 0);
                 const inside = before + (STAGE_SHARES[stage] * done) / Math.max(total, 1);
@@ -101,15 +104,15 @@ export class Session {
             },
             result: (made) => {
                 step++;
-                seen();
-                this.clip.set(position, { glb: new Blob([made.glb], { type: "model/gltf-binary" }), preset: made.preset, triangles: made.triangles, stages: made.stages });
+                this.clip.set(position, { glb: new Blob([made.glb], { type: "model/gltf-binary" }), preset: made.preset, triangles: made.triangles, seconds: made.seconds, stages: made.stages });
             },
         });
+        this.first.resolve();
         this.fractions[position] = 1;
         tell(this.status(position, null, null));
     }
 
-    private status(frame: number, preset: Preset | null, stage: Stage | null): Status {
+    private status(frame: number, preset: Rung | null, stage: Stage | null): Status {
         const fraction = this.fractions.reduce((a, b) => a + b, 0) / this.fractions.length;
         const seconds = (performance.now() - this.start) / 1000;
         return { frame, stage, preset, done: this.fractions[frame], fraction, left: seconds > 2 && fraction > 0.06 ? (seconds * (1 - fraction)) / fraction : null };

@@ -29,8 +29,8 @@ export class Strip {
         viewer.onpick = (camera) => this.look(camera);
     }
 
-    /** Shows other cameras; null: none. */
-    load(rig: Rig | null) {
+    /** Shows other cameras, their pictures as soon as `when` allows; null: none. */
+    load(rig: Rig | null, when?: Promise<void>) {
         this.look(null);
         this.rig = rig;
         this.root.replaceChildren();
@@ -48,7 +48,10 @@ export class Strip {
             this.buttons.push(button);
         }
         this.viewer.setCameras(rig?.cameras ?? []);
-        void this.refresh(rig);
+        const generation = ++this.generation;
+        void Promise.resolve(when).then(() => {
+            if (generation === this.generation) void this.refresh(rig);
+        });
     }
 
     /** Other files, or another way to silhouettes: the camera looked through first. */

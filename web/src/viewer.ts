@@ -2,7 +2,7 @@
 import {
     AmbientLight, BufferAttribute, BufferGeometry, CanvasTexture, Box3, Color, DirectionalLight, DoubleSide, Group, LineBasicMaterial, LineSegments,
     Mesh, MeshBasicMaterial, MeshNormalMaterial, MeshStandardMaterial, PerspectiveCamera, PlaneGeometry, Points, PointsMaterial, PolarGridHelper,
-    Raycaster, SRGBColorSpace, Scene, Sphere, Vector2, Vector3, WebGLRenderer, type Camera as AnyCamera, type Material, type Object3D,
+    Raycaster, SRGBColorSpace, Scene, Sphere, Texture, Vector2, Vector3, WebGLRenderer, type Camera as AnyCamera, type Material,
 } from "three";
 import { OrbitControls } from "three/addons/controls/OrbitControls.js";
 import type { Camera } from "pcmvs";
@@ -14,6 +14,8 @@ export type Shading = (typeof SHADINGS)[number];
 
 /** Colours of a cloud's tags: twenty views around the colour circle, every third next to each other. */
 const viewColour = (tag: number) => (tag === 65535 ? new Color(0.55, 0.55, 0.58) : new Color().setHSL((tag * 0.3819) % 1, 0.72, 0.58, SRGBColorSpace));
+/** A camera's picture before it has come. */
+const BLANK = new MeshBasicMaterial({ color: 0x8892a0, transparent: true, opacity: 0.25, side: DoubleSide });
 const RANK_COLOURS = ["#8d93a1", "#e2a33d", "#4f9cf0", "#3ddc97"].map((c) => new Color(c));
 
 export class Viewer {
@@ -24,16 +26,27 @@ export class Viewer {
     private readonly free = new PerspectiveCamera(35, 1, 0.01, 100);
     private readonly through = new PerspectiveCamera();
     private readonly controls: OrbitControls;
-    private readonly materials: Record<Shading, Material & { wireframe: boolean }>;
-    private readonly mesh = new Mesh<BufferGeometry, Material>();
+    private readonly materials: Record<Shading, Material> = {
+        colour: new MeshBasicMaterial({ vertexColors: true, side: DoubleSide }),
+        clay: new MeshStandardMaterial({ color: 0xcfc8bd, roughness: 0.85, side: DoubleSide }),
+        normals: new MeshNormalMaterial({ side: DoubleSide }),
+    };
+    private readonly points = new PointsMaterial({ vertexColors: true, sizeAttenuation: false });
+    private readonly frustumLines = new LineBasicMaterial({ color: 0x3ddc97, transparent: true, opacity: 0.75 });
+    /** The surface, and in its place its edges when these are wanted. */
+    private readonly mesh = new Mesh<BufferGeometry, Material>(new BufferGeometry(), this.materials.colour);
+    private readonly wires = new LineSegments<BufferGeometry, Material>(new BufferGeometry(), this.materials.colour);
+    private wireframe = false;
     private readonly rig = new Group();
     private readonly grid = new PolarGridHelper(1, 12, 4, 96);
-    private stage: Object3D | null = null;
+    private stage: Mesh | Points | null = null;
     private bounds: Box3 | null = null;
     private thumbnails: (Mesh | undefined)[] = [];
     private cameras: Camera[] = [];
     private looking: number | null = null;
-    private wanted = false;
+    /** A picture has been asked for; none is made before the shaders are compiled. */
+    private wanted = true;
+    private waiting: (() => void)[] = [];
     /** A frustum was chosen. */
     onpick: (camera: number) => void = () => {};
     /** The picture's place in the window has changed. */
@@ -44,19 +57,14 @@ export class Viewer {
         // Asking for errors waits for the driver's compiler.
         this.renderer.debug.checkShaderErrors = import.meta.env.DEV;
         this.renderer.setPixelRatio(Math.min(devicePixelRatio, 2));
-        this.materials = {
-            colour: new MeshBasicMaterial({ vertexColors: true, side: DoubleSide }),
-            clay: new MeshStandardMaterial({ color: 0xcfc8bd, roughness: 0.85, side: DoubleSide }),
-            normals: new MeshNormalMaterial({ side: DoubleSide }),
-        };
-        this.mesh.material = this.materials.colour;
-        this.mesh.visible = false;
+        this.points.size = 2 * this.renderer.getPixelRatio();
+        this.mesh.visible = this.wires.visible = false;
         this.through.matrixAutoUpdate = false;
         const key = new DirectionalLight(0xffffff, 2.2);
         key.position.set(1, 2, 1.5);
         this.free.add(key);
         this.scene.add(this.world, this.free, new AmbientLight(0xffffff, 0.9), this.grid);
-        this.world.add(this.mesh, this.rig, this.through);
+        this.world.add(this.mesh, this.wires, this.rig, this.through);
         this.grid.visible = this.rig.visible = false;
         for (const material of [this.grid.material].flat()) Object.assign(material, { transparent: true, opacity: 0.28 });
         this.free.position.set(2.2, 0.9, 2.6);
@@ -67,6 +75,34 @@ export class Viewer {
         new ResizeObserver(() => this.resize()).observe(canvas.parentElement as HTMLElement);
         this.resize();
         this.listenForPicks();
+        void this.compile().then(() => {
+            this.wanted = false;
+            this.draw();
+        });
+    }
+
+    /** Has all shaders compiled beside the page's own thread: the first use of one that is not ready would wait for it. */
+    private async compile() {
+        // The constructor's task is long enough.
+        await new Promise((resolve) => setTimeout(resolve));
+        const floats = () => new BufferAttribute(new Float32Array(9), 3);
+        const geometry = new BufferGeometry().setAttribute("position", floats()).setAttribute("normal", floats()).setAttribute("color", floats());
+        const all = new Group();
+        for (const material of Object.values(this.materials)) all.add(new Mesh(geometry, material));
+        const plate = new PlaneGeometry();
+        const textured = new MeshBasicMaterial({ map: new Texture(), side: DoubleSide });
+        all.add(new Points(geometry, this.points), new LineSegments(plate, this.frustumLines), new Mesh(plate, BLANK), new Mesh(plate, textured), new LineSegments(this.grid.geometry, this.grid.material));
+        // Where readiness cannot be asked for, three.js warns of waiting for it.
+        if (this.renderer.extensions.has("KHR_parallel_shader_compile")) await this.renderer.compileAsync(all, this.free, this.scene);
+        else this.renderer.compile(all, this.free, this.scene);
+    }
+
+    /** Resolves when the next picture has been drawn. */
+    drawn(): Promise<void> {
+        return new Promise((resolve) => {
+            this.waiting.push(resolve);
+            this.draw();
+        });
     }
 
     /** Draws at the next opportunity. */
@@ -78,6 +114,7 @@ export class Viewer {
             // Damping goes on until the camera rests; its changes ask for the next picture.
             this.controls.update();
             this.render();
+            for (const resolve of this.waiting.splice(0)) resolve();
         });
     }
 
@@ -96,7 +133,7 @@ export class Viewer {
     /** Shows a frame's mesh, whose geometry stays its owner's. */
     show(geometry: BufferGeometry) {
         this.mesh.geometry = geometry;
-        this.mesh.visible = this.stage === null;
+        this.choose();
         if (!this.bounds) {
             this.world.updateMatrixWorld(true);
             geometry.computeBoundingBox();
@@ -108,7 +145,7 @@ export class Viewer {
 
     /** Nothing to show. */
     clear() {
-        this.mesh.visible = this.grid.visible = false;
+        this.grid.visible = false;
         this.mesh.geometry = new BufferGeometry();
         this.bounds = null;
         this.showStage(null);
@@ -119,7 +156,7 @@ export class Viewer {
     showStage(output: StageCloud | StageMesh | null, origin: number[] = [0, 0, 0], ranks = false) {
         if (this.stage) {
             this.world.remove(this.stage);
-            dispose(this.stage);
+            this.stage.geometry.dispose();
         }
         this.stage = null;
         if (output) {
@@ -127,32 +164,46 @@ export class Viewer {
             if (output.kind === "mesh") {
                 geometry.setAttribute("normal", new BufferAttribute(output.normals, 3));
                 geometry.setIndex(new BufferAttribute(output.triangles, 1));
-                this.stage = new Mesh(geometry, new MeshStandardMaterial({ color: 0xcfc8bd, roughness: 0.85 }));
+                this.stage = new Mesh(geometry, this.materials.clay);
             } else {
                 geometry.setAttribute("color", new BufferAttribute(tagColours(output.tags, ranks), 3, true));
-                this.stage = new Points(geometry, new PointsMaterial({ vertexColors: true, size: 2 * this.renderer.getPixelRatio(), sizeAttenuation: false }));
+                this.stage = new Points(geometry, this.points);
             }
+            // It is drawn always: no bounds need to be found first.
+            this.stage.frustumCulled = false;
             this.stage.position.fromArray(origin);
             this.world.add(this.stage);
         }
-        this.mesh.visible = this.stage === null && this.mesh.geometry.hasAttribute("position");
+        this.choose();
         this.draw();
     }
 
     setShading(shading: Shading) {
-        this.mesh.material = this.materials[shading];
+        this.mesh.material = this.wires.material = this.materials[shading];
         this.draw();
     }
 
     setWireframe(on: boolean) {
-        for (const material of Object.values(this.materials)) material.wireframe = on;
+        this.wireframe = on;
+        this.choose();
         this.draw();
+    }
+
+    /** Surface, edges or neither of them. */
+    private choose() {
+        const there = this.stage === null && this.mesh.geometry.hasAttribute("position");
+        this.mesh.visible = there && !this.wireframe;
+        this.wires.visible = there && this.wireframe;
+        if (this.wires.visible) this.wires.geometry = edges(this.mesh.geometry);
     }
 
     setCameras(cameras: Camera[]) {
         for (const child of [...this.rig.children]) {
             this.rig.remove(child);
-            dispose(child);
+            child.traverse((part) => {
+                (part as Mesh).geometry.dispose();
+                disposeMaterial(part as Mesh);
+            });
         }
         this.cameras = cameras;
         this.thumbnails = [];
@@ -161,19 +212,18 @@ export class Viewer {
         const centres = cameras.map((camera) => new Vector3().setFromMatrixPosition(pose(camera)));
         const radius = new Sphere().setFromPoints(centres).radius;
         const depth = 0.13 * radius;
-        const material = new LineBasicMaterial({ color: 0x3ddc97, transparent: true, opacity: 0.75 });
         for (const [i, camera] of cameras.entries()) {
             const { width, height, K } = camera;
             const corner = (u: number, v: number) => new Vector3(((u - K[0][2]) / K[0][0]) * depth, ((K[1][2] - v) / K[1][1]) * depth, -depth);
             const corners = [corner(-0.5, -0.5), corner(width - 0.5, -0.5), corner(width - 0.5, height - 0.5), corner(-0.5, height - 0.5)];
             const eye = new Vector3();
             const lines = corners.flatMap((c, k) => [eye, c, c, corners[(k + 1) % 4]]);
-            const frustum = new LineSegments(new BufferGeometry().setFromPoints(lines), material);
+            const frustum = new LineSegments(new BufferGeometry().setFromPoints(lines), this.frustumLines);
             frustum.applyMatrix4(pose(camera));
             frustum.userData.camera = i;
             const size = corners[2].clone().sub(corners[0]);
             const middle = corners[0].clone().add(corners[2]).multiplyScalar(0.5);
-            const plate = new Mesh(new PlaneGeometry(Math.abs(size.x), Math.abs(size.y)), new MeshBasicMaterial({ color: 0x8892a0, transparent: true, opacity: 0.25, side: DoubleSide }));
+            const plate = new Mesh(new PlaneGeometry(Math.abs(size.x), Math.abs(size.y)), BLANK);
             plate.position.copy(middle);
             plate.userData.camera = i;
             frustum.add(plate);
@@ -194,9 +244,7 @@ export class Viewer {
         if (!plate) return;
         const texture = new CanvasTexture(picture);
         texture.colorSpace = SRGBColorSpace;
-        const old = plate.material as MeshBasicMaterial;
-        old.map?.dispose();
-        old.dispose();
+        disposeMaterial(plate);
         plate.material = new MeshBasicMaterial({ map: texture, side: DoubleSide });
         this.draw();
     }
@@ -324,13 +372,34 @@ function tagColours(tags: Uint16Array, ranks: boolean): Uint8Array {
     return colours;
 }
 
-function dispose(object: Object3D) {
-    object.traverse((part) => {
-        const { geometry, material } = part as Partial<Mesh>;
-        geometry?.dispose();
-        for (const m of [material ?? []].flat()) {
-            (m as MeshBasicMaterial).map?.dispose();
-            m.dispose();
+/** Frees a plate's picture; the blank one is everybody's, as are the lines. */
+function disposeMaterial(plate: Mesh) {
+    const material = plate.material as MeshBasicMaterial;
+    if (!material.map) return;
+    material.map.dispose();
+    material.dispose();
+}
+
+const EDGES = new WeakMap<BufferGeometry, BufferGeometry>();
+
+/** A mesh's edges as lines, which go when the mesh does. three.js' own wireframe collects them in a growing list. */
+function edges(mesh: BufferGeometry): BufferGeometry {
+    let lines = EDGES.get(mesh);
+    if (lines) return lines;
+    const { position, normal, color } = mesh.attributes;
+    const corners = mesh.index?.array ?? Uint32Array.from({ length: position.count }, (_, i) => i);
+    const index = new Uint32Array(2 * corners.length);
+    for (let i = 0, at = 0; i < corners.length; i += 3) {
+        for (let k = 0; k < 3; k++) {
+            index[at++] = corners[i + k];
+            index[at++] = corners[i + ((k + 1) % 3)];
         }
-    });
+    }
+    lines = new BufferGeometry().setIndex(new BufferAttribute(index, 1));
+    for (const [name, attribute] of Object.entries({ position, normal, color })) if (attribute) lines.setAttribute(name, attribute);
+    [lines.boundingBox, lines.boundingSphere] = [mesh.boundingBox, mesh.boundingSphere];
+    const made = lines;
+    mesh.addEventListener("dispose", () => made.dispose());
+    EDGES.set(mesh, made);
+    return made;
 }

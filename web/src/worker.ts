@@ -1,7 +1,9 @@
 // A worker: reads files, decodes, reconstructs. One job at a time; the page cancels by ending it.
-import { inflateSync, zipSync } from "fflate";
-import { Frame, Rig, openScene, ready, type Camera, type Cloud, type PcmvsError } from "pcmvs";
+import { zipSync } from "fflate";
+import { Frame, Rig, openScene, ready, type Camera, type Cloud, type PcmvsError, type Stage } from "pcmvs";
 import type { Entry, Failure, FrameStages, Job, PhotographResult, Reply, StageCloud, ViewFiles } from "./protocol";
+import { writePly } from "./ply";
+import { bytesOf, readZip, unpack } from "./zip";
 
 /** Colour of silhouettes over pictures, as an image's bytes (little-endian). */
 const TINT = (151 << 16) | (220 << 8) | 61;
@@ -37,6 +39,10 @@ async function run(job: Job): Promise<[unknown, Transferable[]]> {
             const bytes = await read(job.entry);
             return [bytes, [bytes.buffer]];
         }
+        case "unzip":
+            return [await readZip(job.zip), []];
+        case "ply":
+            return [new Blob([writePly(job)], { type: "application/octet-stream" }), []];
         case "zip": {
             const files: Record<string, Uint8Array> = {};
             for (const { name, blob } of job.files) files[name] = new Uint8Array(await blob.arrayBuffer());
@@ -85,13 +91,14 @@ const reconstruct = (job: Extract<Job, { type: "frame" }>) =>
             else if (mask) frame.setMask(i, mask);
         }
         files.length = 0;
-        for (const preset of job.presets) {
+        for (const preset of job.rungs) {
             const start = performance.now();
-            const made = frame.reconstruct(preset, (stage, done, total) => reply({ type: "progress", preset, stage, done, total }));
+            const tell = (stage: Stage, done: number, total: number) => reply({ type: "progress", preset, stage, done, total });
+            const made = preset === "sketch" ? frame.sketch() : frame.reconstruct(preset, tell);
             const seconds = (performance.now() - start) / 1000;
             const glb = made.glb(job.up) as Uint8Array<ArrayBuffer>;
             const { vertices, triangles } = made;
-            const stages = job.stages && preset !== "hull" ? stagesOf(made, rig) : null;
+            const stages = job.stages && preset !== "hull" && preset !== "sketch" ? stagesOf(made, rig) : null;
             made.free();
             reply({ type: "result", result: { preset, glb, vertices, triangles, seconds, stages } }, [glb.buffer, ...buffers(stages)]);
         }
@@ -167,16 +174,9 @@ async function read(entry: Entry): Promise<Uint8Array> {
 
 /** Reads a local file at once, as only workers may. */
 function readNow(entry: Entry): Uint8Array {
-    const bytes = (blob: Blob) => new Uint8Array(new FileReaderSync().readAsArrayBuffer(blob));
-    if (entry.kind === "blob") return bytes(entry.blob);
+    if (entry.kind === "blob") return bytesOf(entry.blob);
     if (entry.kind === "url") throw Object.assign(new Error(`${entry.url} is not here yet`), { code: "input" });
-    // The entry's own header repeats its name and may have other extra fields than the directory.
-    const header = new DataView(bytes(entry.zip.slice(entry.offset, entry.offset + 30)).buffer);
-    const start = entry.offset + 30 + header.getUint16(26, true) + header.getUint16(28, true);
-    const packed = bytes(entry.zip.slice(start, start + entry.packed));
-    const data = entry.method === 0 ? packed : inflateSync(packed, { out: new Uint8Array(entry.size) });
-    if (data.length !== entry.size) throw Object.assign(new Error("the zip is damaged: an entry is not as long as it claims"), { code: "input" });
-    return data;
+    return unpack(entry);
 }
 
 async function sha256(blob: Blob): Promise<string> {

@@ -61,9 +61,12 @@ enum Task {
         /// Only build the static site, in web/dist
         #[arg(long)]
         dist: bool,
-        /// Build it and drive it in a browser
+        /// Build it and drive it in Chromium, which is installed if it is missing
         #[arg(long, conflicts_with = "dist")]
         test: bool,
+        /// Build it, measure in Chromium, and renew the browser's table of BENCHMARKS.md
+        #[arg(long, conflicts_with_all = ["dist", "test"])]
+        bench: bool,
     },
     /// Play a clip in three.js, Babylon.js and model-viewer, in a browser, and compare with our own pictures of it
     Players,
@@ -98,11 +101,12 @@ fn main() -> ExitCode {
         Task::Test { all } => test::run(all),
         Task::Golden { renew: true } => golden::renew(),
         Task::Golden { .. } => golden::all(),
-        Task::Web { dist: true, .. } => web::dist(),
+        Task::Web { dist: true, .. } => web::dist().map(|sizes| println!("{sizes}")),
         Task::Web { test: true, .. } => web::test(),
+        Task::Web { bench: true, .. } => web::bench(),
         Task::Web { .. } => web::demo(),
         Task::Players => players::run_alone(),
-        Task::Wasm => web::wasm(),
+        Task::Wasm => web::wasm().map(|sizes| println!("{sizes}")),
         Task::Install { prefix: Some(prefix), check: false } => abi::install(&prefix),
         Task::Install { .. } => test::c_library(),
         Task::Header => abi::header(),

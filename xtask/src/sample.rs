@@ -24,7 +24,6 @@ pub fn make(folder: &Path) -> Result<(), String> {
     let ring = Ring { count: VIEWS, ..Ring::default() }.sized(SIZE.0, SIZE.1);
     let mut capture = Capture::empty(&ring.cameras(), &faults);
     for i in 0..FRAMES {
-        println!("sample: frame {} of {FRAMES}", i + 1);
         let mut frame = record(Subject::Figure, &capture.true_cameras, i, i as f64 / FPS, &faults);
         for (camera, picture) in frame.images.iter_mut().enumerate() {
             let name = &capture.names[camera];

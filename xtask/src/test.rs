@@ -5,6 +5,7 @@ use crate::{
     process::{cargo, program, root, run as run_program, target},
     setup,
     steps::{Outcome, Steps, passed},
+    web,
 };
 use std::{fs, path::PathBuf};
 
@@ -25,6 +26,7 @@ pub fn run(all: bool) -> Result<()> {
     })?;
     steps.step("from pictures to meshes", || pipeline().map(Outcome::Passed))?;
     steps.step("Khronos glTF validator", || validator().map(Outcome::Passed))?;
+    web::check(&mut steps, all)?;
     if all {
         players::check(&mut steps)?;
         abi_check::check(&mut steps)?;

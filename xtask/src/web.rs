@@ -1,10 +1,12 @@
-//! The npm package, the page, and their tests.
+//! The npm package, the page, their tests and their figures.
 
 use crate::{
     Result,
     compiler::Compiler,
-    process::{cargo, program, root, show, target},
-    sample, serve,
+    process::{cargo, program, root, run, target},
+    sample, serve, setup,
+    steps::{Outcome, Steps},
+    tables::replace_in,
 };
 use flate2::{Compression, write::GzEncoder};
 use std::{fs, io::Write, path::Path};
@@ -19,16 +21,20 @@ const TRIPLE: &str = "wasm32-unknown-unknown";
 /// What is written by hand in the package.
 const WRITTEN: [&str; 4] = ["index.js", "index.d.ts", "package.json", "README.md"];
 
-/// Builds the npm package in `wasm/pkg` and prints its size.
-pub fn wasm() -> Result<()> {
+/// Debian's packages that the tests need besides Node.
+const TOOLS: [setup::Package; 2] = [setup::CHROMIUM, ("python3", "/usr/bin/python3")];
+
+/// Builds the npm package in `wasm/pkg`; returns the sizes of its modules.
+pub fn wasm() -> Result<String> {
     let (package, npm) = (root().join("wasm/pkg"), root().join("wasm/npm"));
     fresh(&package)?;
     let mut glue: Option<String> = None;
+    let mut sizes = Vec::new();
     let compiler = Compiler::install(&[TRIPLE])?;
     for (name, flags) in BUILDS {
         let target = target().join(format!("wasm-{name}"));
         let mut build = compiler.cargo("build --profile wasm --package pcmvs-wasm", TRIPLE, "std,panic_abort")?;
-        show(build.env("CARGO_TARGET_DIR", &target).env("CARGO_ENCODED_RUSTFLAGS", flags))?;
+        run(build.env("CARGO_TARGET_DIR", &target).env("CARGO_ENCODED_RUSTFLAGS", flags))?;
         let module = target.join(TRIPLE).join("wasm/pcmvs_wasm.wasm");
         let bound = target.join("bound");
         Bindgen::new()
@@ -51,21 +57,22 @@ pub fn wasm() -> Result<()> {
         copy(&bound.join("pcmvs_bg.wasm"), &file)?;
         let bytes = read(&file)?;
         let compressed = gzip(&bytes)?.len();
-        println!("pcmvs.{name}.wasm: {} KiB, {} KiB compressed", bytes.len() >> 10, compressed >> 10);
+        sizes.push(format!("{name} {} KiB compressed of {} allowed", compressed >> 10, MODULE_BUDGET >> 10));
         if compressed > MODULE_BUDGET {
             return Err(format!("{}: more than {} KiB compressed", file.display(), MODULE_BUDGET >> 10));
         }
     }
-    WRITTEN.iter().try_for_each(|file| copy(&npm.join(file), &package.join(file)))
+    WRITTEN.iter().try_for_each(|file| copy(&npm.join(file), &package.join(file)))?;
+    Ok(sizes.join(", "))
 }
 
-/// Builds the static site in `web/dist`: it works from any folder of any static host.
-pub fn dist() -> Result<()> {
-    wasm()?;
+/// Builds the static site in `web/dist`, which works from any folder of any static host; returns its size.
+pub fn dist() -> Result<String> {
+    let modules = wasm()?;
     sample::make(&root().join("web/public/sample"))?;
     let web = root().join("web");
     install(&web)?;
-    show(program("npm", "run build").current_dir(&web))?;
+    run(program("npm", "run build").current_dir(&web))?;
     // What the service worker keeps for use without a network.
     let dist = web.join("dist");
     let mut paths = Vec::new();
@@ -74,23 +81,57 @@ pub fn dist() -> Result<()> {
     let list: Vec<String> = paths.iter().map(|path| format!("{path:?}")).collect();
     write(&dist.join("files.json"), format!("[{}]\n", list.join(",")).as_bytes())?;
     let size: u64 = paths.iter().map(|path| fs::metadata(dist.join(path)).map_or(0, |m| m.len())).sum();
-    println!("web/dist: {} files, {:.1} MB", paths.len(), size as f64 / 1e6);
-    Ok(())
+    Ok(format!("{modules}; web/dist {} files, {:.1} MB", paths.len(), size as f64 / 1e6))
 }
 
 /// Builds the site and serves it on this machine until the program ends.
 pub fn demo() -> Result<()> {
-    dist()?;
+    println!("{}", dist()?);
     serve::serve(&root().join("web/dist")).map_err(|e| format!("the page cannot be served: {e}"))
 }
 
-/// Builds the site and the command line and drives both: see tests/web.
+/// Builds the site and the command line and drives both, see tests/web; with `long` also what takes minutes.
+pub fn check(steps: &mut Steps, long: bool) -> Result<()> {
+    steps.step("page", || dist().map(Outcome::Passed))?;
+    steps.step("page in Chromium", || node("test").map(Outcome::Passed))?;
+    if long {
+        steps.step("page in Chromium, long", || node("run long").map(Outcome::Passed))?;
+    }
+    Ok(())
+}
+
+/// The checks alone.
 pub fn test() -> Result<()> {
+    let mut steps = Steps::default();
+    check(&mut steps, true)?;
+    steps.finish();
+    Ok(())
+}
+
+/// Measures in the browser and renews its table in BENCHMARKS.md, and README's picture of the page.
+pub fn bench() -> Result<()> {
     dist()?;
-    show(&mut cargo("build --release --package pcmvs-cli"))?;
+    let table = node("run --silent bench")?;
+    copy(&root().join("tests/web/shots/page.png"), &root().join("docs/page.png"))?;
+    replace_in(&root().join("BENCHMARKS.md"), &[("browser", table)])
+}
+
+/// Runs a script of the browser tests; returns how many tests passed, or what else it printed.
+fn node(script: &str) -> Result<String> {
+    setup::debian(&TOOLS)?;
+    run(&mut cargo("build --quiet --release --package pcmvs-cli --package studio --bins"))?;
     let tests = root().join("tests/web");
     install(&tests)?;
-    show(program("npm", "test").env("PCMVS", target().join("release/pcmvs")).current_dir(&tests))
+    let binary = |name: &str| target().join("release").join(name);
+    let mut npm = program("npm", script);
+    let printed = run(npm.env("PCMVS", binary("pcmvs")).env("STUDIO", binary("studio")).current_dir(&tests))?;
+    let count =
+        |word: &str| printed.lines().find_map(|line| line.trim_start_matches(['#', 'ℹ', ' ']).strip_prefix(word));
+    Ok(match (count("pass "), count("skipped ")) {
+        (Some(passed), Some("0") | None) => format!("{passed} tests"),
+        (Some(passed), Some(skipped)) => format!("{passed} tests, {skipped} skipped"),
+        (None, _) => printed,
+    })
 }
 
 /// Installs what a folder's lock file says, unless that has been done.
@@ -99,7 +140,7 @@ pub fn install(folder: &Path) -> Result<()> {
     if fs::read(&done).is_ok_and(|installed| installed == lock) {
         return Ok(());
     }
-    show(program("npm", "ci --no-audit --no-fund").current_dir(folder))?;
+    run(program("npm", "ci --no-audit --no-fund").current_dir(folder))?;
     write(&done, &lock)
 }
 
