@@ -81,9 +81,10 @@ pub fn reconstruct(
 
     // §0: the hull, and its own mesh.
     let hull = timed(progress, Stage::Hull, || VisualHull::new(&views, &params.hull, progress))?;
+    memory::check_hull(&views, &hull, params)?;
     let mut stages = Stages::default();
     (stages.hull, counts.components_dropped) = stages::hull_mesh(&hull, params);
-    memory::check(&views, &stages.hull, params)?;
+    memory::check(&views, &hull, &stages.hull, params)?;
     let mut mesh = if params.method == Method::Hull {
         stages.hull.clone()
     } else {

@@ -2,14 +2,16 @@
 //!
 //! On one thread and without the pictures that the host hands in, a frame needs at most
 //!
-//! `6 P + max(16 MiB, level P + point S + 640 V)` bytes
+//! `6 P + max(16 MiB, 9000 B, level P + point S + 640 V)` bytes
 //!
-//! with P the pixels of all views, S those of them inside the silhouettes and V the vertices of the final mesh. `level`
+//! with P the pixels of all views, B the blocks of the hull's grid that its surface may pass, S the pixels inside the
+//! silhouettes and V the vertices of the final mesh. `level`
 //! is 3 for detection at full resolution and 3/4 at half, where S counts a quarter too; `point` is 140, or 200 where
 //! clouds are thinned and cleaned of conflicts (§5); both are 0 for the hull alone. The factors are measured.
 
 use crate::{
     error::{Error, Result},
+    hull::VisualHull,
     params::{Method, Params},
     point_cloud::Mesh,
     rig::Rig,
@@ -20,6 +22,8 @@ use crate::{
 const PER_PIXEL: u64 = 6;
 /// The search for the hull.
 const SEARCH: u64 = 16 << 20;
+/// A block of the hull's grid: its nodes' values, those that marching cubes keeps, its part of the mesh.
+const PER_BLOCK: u64 = 9000;
 /// Grids and samples of the Poisson solver, the mesh, its colours.
 const PER_VERTEX: f64 = 640.0;
 
@@ -29,9 +33,17 @@ pub fn least(rig: &Rig) -> u64 {
     PER_PIXEL * pixels + SEARCH
 }
 
-/// What a frame needs at most, in bytes, once its silhouettes and its hull's mesh are known.
-pub fn needed(views: &[View], hull_mesh: &Mesh, params: &Params) -> u64 {
-    let pixels = views.iter().map(|v| v.luma.len()).sum::<usize>() as f64;
+/// What a frame needs up to its hull's mesh, in bytes, once the hull is known.
+fn needed_for_hull(views: &[View], hull: &VisualHull) -> u64 {
+    PER_PIXEL * pixels(views) + SEARCH.max(PER_BLOCK * hull.field().0.blocks.len() as u64)
+}
+
+fn pixels(views: &[View]) -> u64 {
+    views.iter().map(|v| v.luma.len() as u64).sum()
+}
+
+/// What a frame needs at most, in bytes, once its silhouettes, its hull and the hull's mesh are known.
+pub fn needed(views: &[View], hull: &VisualHull, hull_mesh: &Mesh, params: &Params) -> u64 {
     let inside = |v: &View| match &v.silhouette {
         Some(silhouette) => silhouette.distances().iter().filter(|&&d| d > 0).count(),
         None => v.luma.len(),
@@ -42,17 +54,25 @@ pub fn needed(views: &[View], hull_mesh: &Mesh, params: &Params) -> u64 {
         let share = if params.detection.halved { 0.25 } else { 1.0 };
         let cleaned = params.merging.downsample.is_some() || params.merging.conflicts.is_some();
         let silhouettes = views.iter().map(inside).sum::<usize>() as f64;
-        later += share * (3.0 * pixels + if cleaned { 200.0 } else { 140.0 } * silhouettes);
+        later += share * (3.0 * pixels(views) as f64 + if cleaned { 200.0 } else { 140.0 } * silhouettes);
     }
-    PER_PIXEL * pixels as u64 + SEARCH.max(later as u64)
+    needed_for_hull(views, hull).max(PER_PIXEL * pixels(views) + later as u64)
 }
 
-/// Refuses a frame that needs more than `params` allow, once its silhouettes and its hull's mesh are known.
+/// Refuses a frame that needs more than `params` allow for its hull's mesh, before that is made.
 ///
 /// # Errors
 /// [`Error::OutOfMemory`].
-pub fn check(views: &[View], hull_mesh: &Mesh, params: &Params) -> Result<()> {
-    params.max_memory.map_or(Ok(()), |limit| within(needed(views, hull_mesh, params), limit))
+pub fn check_hull(views: &[View], hull: &VisualHull, params: &Params) -> Result<()> {
+    params.max_memory.map_or(Ok(()), |limit| within(needed_for_hull(views, hull), limit))
+}
+
+/// Refuses a frame that needs more than `params` allow, once its silhouettes, its hull and the hull's mesh are known.
+///
+/// # Errors
+/// [`Error::OutOfMemory`].
+pub fn check(views: &[View], hull: &VisualHull, hull_mesh: &Mesh, params: &Params) -> Result<()> {
+    params.max_memory.map_or(Ok(()), |limit| within(needed(views, hull, hull_mesh, params), limit))
 }
 
 /// Refuses any frame of a rig for which `params` allow too little.

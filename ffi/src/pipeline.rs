@@ -159,9 +159,14 @@ impl Pipeline {
                     let hull = VisualHull::new(views, &this.params.hull, progress)?;
                     Ok::<_, pcmvs_core::Error>(OfViews { hull, levels: Vec::new() })
                 })?;
-                let (mesh, dropped) = stages::hull_mesh(&carved.borrow_dependent().hull, &this.params);
-                match memory::check(carved.borrow_owner(), &mesh, &this.params) {
-                    Ok(()) => Ok((carved, mesh, dropped)),
+                let (views, hull) = (carved.borrow_owner(), &carved.borrow_dependent().hull);
+                let mesh = || {
+                    memory::check_hull(views, hull, &this.params)?;
+                    let (mesh, dropped) = stages::hull_mesh(hull, &this.params);
+                    memory::check(views, hull, &mesh, &this.params).map(|()| (mesh, dropped))
+                };
+                match mesh() {
+                    Ok((mesh, dropped)) => Ok((carved, mesh, dropped)),
                     Err(error) => Err((carved.into_owner(), error)),
                 }
             };
