@@ -25,7 +25,7 @@ struct Idea {
 
 const IDEAS: [Idea; 13] = [
     Idea { name: "local-maximum rule (eq. 1)", off: &["detection.search.vote.local_maximum=false"], in_default: true },
-    Idea { name: "Gaussian over the curves (§4.1)", off: &["detection.search.vote.smoothing=0"], in_default: true },
+    Idea { name: "Gaussian over the curves (§4.1)", off: &["detection.search.vote.smoothing=0"], in_default: false },
     Idea { name: "hull fallback (§4.2)", off: &["detection.substitute=false"], in_default: true },
     Idea { name: "density constraint (§4.3)", off: &["detection.clean.density=0"], in_default: true },
     Idea { name: "PCA constraint (§4.3)", off: &["detection.clean.flatness=1"], in_default: true },

@@ -4,6 +4,7 @@ use crate::{
     Result,
     instructions::capture,
     process::{cargo, program, root, run, target},
+    setup,
     tables::{Table, figure},
     web,
 };
@@ -34,7 +35,7 @@ impl Timed {
 /// 20 views of 1024 x 768, decoded, to the coloured mesh: natively with and without AVX2, and in Chromium.
 pub fn table() -> Result<String> {
     web::wasm()?;
-    web::install(&root().join("tests/web"))?;
+    setup::node_packages(&root().join("tests/web"))?;
     run(&mut cargo("build --quiet --release --package speed"))?;
     let baseline = target().join("speed/baseline");
     let mut build = cargo("build --quiet --release --package speed --target-dir");

@@ -71,7 +71,7 @@ pub fn dist() -> Result<String> {
     let modules = wasm()?;
     sample::make(&root().join("web/public/sample"))?;
     let web = root().join("web");
-    install(&web)?;
+    setup::node_packages(&web)?;
     run(program("npm", "run build").current_dir(&web))?;
     // What the service worker keeps for use without a network.
     let dist = web.join("dist");
@@ -121,7 +121,7 @@ fn node(script: &str) -> Result<String> {
     setup::debian(&TOOLS)?;
     run(&mut cargo("build --quiet --release --package pcmvs-cli --package studio --bins"))?;
     let tests = root().join("tests/web");
-    install(&tests)?;
+    setup::node_packages(&tests)?;
     let binary = |name: &str| target().join("release").join(name);
     let mut npm = program("npm", script);
     let printed = run(npm.env("PCMVS", binary("pcmvs")).env("STUDIO", binary("studio")).current_dir(&tests))?;
@@ -132,16 +132,6 @@ fn node(script: &str) -> Result<String> {
         (Some(passed), Some(skipped)) => format!("{passed} tests, {skipped} skipped"),
         (None, _) => printed,
     })
-}
-
-/// Installs what a folder's lock file says, unless that has been done.
-pub fn install(folder: &Path) -> Result<()> {
-    let (lock, done) = (read(&folder.join("package-lock.json"))?, folder.join("node_modules/.installed-lock"));
-    if fs::read(&done).is_ok_and(|installed| installed == lock) {
-        return Ok(());
-    }
-    run(program("npm", "ci --no-audit --no-fund").current_dir(folder))?;
-    write(&done, &lock)
 }
 
 /// Paths of all files below a folder, relative to `root`, with `/`.
