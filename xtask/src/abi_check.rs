@@ -34,6 +34,10 @@ pub fn check(steps: &mut Steps) -> Result<()> {
     })?;
     steps.step("C: installed, moved and linked", || consumers().map(Outcome::Passed))?;
     steps.step("C: ThreadSanitizer", threads)?;
+    steps.step("progress at least every 50 ms", || {
+        let printed = run(&mut cargo("run --quiet --release -p facts --example gaps"))?;
+        Ok(Outcome::Passed(printed.split_whitespace().collect::<Vec<_>>().join(" ").replace(" ms", " ms,")))
+    })?;
     steps.step("C: cost over Rust below 1 %", || {
         let printed = run(&mut cargo("run --quiet --release -p pcmvs-ffi --example measure -- 6 96 72 40"))?;
         Ok(Outcome::Passed(printed.lines().next().unwrap_or_default().to_owned()))
