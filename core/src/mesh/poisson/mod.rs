@@ -48,7 +48,7 @@ pub(super) struct Solution {
 /// Number of steps that [`solve`] reports at most.
 pub(super) fn steps(low: Vec3, high: Vec3, voxel: f32) -> u32 {
     let (_, levels) = domain::domain(low, high, voxel);
-    3 + levels as u32 * (ITERATIONS + 7)
+    3 + levels as u32 * (ITERATIONS + 9)
 }
 
 /// Solves for χ over the bounds `low`, `high`. `screening` is the weight by which χ is held at 1/2 at the points; an

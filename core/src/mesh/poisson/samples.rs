@@ -113,13 +113,16 @@ const PLANE: f32 = 0.556;
 /// Fewest points a square voxel for which a density counts as measured at a level.
 const DENSE: f32 = 1.0;
 
+/// Samples whose density is looked up between two steps of progress.
+const SAMPLES_A_STEP: usize = 1 << 18;
+
 /// Width of a sample's spline in spacings of the samples around it.
 const SPREAD: f32 = 1.5;
 
 /// Sets each sample's share of the surface, in square voxels, and its level of detail from the density of the samples
 /// around it. Dense and sparse parts of the cloud then bound the same volume, and weights (eq. 3) decide between
 /// neighbours only.
-/// `step` is called twice a level.
+/// `step` is called at least four times a level.
 pub(super) fn weigh(
     samples: &mut [Sample],
     finest: &SparseGrid,
@@ -137,20 +140,26 @@ pub(super) fn weigh(
         let density = density(&merged, &grid, scale);
         step()?;
         let last = level == levels - 1;
-        waiting.retain(|&i| {
+        let mut left = Vec::new();
+        for (n, &i) in waiting.iter().enumerate() {
+            if n % SAMPLES_A_STEP == 0 {
+                step()?;
+            }
             let sample = &samples[i as usize];
             let [count, weight] = Stencil::new(&grid, sample.at * scale).gather(&density);
             let count = count / PLANE;
-            let measured = count >= DENSE || last;
-            if measured {
+            if count >= DENSE || last {
                 // From one level's square voxels to the finest's.
                 let area = PLANE * sample.area / weight / (scale * scale);
                 let spacing = 1.0 / (scale * libm::sqrtf(count));
                 let detail = libm::log2f(SPREAD * spacing).clamp(0.0, (levels - 1) as f32);
                 shares[i as usize] = (area, detail);
+            } else {
+                left.push(i);
             }
-            !measured
-        });
+        }
+        waiting = left;
+        step()?;
         if waiting.is_empty() {
             break;
         }
