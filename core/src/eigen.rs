@@ -1,6 +1,6 @@
 //! Eigenvectors of symmetric 3 x 3 matrices: local surface normals by PCA.
 
-use crate::math::inverse_sqrt;
+use crate::math::{inverse_sqrt, max, min};
 
 /// Matrices solved side by side, as wide as a vector register.
 pub const LANES: usize = 8;
@@ -21,10 +21,10 @@ pub fn principal([mut xx, mut xy, mut xz, mut yy, mut yz, mut zz]: [Lanes; 6]) -
     }
     let (mut values, mut least) = ([zero; 3], [zero; 3]);
     for l in 0..LANES {
-        let (high, low) = (xx[l].max(yy[l]), xx[l].min(yy[l]));
-        values[0][l] = high.max(zz[l]);
-        values[1][l] = low.max(high.min(zz[l]));
-        values[2][l] = low.min(zz[l]);
+        let (high, low) = (max(xx[l], yy[l]), min(xx[l], yy[l]));
+        values[0][l] = max(high, zz[l]);
+        values[1][l] = max(low, min(high, zz[l]));
+        values[2][l] = min(low, zz[l]);
         let (third, second) = (zz[l] <= low, yy[l] <= xx[l]);
         let n = [0, 1, 2].map(|k| if third { z[k][l] } else { if second { y[k][l] } else { x[k][l] } });
         // The rotations leave a length of 1 but for rounding.

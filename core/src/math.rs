@@ -1,6 +1,44 @@
 //! Roundings and roots in basic arithmetic, that compilers can turn into vector code and that give the same bits
 //! everywhere.
 
+/// The larger one; `b` where either is NaN. Unlike the standard library's it is an instruction everywhere, and not the
+/// call of a function on WebAssembly; and it says which zero it gives.
+#[inline(always)]
+pub fn max(a: f32, b: f32) -> f32 {
+    if a > b { a } else { b }
+}
+
+/// The smaller one, like [`max`].
+#[inline(always)]
+pub fn min(a: f32, b: f32) -> f32 {
+    if a < b { a } else { b }
+}
+
+/// The square root, correctly rounded as IEEE 754 asks; an instruction where `libm` works it out in many.
+#[inline]
+pub fn sqrt(v: f32) -> f32 {
+    #[cfg(all(target_arch = "wasm32", target_feature = "simd128"))]
+    {
+        use core::arch::wasm32::{f32x4_extract_lane, f32x4_splat, f32x4_sqrt};
+        f32x4_extract_lane::<0>(f32x4_sqrt(f32x4_splat(v)))
+    }
+    #[cfg(not(all(target_arch = "wasm32", target_feature = "simd128")))]
+    libm::sqrtf(v)
+}
+
+/// An integer in the order of numbers ([`f32::total_cmp`]): integers sort faster, and all of them with the same code.
+#[inline]
+pub fn ordered(v: f32) -> u32 {
+    let bits = v.to_bits();
+    if bits >> 31 == 0 { bits | 1 << 31 } else { !bits }
+}
+
+/// The number of which that is the order.
+#[inline]
+pub fn from_ordered(order: u32) -> f32 {
+    f32::from_bits(if order >> 31 == 1 { order & !(1 << 31) } else { !order })
+}
+
 /// Largest integer not above `v`; saturates, NaN is 0.
 #[inline]
 pub fn floor(v: f32) -> i32 {
@@ -40,6 +78,17 @@ mod tests {
                 let exact = 1.0 / libm::sqrt(f64::from(x));
                 assert!((f64::from(inverse_sqrt(x)) / exact - 1.0).abs() < 3.6e-7, "{x:e}");
             }
+        }
+    }
+
+    #[test]
+    fn integers_are_in_the_order_of_numbers() {
+        let numbers = [-f32::INFINITY, -1e30, -1.0, -1e-40, -0.0, 0.0, 1e-40, 0.5, 1.0, 1e30, f32::INFINITY, f32::NAN];
+        for pair in numbers.windows(2) {
+            assert!(ordered(pair[0]) < ordered(pair[1]), "{pair:?}");
+        }
+        for number in numbers {
+            assert_eq!(from_ordered(ordered(number)).to_bits(), number.to_bits());
         }
     }
 

@@ -1,6 +1,10 @@
 //! What a camera sees of a mesh: the depth of its front at every pixel.
 
-use crate::{camera::Pinhole, point_cloud::Mesh};
+use crate::{
+    camera::Pinhole,
+    math::{from_ordered, max, min, ordered},
+    point_cloud::Mesh,
+};
 use alloc::vec::Vec;
 use glam::Vec3;
 
@@ -46,7 +50,7 @@ impl Raster {
         cover(corners, self.width, self.height, |x, y, z, front| {
             if front {
                 let nearest = &mut inverse[y * width + x];
-                *nearest = nearest.max(z);
+                *nearest = max(z, *nearest);
             }
         });
     }
@@ -63,8 +67,9 @@ pub struct Crossings {
     next: Vec<u32>,
     /// Per pixel the first of its crossings, then one end.
     starts: Vec<u32>,
-    /// Inverse depth, and whether the ray enters the mesh there.
-    crossings: Vec<(f32, bool)>,
+    /// Inverse depth as an ordered integer, its bits inverted, and in the last bit whether the ray leaves the mesh there:
+    /// in rising order the nearest comes first.
+    crossings: Vec<u64>,
 }
 
 impl Crossings {
@@ -89,10 +94,10 @@ impl Crossings {
         }
         next.clone_from(starts);
         crossings.clear();
-        crossings.resize(found.len(), (0.0, false));
+        crossings.resize(found.len(), 0);
         for &(pixel, z, front) in found.iter() {
             let next = &mut next[pixel as usize];
-            crossings[*next as usize] = (z, front);
+            crossings[*next as usize] = u64::from(!ordered(z)) << 1 | u64::from(!front);
             *next += 1;
         }
     }
@@ -100,11 +105,12 @@ impl Crossings {
     /// Depths at which a pixel's ray enters and leaves the mesh, nearest first.
     pub fn intervals(&mut self, pixel: usize, mut f: impl FnMut(f32, f32)) {
         let crossings = &mut self.crossings[self.starts[pixel] as usize..self.starts[pixel + 1] as usize];
-        crossings.sort_unstable_by(|a, b| b.0.total_cmp(&a.0).then(b.1.cmp(&a.1)));
+        crossings.sort_unstable();
         // A ray through an edge may cross both its triangles, or neither: only changes of side count.
         let mut entered = None;
-        for &(z, front) in crossings.iter() {
-            match (front, entered) {
+        for &mut key in crossings {
+            let z = from_ordered(!((key >> 1) as u32));
+            match (key & 1 == 0, entered) {
                 (true, None) => entered = Some(1.0 / z),
                 (false, Some(near)) => {
                     f(near, 1.0 / z);
@@ -125,9 +131,9 @@ pub(crate) fn cover([a, b, c]: [Vec3; 3], width: usize, height: usize, mut f: im
         return;
     }
     // Truncation is floor here: negative values are clamped first.
-    let high = |a: f32, b: f32, c: f32, n: usize| ((a.max(b).max(c) + 1.0).max(0.0) as i32).min(n as i32);
+    let high = |a: f32, b: f32, c: f32, n: usize| (max(max(max(a, b), c) + 1.0, 0.0) as i32).min(n as i32);
     let low = |a: f32, b: f32, c: f32| {
-        let v = a.min(b).min(c).max(0.0);
+        let v = max(min(min(a, b), c), 0.0);
         let floor = v as i32;
         floor + i32::from(floor as f32 != v)
     };
@@ -145,7 +151,7 @@ pub(crate) fn cover([a, b, c]: [Vec3; 3], width: usize, height: usize, mut f: im
             let (u, v) = (x as f32, y as f32);
             let edge = |p: Vec3, q: Vec3| (q.x - p.x) * (v - p.y) - (u - p.x) * (q.y - p.y);
             let (wa, wb, wc) = (edge(b, c), edge(c, a), edge(a, b));
-            let inside = if front { wa.max(wb).max(wc) <= 0.0 } else { wa.min(wb).min(wc) >= 0.0 };
+            let inside = if front { max(max(wa, wb), wc) <= 0.0 } else { min(min(wa, wb), wc) >= 0.0 };
             if inside {
                 f(x as usize, y as usize, wa * inverse[0] + wb * inverse[1] + wc * inverse[2], front);
             }

@@ -1,6 +1,11 @@
 //! What a camera sees of a mesh: a depth buffer, and how far each pixel is from the nearest occlusion step.
 
-use crate::{camera::Pinhole, point_cloud::Mesh, raster::cover};
+use crate::{
+    camera::Pinhole,
+    math::{max, min},
+    point_cloud::Mesh,
+    raster::cover,
+};
 use alloc::vec::Vec;
 use glam::{Vec2, Vec3};
 
@@ -41,7 +46,7 @@ impl DepthBuffer {
             cover(corners, width, height, |x, y, z, front| {
                 if front {
                     let nearest = &mut self.inverse[y * width + x];
-                    *nearest = nearest.max(z);
+                    *nearest = max(z, *nearest);
                 }
             });
         }
@@ -98,7 +103,7 @@ impl DepthBuffer {
         self.border.resize(w * h, 0);
         let step = |a: f32, b: f32| {
             // |1/a - 1/b| > STEP_FOOTPRINTS · depth / focal, without dividing.
-            let (near, far) = (a.max(b), a.min(b));
+            let (near, far) = (max(a, b), min(a, b));
             near - far > STEP_FOOTPRINTS / camera.focal * near
         };
         for y in 1..h.max(1) - 1 {

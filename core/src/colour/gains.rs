@@ -1,6 +1,7 @@
 //! One gain per camera and channel, so that cameras that see the same surface agree on its colour.
 
 use super::Offer;
+use crate::math::{from_ordered, ordered};
 use alloc::{vec, vec::Vec};
 use glam::Vec3;
 
@@ -38,24 +39,27 @@ impl Overlap {
     pub(super) fn solve(mut self) -> Vec<Vec3> {
         let n = self.views;
         let mut gains = vec![Vec3::ONE; n];
-        self.samples.sort_by_key(|&(vertex, view, _)| (vertex, view));
+        self.samples.sort_unstable_by_key(|&(vertex, view, _)| (vertex, view));
         for channel in 0..3 {
-            let mut ratios: Vec<(u16, u16, f32)> = Vec::new();
+            // Pair of views, and the ratio's logarithm as an ordered integer.
+            let mut ratios: Vec<u64> = Vec::new();
             for group in self.samples.chunk_by(|a, b| a.0 == b.0) {
                 for (k, &(_, i, a)) in group.iter().enumerate() {
                     for &(_, j, b) in &group[k + 1..] {
                         let (a, b) = (a[channel], b[channel]);
                         if TRUSTED.contains(&a) && TRUSTED.contains(&b) {
-                            ratios.push((i, j, libm::logf(b / a)));
+                            ratios
+                                .push(u64::from(i) << 48 | u64::from(j) << 32 | u64::from(ordered(libm::logf(b / a))));
                         }
                     }
                 }
             }
-            ratios.sort_by(|a, b| (a.0, a.1).cmp(&(b.0, b.1)).then(a.2.total_cmp(&b.2)));
+            ratios.sort_unstable();
             let mut matrix = vec![0.0f64; n * n];
             let mut right = vec![0.0f64; n];
-            for pair in ratios.chunk_by(|a, b| (a.0, a.1) == (b.0, b.1)) {
-                let (i, j, median) = (pair[0].0 as usize, pair[0].1 as usize, f64::from(pair[pair.len() / 2].2));
+            for pair in ratios.chunk_by(|a, b| a >> 32 == b >> 32) {
+                let (i, j) = ((pair[0] >> 48) as usize, (pair[0] >> 32) as u16 as usize);
+                let median = f64::from(from_ordered(pair[pair.len() / 2] as u32));
                 let weight = pair.len() as f64;
                 matrix[i * n + i] += weight;
                 matrix[j * n + j] += weight;

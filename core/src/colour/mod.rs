@@ -6,6 +6,7 @@ mod gains;
 
 use crate::{
     error::Result,
+    math::{min, sqrt},
     params::ColourParams,
     point_cloud::Mesh,
     progress::{self, Progress, Stage},
@@ -92,7 +93,7 @@ pub fn colour(
 /// What a view has to say about a vertex, if it sees it.
 fn look(view: &View, index: u16, buffer: &DepthBuffer, position: Vec3, normal: Vec3, vertex: usize) -> Option<Offer> {
     let ray = position - view.camera.centre;
-    let cosine = -ray.dot(normal) / libm::sqrtf(ray.length_squared() * normal.length_squared());
+    let cosine = -ray.dot(normal) / sqrt(ray.length_squared() * normal.length_squared());
     if cosine.is_nan() || cosine < LEAST_COSINE {
         return None;
     }
@@ -104,13 +105,13 @@ fn look(view: &View, index: u16, buffer: &DepthBuffer, position: Vec3, normal: V
     let right = view.camera.ray(pixel.x + 1.0, pixel.y) - here;
     let down = view.camera.ray(pixel.x, pixel.y + 1.0) - here;
     let gradient = Vec2::new(normal.dot(right), normal.dot(down)) / normal.dot(ray);
-    let slope = libm::sqrtf(1.0 - (cosine * cosine).min(1.0)) / cosine;
+    let slope = sqrt(1.0 - min(cosine * cosine, 1.0)) / cosine;
     let border = buffer.visible(pixel, gradient, footprint * (1.5 + 0.5 * slope))?;
     let contour = match &view.silhouette {
         Some(silhouette) => silhouette.sample(pixel.x, pixel.y)?,
         None => CLEAN_PIXELS,
     };
-    let clean = border.min(contour);
+    let clean = min(border, contour);
     if clean < MIXED_PIXELS {
         return None;
     }

@@ -3,6 +3,7 @@
 use super::{depth::DepthMap, level::Level};
 use crate::{
     eigen::{LANES, Lanes, principal},
+    math::max,
     point_cloud::{Point, PointCloud, Rank},
     report::Counts,
     simd::{Simd, Work},
@@ -188,8 +189,8 @@ impl<'a> Points<'a> {
                 let at = [0, 1, 2, 3].map(|k| lanes(k, y + dy, x + dx));
                 for l in 0..LANES {
                     let o = [0, 1, 2].map(|k| at[k][l] - centre[k][l]);
-                    let near = o[0] * o[0] + o[1] * o[1] + o[2] * o[2] <= within[l];
-                    let weight = if near { at[3][l] } else { 0.0 };
+                    let (near, there) = (o[0] * o[0] + o[1] * o[1] + o[2] * o[2] <= within[l], at[3][l]);
+                    let weight = if near { there } else { 0.0 };
                     let weighted = o.map(|v| v * weight);
                     count[l] += weight;
                     for k in 0..3 {
@@ -202,7 +203,7 @@ impl<'a> Points<'a> {
             }
         }
         for l in 0..LANES {
-            let inverse = 1.0 / count[l].max(1.0);
+            let inverse = 1.0 / max(count[l], 1.0);
             for k in 0..3 {
                 sum[k][l] *= inverse;
             }

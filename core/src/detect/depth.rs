@@ -19,7 +19,7 @@ use glam::Vec3;
 pub struct SearchParams {
     /// J: how many neighbouring views vote.
     pub neighbours: u32,
-    /// Radius of the correlation window in pixels of the pass's resolution.
+    /// Radius of the correlation window in pixels of the pass's resolution, at most 4.
     pub window_radius: u32,
     /// δ: distance of samples, in pixels by which they move on average in the neighbours' pictures.
     pub step_pixels: f32,

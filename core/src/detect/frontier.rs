@@ -2,6 +2,7 @@
 
 use crate::{
     hull::{VisualHull, Walk},
+    math::max,
     point_cloud::{Point, PointCloud, Rank},
     silhouette::Silhouette,
     view::View,
@@ -89,7 +90,7 @@ fn touch(hull: &VisualHull, view: &View, ray: Vec3, longest: f32) -> Option<(f32
         let p = view.camera.centre + ray * t;
         let coarse = hull.coarse(p);
         if coarse < -2.0 * hull.footprint() && inside.is_none() {
-            t += (-coarse * 0.7 * unit).max(fine);
+            t += max(-coarse * 0.7 * unit, fine);
             continue;
         }
         // Such a block is carved by other views: this one's contour passes through it.
@@ -97,7 +98,7 @@ fn touch(hull: &VisualHull, view: &View, ray: Vec3, longest: f32) -> Option<(f32
             Some(step) => (-2.0 * hull.footprint(), step + 0.01 * fine),
             None => {
                 let d = others.signed_distance(p, 2.0 * hull.footprint());
-                (d, (d.abs() * 0.7 * unit).max(fine))
+                (d, max(d.abs() * 0.7 * unit, fine))
             }
         };
         if d > nearest {

@@ -1,6 +1,6 @@
 //! Which views a view is compared with: N(P) of eq. 1, chosen by angle.
 
-use crate::camera::Pinhole;
+use crate::{camera::Pinhole, math::ordered};
 use alloc::vec::Vec;
 
 /// Cosine of 6°: views nearer than that see too little parallax.
@@ -13,13 +13,14 @@ const FARTHEST_COSINE: f32 = 0.4226;
 pub fn neighbours(cameras: &[Pinhole], view: usize) -> Vec<u16> {
     let toward = |c: &Pinhole| c.centre.normalize_or_zero();
     let own = toward(&cameras[view]);
-    let mut others: Vec<(f32, u16)> = cameras
+    let mut others: Vec<u64> = cameras
         .iter()
         .enumerate()
         .filter(|&(i, _)| i != view)
-        .map(|(i, c)| (toward(c).dot(own), i as u16))
+        .map(|(i, c)| (toward(c).dot(own), i as u64))
         .filter(|&(cosine, _)| cosine < NEAREST_COSINE && cosine > FARTHEST_COSINE)
+        .map(|(cosine, i)| u64::from(ordered(-cosine)) << 16 | i)
         .collect();
-    others.sort_by(|a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
-    others.into_iter().map(|(_, i)| i).collect()
+    others.sort_unstable();
+    others.into_iter().map(|key| key as u16).collect()
 }

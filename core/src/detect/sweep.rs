@@ -6,7 +6,7 @@
 //! from sheet to sheet that only moves by `Δ e`. A window is warped once a sheet, its sums are shared by all pixels.
 
 use super::level::Level;
-use crate::math::{inverse_sqrt, split};
+use crate::math::{inverse_sqrt, max, split};
 use core::ops::Range;
 use glam::Vec3;
 
@@ -23,8 +23,8 @@ const WIDTH: usize = TILE + 2 * MAX_RADIUS;
 pub const NOISE_VARIANCE: f32 = 1.0;
 
 /// A row of a tile with its margin.
-type Row = [f32; WIDTH];
-const EMPTY: Row = [0.0; WIDTH];
+pub type Row = [f32; WIDTH];
+pub const EMPTY: Row = [0.0; WIDTH];
 
 /// Buffers and plane-independent moments of one tile of the target view.
 #[derive(Default)]
@@ -115,12 +115,12 @@ impl Tile {
             for x in 0..TILE {
                 let (n, a) = (count[x], sum[x]);
                 // At least one pixel's noise, so that empty windows score 0.
-                let noise = NOISE_VARIANCE * n.max(1.0);
+                let noise = NOISE_VARIANCE * max(n, 1.0);
                 let inverse = if n > 0.0 { 1.0 / n } else { 0.0 };
                 moments.inverse_count[x] = inverse;
                 moments.sum[x] = a;
                 moments.noise[x] = noise;
-                let variance = (squares[x] - a * a * inverse).max(0.0);
+                let variance = max(squares[x] - a * a * inverse, 0.0);
                 moments.inverse_sigma[x] = if n > 0.0 { inverse_sqrt(variance + noise) } else { 0.0 };
             }
         }
@@ -131,11 +131,14 @@ impl Tile {
         let (rows, offset) = neighbour.camera.projection();
         let c = target.camera.centre;
         self.epipole = Vec3::new(rows[0].dot(c), rows[1].dot(c), rows[2].dot(c)) + offset;
+        let (left, top) = (x0 as i32 - self.radius as i32, y0 as i32 - self.radius as i32);
+        let (camera, epipole) = (target.camera, self.epipole);
         for y in self.rows.start..self.rows.end + 2 * self.radius {
+            let (guide, seen, v) = (&self.guide[y], &mut self.seen[y], (top + y as i32) as f32);
             for x in 0..WIDTH {
-                let ray = target.camera.ray((x0 + x) as f32 - self.radius as f32, (y0 + y) as f32 - self.radius as f32);
+                let ray = camera.ray((left + x as i32) as f32, v);
                 for axis in 0..3 {
-                    self.seen[y][axis][x] = rows[axis].dot(ray) + self.epipole[axis] * self.guide[y][x];
+                    seen[axis][x] = rows[axis].dot(ray) + epipole[axis] * guide[x];
                 }
             }
         }
@@ -216,7 +219,7 @@ fn accumulate(columns: &mut [Row; 3], a: &Row, b: &Row, sign: f32) {
 
 /// Sums of windows from vertical sums.
 #[inline(always)]
-fn windows(column: &Row, radius: usize) -> [f32; TILE] {
+pub fn windows(column: &Row, radius: usize) -> [f32; TILE] {
     let mut sums = [0.0; TILE];
     for dx in 0..=2 * radius {
         let part: &[f32; TILE] = column[dx..].first_chunk().expect("a row has a margin on both sides");
@@ -227,6 +230,7 @@ fn windows(column: &Row, radius: usize) -> [f32; TILE] {
     sums
 }
 
+/// A row's scores from vertical sums.
 #[inline(always)]
 fn correlate(columns: &[Row; 3], radius: usize, moments: &Moments, out: &mut [f32; TILE]) {
     let [sum, squares, products] =
@@ -234,7 +238,7 @@ fn correlate(columns: &[Row; 3], radius: usize, moments: &Moments, out: &mut [f3
     for x in 0..TILE {
         let (b, inverse) = (sum[x], moments.inverse_count[x]);
         let covariance = products[x] - moments.sum[x] * b * inverse;
-        let variance = (squares[x] - b * b * inverse).max(0.0);
+        let variance = max(squares[x] - b * b * inverse, 0.0);
         out[x] = covariance * moments.inverse_sigma[x] * inverse_sqrt(variance + moments.noise[x]);
     }
 }

@@ -1,6 +1,7 @@
 //! Eq. 1: the sample on a pixel's ray that most neighbouring views support with a peak of their own curve.
 
-use super::sweep::{TILE, TILE_PIXELS};
+use super::sweep::{EMPTY, MAX_RADIUS, TILE, TILE_PIXELS, windows};
+use crate::math::max;
 use alloc::{vec, vec::Vec};
 
 /// How curves of scores become one depth.
@@ -15,7 +16,7 @@ pub struct VoteParams {
     /// 0 is eq. 1 as printed, where peaks one sample apart do not support each other.
     pub spread: f32,
     /// Pixels add the votes of their neighbours up to this far on the same sheet to their own, so that what one
-    /// window leaves open its surroundings decide; 0 for none, as in eq. 1.
+    /// window leaves open its surroundings decide; 0 for none, as in eq. 1. At most 4.
     pub agreement_radius: u32,
 }
 
@@ -86,7 +87,7 @@ impl Curves {
             }
             *votes = box_sum(votes, radius);
             for (v, n) in votes.iter_mut().zip(&counts) {
-                *v /= n.max(1.0);
+                *v /= max(*n, 1.0);
             }
         }
     }
@@ -140,19 +141,17 @@ fn smooth(curve: &[[f32; TILE_PIXELS]], kernel: &[f32], out: &mut [[f32; TILE_PI
 /// Sums over a square of pixels, cut at the tile's edges.
 #[inline(always)]
 fn box_sum(values: &[f32; TILE_PIXELS], radius: usize) -> [f32; TILE_PIXELS] {
-    let (mut rows, mut out) = ([0.0; TILE_PIXELS], [0.0; TILE_PIXELS]);
-    for y in 0..TILE {
-        for from in y.saturating_sub(radius)..(y + radius + 1).min(TILE) {
+    debug_assert!(radius <= MAX_RADIUS);
+    let (rows, mut out) = (values.as_chunks::<TILE>().0, [0.0; TILE_PIXELS]);
+    for (y, out) in out.as_chunks_mut::<TILE>().0.iter_mut().enumerate() {
+        let mut columns = EMPTY;
+        let middle: &mut [f32; TILE] = columns[radius..].first_chunk_mut().expect("a row has a margin on both sides");
+        for row in &rows[y.saturating_sub(radius)..(y + radius + 1).min(TILE)] {
             for x in 0..TILE {
-                rows[y * TILE + x] += values[from * TILE + x];
+                middle[x] += row[x];
             }
         }
-    }
-    for row in 0..TILE {
-        for x in 0..TILE {
-            let (from, to) = (x.saturating_sub(radius), (x + radius + 1).min(TILE));
-            out[row * TILE + x] = rows[row * TILE + from..row * TILE + to].iter().fold(0.0, |s: f32, v| s + v);
-        }
+        *out = windows(&columns, radius);
     }
     out
 }
@@ -191,11 +190,11 @@ impl Spread {
     fn peaks(&self, curve: &[[f32; TILE_PIXELS]], votes: &mut [[f32; TILE_PIXELS]]) {
         for i in 1..curve.len() - 1 {
             let (before, peaks, after) = (&curve[i - 1], &curve[i], &curve[i + 1]);
-            let mut is_peak = [false; TILE_PIXELS];
+            let mut is_peak = [0u8; TILE_PIXELS];
             for p in 0..TILE_PIXELS {
-                is_peak[p] = (peaks[p] > 0.0) & (peaks[p] > before[p]) & (peaks[p] > after[p]);
+                is_peak[p] = u8::from((peaks[p] > 0.0) & (peaks[p] > before[p]) & (peaks[p] > after[p]));
             }
-            for p in (0..TILE_PIXELS).filter(|&p| is_peak[p]) {
+            for p in ones(&is_peak) {
                 let offset = vertex(before[p], peaks[p], after[p]);
                 let place = (offset + 0.5) * Self::PLACES as f32 + 0.5;
                 let weights = &self.weights[(place as usize).min(Self::PLACES)];
@@ -207,6 +206,20 @@ impl Spread {
             }
         }
     }
+}
+
+/// Where bytes are one rather than zero, in order: few are.
+#[inline(always)]
+fn ones(bytes: &[u8; TILE_PIXELS]) -> impl Iterator<Item = usize> {
+    const WORD: usize = 8;
+    bytes.as_chunks::<WORD>().0.iter().enumerate().flat_map(|(i, word)| {
+        let mut left = u64::from_le_bytes(*word);
+        core::iter::from_fn(move || {
+            let next = (left != 0).then(|| i * WORD + left.trailing_zeros() as usize / WORD);
+            left &= left.wrapping_sub(1);
+            next
+        })
+    })
 }
 
 /// Vertex of the parabola through three equidistant values, relative to the middle one, which is the largest.

@@ -162,13 +162,14 @@ pub(super) fn carve<'a>(views: &'a [View], params: &HullParams, progress: &dyn P
 
 /// Median over the views of a pixel's size at a point.
 fn footprint(carvers: &[Carver], p: Vec3) -> f32 {
-    let mut sizes: Vec<f32> = carvers
+    // Bits of positive numbers have their order.
+    let mut sizes: Vec<u32> = carvers
         .iter()
         .filter_map(|c| {
             let depth = c.camera.depth(p);
-            (depth > 0.0).then(|| c.camera.footprint(depth))
+            (depth > 0.0).then(|| c.camera.footprint(depth).to_bits())
         })
         .collect();
-    sizes.sort_unstable_by(f32::total_cmp);
-    sizes[sizes.len() / 2]
+    sizes.sort_unstable();
+    f32::from_bits(sizes[sizes.len() / 2])
 }

@@ -14,7 +14,7 @@ use crate::{
     camera::Pinhole,
     error::Result,
     grid::{BLOCK, BLOCK_NODES, SparseGrid},
-    math::floor,
+    math::{floor, max, min},
     mesh::{Envelope, marching_cubes},
     params::HullParams,
     point_cloud::Mesh,
@@ -98,7 +98,7 @@ impl<'a> VisualHull<'a> {
         } else {
             // Whatever single views say, the block as a whole was judged.
             let (d, from) = least(self.carvers.iter(), p, view, self.grid.voxel, self.least_silhouettes);
-            (if slot == SparseGrid::INSIDE { d.max(self.grid.voxel) } else { d.min(-self.grid.voxel) }, from)
+            (if slot == SparseGrid::INSIDE { max(d, self.grid.voxel) } else { min(d, -self.grid.voxel) }, from)
         }
     }
 
@@ -208,7 +208,7 @@ fn least<'c, 'a: 'c>(
             seen += 1;
         }
     }
-    (if seen < needed { nearest.min(-voxel) } else { nearest }, from)
+    (if seen < needed { min(nearest, -voxel) } else { nearest }, from)
 }
 
 /// Position of a node of a stored block.

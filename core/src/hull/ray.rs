@@ -1,7 +1,7 @@
 //! Where a ray runs inside the hull (§4.1: the depth range of the search).
 
 use super::{BLOCK, SparseGrid, VisualHull};
-use crate::math::floor;
+use crate::math::{floor, max, min};
 use alloc::vec::Vec;
 use glam::Vec3;
 
@@ -39,7 +39,7 @@ impl VisualHull<'_> {
                 (slot == SparseGrid::INSIDE, leave(q, direction / edge, cell) + 1e-3 * shortest)
             } else {
                 let d = self.coarse(p);
-                (d > 0.0, (d.abs() * unit / STEEPNESS).max(shortest))
+                (d > 0.0, max(d.abs() * unit / STEEPNESS, shortest))
             };
             if now != inside {
                 let root = self.root(start, direction, previous, t, inside);
@@ -105,8 +105,8 @@ fn clip(start: Vec3, direction: Vec3, lower: Vec3, upper: Vec3) -> Option<(f32, 
             continue;
         }
         let (a, b) = ((lower[axis] - s) / d, (upper[axis] - s) / d);
-        near = near.max(a.min(b));
-        far = far.min(a.max(b));
+        near = max(min(a, b), near);
+        far = min(max(a, b), far);
     }
     (near < far).then_some((near, far))
 }
@@ -118,7 +118,7 @@ fn leave(q: Vec3, direction: Vec3, cell: [i32; 3]) -> f32 {
         let d = direction[axis];
         if d != 0.0 {
             let wall = if d > 0.0 { cell[axis] as f32 + 1.0 } else { cell[axis] as f32 };
-            t = t.min(((wall - q[axis]) / d).max(0.0));
+            t = min(max((wall - q[axis]) / d, 0.0), t);
         }
     }
     t

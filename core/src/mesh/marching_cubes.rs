@@ -6,6 +6,7 @@ use glam::Vec3;
 use super::cases::{Cases, EDGES};
 use super::neighbourhood::{Neighbourhood, SIDE};
 use crate::grid::{BLOCK, BLOCK_NODES, SparseGrid};
+use crate::math::min;
 use crate::point_cloud::Mesh;
 
 /// How near to a node a vertex may come, as a share of the edge: vertices on different edges stay apart, so that no
@@ -118,7 +119,7 @@ impl<'a> Extractor<'a> {
         let step = [1, SIDE, SIDE * SIDE][axis];
         let t = crossing([i - step, i, i + step, i + 2 * step].map(|k| around.0[k] - self.iso));
         // Written so that NaN, from values that are not finite, is replaced too.
-        let t = if t > NEAREST { t.min(1.0 - NEAREST) } else { NEAREST };
+        let t = if t > NEAREST { min(t, 1.0 - NEAREST) } else { NEAREST };
         let mut local = Vec3::from_array(node.map(|v| v as f32));
         local[axis] += t;
         let outward = -around.gradient(local);

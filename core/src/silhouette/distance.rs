@@ -1,6 +1,7 @@
 //! Signed distance to the half-coverage contour of a mask, exact to a fraction of a pixel.
 
 use super::Silhouette;
+use crate::math::{min, sqrt};
 use alloc::{vec, vec::Vec};
 
 /// Weights of the binomial that takes the pixel staircase off a binary mask's contour (σ = 0.7 pixel). A wider one
@@ -34,7 +35,7 @@ pub(super) fn signed_distance(
     let offsets = rows.x.iter().zip(&rows.y);
     out.clear();
     out.extend(offsets.zip(smoothed.iter()).map(|((x, y), &s)| {
-        let d = (libm::sqrtf(x * x + y * y) * Silhouette::UNITS + 0.5).min(limit) as i16;
+        let d = min(sqrt(x * x + y * y) * Silhouette::UNITS + 0.5, limit) as i16;
         if s > HALF { d } else { -d }
     }));
 }

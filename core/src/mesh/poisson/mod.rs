@@ -18,6 +18,7 @@ use glam::Vec3;
 use super::{Envelope, Steps};
 use crate::error::{Error, Result};
 use crate::grid::{BLOCK_NODES, SparseGrid};
+use crate::math::{from_ordered, max, ordered};
 use crate::point_cloud::Point;
 use level::Level;
 use samples::Sample;
@@ -140,7 +141,7 @@ fn right_hand_side(
     if level > 0 {
         let mut own = rhs.clone();
         // A sample's share at a level falls linearly to 0 one level from its own.
-        let shares = |detail: f32| [whole(detail), (1.0 - (detail - here).abs()).max(0.0)];
+        let shares = |detail: f32| [whole(detail), max(1.0 - (detail - here).abs(), 0.0)];
         system::splat(samples, grid, level, shares, [&mut rhs, &mut own]);
         *sparse = own;
     } else {
@@ -152,14 +153,16 @@ fn right_hand_side(
 /// Median of χ at the points, by area: stray points lie on either side of the surface but only those inside the envelope
 /// are there, so that a mean would lie too deep.
 fn median(cells: &[Cell], chi: &[f32]) -> f32 {
-    let mut values: Vec<(f32, f32)> = cells.iter().map(|cell| (cell.value(chi), cell.area)).collect();
-    values.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.total_cmp(&b.1)));
-    let half = 0.5 * values.iter().fold(0.0, |sum, &(_, area)| sum + f64::from(area));
+    let key = |cell: &Cell| u64::from(ordered(cell.value(chi))) << 32 | u64::from(cell.area.to_bits());
+    let area = |key: u64| f64::from(f32::from_bits(key as u32));
+    let mut keys: Vec<u64> = cells.iter().map(key).collect();
+    keys.sort_unstable();
+    let half = 0.5 * keys.iter().fold(0.0, |sum, &key| sum + area(key));
     let mut sum = 0.0;
-    for (value, area) in values {
-        sum += f64::from(area);
+    for key in keys {
+        sum += area(key);
         if sum >= half {
-            return value;
+            return from_ordered((key >> 32) as u32);
         }
     }
     0.5

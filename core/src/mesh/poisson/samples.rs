@@ -6,6 +6,7 @@ use glam::Vec3;
 use super::spline::{ABSENT, Stencil};
 use crate::error::Result;
 use crate::grid::{BLOCK, BLOCK_NODES, SparseGrid};
+use crate::math::{max, min, sqrt};
 use crate::point_cloud::Point;
 
 /// Edge of the cells in which points are merged, in voxels.
@@ -95,7 +96,7 @@ pub(super) fn coarser(samples: &[Sample], settled: impl Fn(&Sample) -> bool) -> 
                 sum.normal += sample.normal * sample.area;
                 sum.count += sample.count;
                 sum.area += sample.area;
-                sum.detail = sum.detail.max(sample.detail);
+                sum.detail = max(sum.detail, sample.detail);
             } else {
                 merged.push(Sample { cell, ..*sample });
             }
@@ -151,7 +152,7 @@ pub(super) fn weigh(
             if count >= DENSE || last {
                 // From one level's square voxels to the finest's.
                 let area = PLANE * sample.area / weight / (scale * scale);
-                let spacing = 1.0 / (scale * libm::sqrtf(count));
+                let spacing = 1.0 / (scale * sqrt(count));
                 let detail = libm::log2f(SPREAD * spacing).clamp(0.0, (levels - 1) as f32);
                 shares[i as usize] = (area, detail);
             } else {
@@ -194,7 +195,7 @@ pub(super) fn mark(samples: &[Sample], dims: [u32; 3], level: usize, reach: f32)
     let scale = 1.0 / (1 << level) as f32;
     for sample in samples {
         let at = sample.at * scale;
-        let block = |v: f32, k: usize| (v.max(0.0) / BLOCK as f32).min((dims[k] - 1) as f32) as u32;
+        let block = |v: f32, k: usize| min(max(v, 0.0) / BLOCK as f32, (dims[k] - 1) as f32) as u32;
         let low: [u32; 3] = core::array::from_fn(|k| block(at[k] - reach, k));
         let high: [u32; 3] = core::array::from_fn(|k| block(at[k] + reach, k));
         for z in low[2]..=high[2] {

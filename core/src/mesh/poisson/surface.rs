@@ -4,6 +4,7 @@ use alloc::vec;
 use glam::Vec3;
 
 use super::Solution;
+use crate::math::min;
 use crate::mesh::marching_cubes;
 use crate::point_cloud::Mesh;
 
@@ -29,7 +30,7 @@ impl Solution {
         }
         if let Some(distances) = &distances {
             for (value, distance) in chi.iter_mut().zip(distances) {
-                *value = value.min(SLOPE * (distance + TOLERANCE));
+                *value = min(SLOPE * (distance + TOLERANCE), *value);
             }
         }
         marching_cubes(&grid, &chi, 0.0, 1.0, -1.0)

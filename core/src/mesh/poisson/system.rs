@@ -5,7 +5,7 @@ use alloc::{vec, vec::Vec};
 use super::samples::Sample;
 use super::spline::{ABSENT, Stencil, cube};
 use crate::grid::{BLOCK, BLOCK_NODES, SparseGrid};
-use crate::math::floor;
+use crate::math::{floor, min};
 
 /// The points of one cell of the grid, merged: they ask for χ = 1/2 at their mean position.
 pub(super) struct Cell {
@@ -98,7 +98,7 @@ pub(super) fn cells(samples: &[Sample], grid: &SparseGrid, level: usize) -> Vec<
         let share = |i: usize, k: usize| if i >> k & 1 == 1 { offset[k] } else { 1.0 - offset[k] };
         let shares = core::array::from_fn(|i| share(i, 0) * share(i, 1) * share(i, 2));
         // A sample of a coarser level stands for more than this cell's surface.
-        cells.push(Cell { nodes, shares, area: area.min(1.0) });
+        cells.push(Cell { nodes, shares, area: min(area, 1.0) });
     }
     cells
 }
