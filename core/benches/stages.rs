@@ -4,8 +4,8 @@
 
 use criterion::{BatchSize, Criterion, criterion_group, criterion_main};
 use pcmvs_core::{
-    Counts, Error, Mask, Params, Preset, Rig, Serial, Silent, Stages, View, ViewInput, colour::colour, detect::Scratch,
-    export::glb, hull::VisualHull, stages,
+    Counts, Error, Mask, Params, Preset, Rig, Serial, Silent, Stages, View, ViewInput, Workspace, colour::colour,
+    detect::Scratch, export::glb, hull::VisualHull, stages,
 };
 use std::hint::black_box;
 use studio::{Capture, Faults, Ring, Subject};
@@ -32,10 +32,12 @@ fn bench(criterion: &mut Criterion) -> Result<(), Error> {
     let views = views()?;
 
     let hull = || VisualHull::new(&views, &params.hull, &Silent);
-    group.bench_function("hull", |b| b.iter(|| hull().map(|hull| stages::hull_mesh(&hull, &params))));
+    group.bench_function("hull", |b| {
+        b.iter(|| hull().map(|hull| stages::hull_mesh(&hull, &params, &mut Workspace::default())))
+    });
     let hull = hull()?;
 
-    let mut made = Stages { hull: stages::hull_mesh(&hull, &params).0, ..Stages::default() };
+    let mut made = Stages { hull: stages::hull_mesh(&hull, &params, &mut Workspace::default()).0, ..Stages::default() };
     let contours = || -> Result<_, Error> {
         let frontier = views.iter().flat_map(|view| stages::frontier(view, &hull, &params)).collect();
         Ok((frontier, stages::implicit(&made.hull, &views, &params, &Silent)?))
@@ -44,7 +46,17 @@ fn bench(criterion: &mut Criterion) -> Result<(), Error> {
     (made.frontier, made.implicit) = contours()?;
 
     let coarse = |scratch: &mut _| {
-        stages::coarse(&rig, &views, &made.hull, &made.frontier, &hull, &params, &Serial, scratch, &Silent)
+        stages::coarse(
+            &rig,
+            &views,
+            &made.hull,
+            &made.frontier,
+            &hull,
+            &params,
+            &Serial,
+            (scratch, &mut Workspace::default()),
+            &Silent,
+        )
     };
     let mut scratch = Vec::new();
     group.bench_function("coarse", |b| b.iter(|| coarse(&mut scratch)));
@@ -58,19 +70,21 @@ fn bench(criterion: &mut Criterion) -> Result<(), Error> {
     group.bench_function("detect, one view", |b| b.iter(|| detect(black_box(0), &mut scratch)));
     made.detected = (0..views.len()).map(|view| Ok(detect(view, &mut scratch)?.0)).collect::<Result<_, Error>>()?;
 
-    let merge = || stages::merge(&made, &views, &hull, &params, &mut Counts::default(), &Silent);
+    let merge =
+        || stages::merge(&made, &views, &hull, &params, &mut Counts::default(), &mut Workspace::default(), &Silent);
     group.bench_function("merge", |b| b.iter(merge));
     made.merged = merge()?;
 
-    let mesh = || stages::mesh(&made.merged, &hull, &params, &Silent);
+    let mesh = || stages::mesh(&made.merged, &hull, &params, &mut Workspace::default(), &Silent);
     group.bench_function("mesh", |b| b.iter(mesh));
     let mut mesh = mesh()?.mesh;
 
     group.bench_function("colour", |b| {
-        let coloured = |mesh: &mut _| colour(mesh, &views, rig.gains(), &params.colour, &Silent);
+        let coloured =
+            |mesh: &mut _| colour(mesh, &views, rig.gains(), &params.colour, &mut Workspace::default(), &Silent);
         b.iter_batched_ref(|| mesh.clone(), coloured, BatchSize::LargeInput);
     });
-    colour(&mut mesh, &views, rig.gains(), &params.colour, &Silent)?;
+    colour(&mut mesh, &views, rig.gains(), &params.colour, &mut Workspace::default(), &Silent)?;
 
     group.bench_function("glb", |b| b.iter(|| glb::write(&mesh, rig.origin(), &glb::Options::default())));
     group.finish();

@@ -28,6 +28,7 @@ mod simd;
 pub mod stages;
 mod undistort;
 pub mod view;
+pub mod workspace;
 
 use alloc::vec::Vec;
 use hull::VisualHull;
@@ -44,6 +45,7 @@ pub use rig::Rig;
 pub use silhouette::ChromaKey;
 pub use stages::Stages;
 pub use view::{Mask, View, ViewInput};
+pub use workspace::Workspace;
 
 /// A frame's result.
 #[derive(Debug, Clone)]
@@ -77,23 +79,25 @@ pub fn reconstruct(
     }
     memory::check_least(rig, params)?;
     let mut counts = Counts::default();
+    let workspace = &mut Workspace::default();
     let views = timed(progress, Stage::Views, || views(rig, inputs, executor, progress))?;
 
     // §0: the hull, and its own mesh.
-    let hull = timed(progress, Stage::Hull, || VisualHull::new(&views, &params.hull, progress))?;
+    let hull = timed(progress, Stage::Hull, || VisualHull::in_memory(&views, &params.hull, workspace, progress))?;
     memory::check_hull(&views, &hull, params)?;
     let mut stages = Stages::default();
-    (stages.hull, counts.components_dropped) = stages::hull_mesh(&hull, params);
+    (stages.hull, counts.components_dropped) = stages::hull_mesh(&hull, params, workspace);
     memory::check(&views, &hull, &stages.hull, params)?;
     let mut mesh = if params.method == Method::Hull {
         stages.hull.clone()
     } else {
-        pcmvs(rig, &views, &hull, params, &mut stages, &mut counts, executor, progress)?
+        pcmvs(rig, &views, &hull, params, &mut stages, &mut counts, executor, workspace, progress)?
     };
 
     // §7.
-    let gains =
-        timed(progress, Stage::Colour, || colour::colour(&mut mesh, &views, rig.gains(), &params.colour, progress))?;
+    let gains = timed(progress, Stage::Colour, || {
+        colour::colour(&mut mesh, &views, rig.gains(), &params.colour, workspace, progress)
+    })?;
     (counts.vertices, counts.faces) = (mesh.positions.len() as u32, mesh.triangles.len() as u32);
     let hashes = stages.hashes(&views, &mesh);
     Ok(Reconstruction { mesh, gains: rig.as_given(&gains), counts, hashes, stages })
@@ -108,6 +112,7 @@ fn pcmvs(
     stages: &mut Stages,
     counts: &mut Counts,
     executor: &impl Executor,
+    workspace: &mut Workspace,
     progress: &dyn Progress,
 ) -> Result<Mesh> {
     // §4.4: points that the silhouettes alone give.
@@ -128,7 +133,8 @@ fn pcmvs(
     let mut scratch: Vec<detect::Scratch> = Vec::new();
     if params.coarse.is_some() {
         stages.coarse = timed(progress, Stage::Coarse, || {
-            stages::coarse(rig, views, &stages.hull, &stages.frontier, hull, params, executor, &mut scratch, progress)
+            let memory = (&mut scratch, &mut *workspace);
+            stages::coarse(rig, views, &stages.hull, &stages.frontier, hull, params, executor, memory, progress)
         })?;
     }
     timed(progress, Stage::Detect, || {
@@ -146,10 +152,11 @@ fn pcmvs(
     drop(scratch);
 
     // §5.
-    stages.merged = timed(progress, Stage::Merge, || stages::merge(stages, views, hull, params, counts, progress))?;
+    stages.merged =
+        timed(progress, Stage::Merge, || stages::merge(stages, views, hull, params, counts, workspace, progress))?;
 
     // §6.
-    let meshed = timed(progress, Stage::Mesh, || stages::mesh(&stages.merged, hull, params, progress))?;
+    let meshed = timed(progress, Stage::Mesh, || stages::mesh(&stages.merged, hull, params, workspace, progress))?;
     counts.components_dropped = meshed.components_dropped;
     Ok(meshed.mesh)
 }

@@ -1,6 +1,6 @@
 //! Oriented points and meshes that pass between the stages.
 
-use crate::hash::Hash64;
+use crate::{hash::Hash64, workspace::Workspace};
 use alloc::vec::Vec;
 use glam::Vec3;
 
@@ -69,6 +69,25 @@ pub fn hash<'a>(points: impl IntoIterator<Item = &'a Point>) -> u64 {
 }
 
 impl Mesh {
+    /// An empty mesh in memory that has been kept.
+    pub(crate) fn in_memory(workspace: &mut Workspace) -> Self {
+        Self {
+            positions: workspace.growing(),
+            normals: workspace.growing(),
+            colours: workspace.growing(),
+            triangles: workspace.growing(),
+        }
+    }
+
+    /// Hands its memory back.
+    pub fn keep_in(self, workspace: &mut Workspace) {
+        let Self { positions, normals, colours, triangles } = self;
+        workspace.keep(positions);
+        workspace.keep(normals);
+        workspace.keep(colours);
+        workspace.keep(triangles);
+    }
+
     /// Hash of positions, normals, colours and triangles.
     pub fn hash(&self) -> u64 {
         self.hash_in(&self.colours)

@@ -15,6 +15,7 @@ use crate::{
     report::Counts,
     rig::Rig,
     view::View,
+    workspace::Workspace,
 };
 use alloc::vec::Vec;
 use core::iter::once;
@@ -37,6 +38,13 @@ pub struct Stages {
 }
 
 impl Stages {
+    /// Hands back the memory that came from a workspace.
+    pub fn keep_in(self, workspace: &mut Workspace) {
+        self.hull.keep_in(workspace);
+        self.coarse.keep_in(workspace);
+        workspace.keep(self.merged);
+    }
+
     /// A 64-bit hash of each stage's output, in the order of [`Stage::ALL`]; `mesh` is the final one.
     pub fn hashes(&self, views: &[View], mesh: &Mesh) -> [u64; Stage::ALL.len()] {
         [
@@ -53,9 +61,9 @@ impl Stages {
 }
 
 /// The hull's own mesh without stray components, and how many those were (§0).
-pub fn hull_mesh(hull: &VisualHull, params: &Params) -> (Mesh, u32) {
-    let mut mesh = hull.mesh();
-    let dropped = mesh::drop_small_components(&mut mesh, params.meshing.smallest_component);
+pub fn hull_mesh(hull: &VisualHull, params: &Params, workspace: &mut Workspace) -> (Mesh, u32) {
+    let mut mesh = hull.mesh(workspace);
+    let dropped = mesh::drop_small_components(&mut mesh, params.meshing.smallest_component, workspace);
     (mesh, dropped)
 }
 
@@ -95,7 +103,7 @@ pub fn coarse(
     hull: &VisualHull,
     params: &Params,
     executor: &impl Executor,
-    scratch: &mut Vec<Scratch>,
+    (scratch, workspace): (&mut Vec<Scratch>, &mut Workspace),
     progress: &dyn Progress,
 ) -> Result<Mesh> {
     let Some(p) = &params.coarse else { return Ok(Mesh::default()) };
@@ -108,9 +116,11 @@ pub fn coarse(
     let found = executor.map_with(scratch, levels.len(), detect);
     let found: Vec<_> = found.into_iter().collect::<Result<_>>()?;
     let clouds: Vec<_> = once(frontier).chain(found.iter().map(|(cloud, _)| &cloud[..])).collect();
-    let cloud = clouds.concat();
+    let cloud = concat(&clouds, workspace);
     let voxel = p.voxel_pixels * hull.footprint();
-    Ok(mesh::mesh(&cloud, hull, voxel, &params.meshing, &meshing)?.mesh)
+    let mesh = mesh::mesh(&cloud, hull, voxel, &params.meshing, workspace, &meshing)?.mesh;
+    workspace.keep(cloud);
+    Ok(mesh)
 }
 
 /// All views at the resolution at which `params` detects.
@@ -148,12 +158,13 @@ pub fn merge(
     hull: &VisualHull,
     params: &Params,
     counts: &mut Counts,
+    workspace: &mut Workspace,
     progress: &dyn Progress,
 ) -> Result<PointCloud> {
     let cameras: Vec<Pinhole> = views.iter().map(|v| v.camera).collect();
     let Stages { frontier, detected, implicit, .. } = stages;
     let clouds: Vec<_> = once(frontier).chain(detected).chain(once(implicit)).map(|cloud| &cloud[..]).collect();
-    let all = clouds.concat();
+    let all = concat(&clouds, workspace);
     let neighbours = params.detection.search.neighbours;
     merge::merge(all, hull, &cameras, neighbours, &params.merging, counts, progress)
 }
@@ -162,7 +173,19 @@ pub fn merge(
 ///
 /// # Errors
 /// [`crate::Error::NoSurface`] and [`crate::Error::Cancelled`].
-pub fn mesh(merged: &[Point], hull: &VisualHull, params: &Params, progress: &dyn Progress) -> Result<Meshed> {
+pub fn mesh(
+    merged: &[Point],
+    hull: &VisualHull,
+    params: &Params,
+    workspace: &mut Workspace,
+    progress: &dyn Progress,
+) -> Result<Meshed> {
     let voxel = params.meshing.voxel_pixels * hull.footprint();
-    mesh::mesh(merged, hull, voxel, &params.meshing, progress)
+    mesh::mesh(merged, hull, voxel, &params.meshing, workspace, progress)
+}
+
+fn concat(clouds: &[&[Point]], workspace: &mut Workspace) -> PointCloud {
+    let mut all = workspace.empty(clouds.iter().map(|cloud| cloud.len()).sum());
+    clouds.iter().for_each(|cloud| all.extend_from_slice(cloud));
+    all
 }

@@ -9,7 +9,7 @@ use common::{Random, assert_manifold};
 use glam::Vec3;
 use pcmvs_core::mesh::{Envelope, Meshed, drop_small_components, mesh};
 use pcmvs_core::params::MeshingParams;
-use pcmvs_core::{Error, Mesh, Params, Point, Preset, Progress, Rank, Silent, Stage};
+use pcmvs_core::{Error, Mesh, Params, Point, Preset, Progress, Rank, Silent, Stage, Workspace};
 
 /// A solid by its signed distance, positive inside.
 type Solid = fn(Vec3) -> f32;
@@ -76,7 +76,7 @@ fn params() -> MeshingParams {
 }
 
 fn run(points: &[Point], hull: impl Fn(Vec3) -> f32, params: &MeshingParams) -> Meshed {
-    let meshed = mesh(points, &Hull(hull), VOXEL, params, &Silent).unwrap();
+    let meshed = mesh(points, &Hull(hull), VOXEL, params, &mut Workspace::default(), &Silent).unwrap();
     assert_manifold(&meshed.mesh);
     meshed
 }
@@ -147,7 +147,7 @@ fn thin_parts_survive_and_stay_apart() {
     let mut mesh = run(&points, |p| fingers(p) + VOXEL, &params()).mesh;
     assert!(error(&mesh, fingers, 0.9) < 0.15, "{}", error(&mesh, fingers, 0.9));
     // A threshold above the largest share drops all but the largest: four parts, none joined, none torn.
-    assert_eq!(drop_small_components(&mut mesh, 1.0), 3);
+    assert_eq!(drop_small_components(&mut mesh, 1.0, &mut Workspace::default()), 3);
 }
 
 #[test]
@@ -208,11 +208,14 @@ fn small_components_and_cavities_are_dropped() {
 
 #[test]
 fn without_points_there_is_no_surface() {
-    let none = mesh(&[], &Hull(sphere), VOXEL, &params(), &Silent);
+    let none = mesh(&[], &Hull(sphere), VOXEL, &params(), &mut Workspace::default(), &Silent);
     assert_eq!(none.unwrap_err(), Error::NoSurface);
     let weightless: Vec<Point> =
         cloud(sphere, 0.5, |_| true).into_iter().map(|p| point(p.position, p.normal, 0.0)).collect();
-    assert_eq!(mesh(&weightless, &Hull(sphere), VOXEL, &params(), &Silent).unwrap_err(), Error::NoSurface);
+    assert_eq!(
+        mesh(&weightless, &Hull(sphere), VOXEL, &params(), &mut Workspace::default(), &Silent).unwrap_err(),
+        Error::NoSurface
+    );
 }
 
 /// Refuses the step of a given number.
@@ -235,7 +238,7 @@ fn every_step_can_cancel() {
     let points = cloud(sphere, 0.5, |_| true);
     let attempt = |at: u32| {
         let refusal = Refusal { at, steps: AtomicU32::new(0), last: AtomicU32::new(0) };
-        let result = mesh(&points, &Hull(sphere), 2.0 * VOXEL, &params(), &refusal);
+        let result = mesh(&points, &Hull(sphere), 2.0 * VOXEL, &params(), &mut Workspace::default(), &refusal);
         (result, refusal.steps.into_inner())
     };
     let (complete, steps) = attempt(0);

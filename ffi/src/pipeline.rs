@@ -14,7 +14,7 @@ use crate::{
     },
 };
 use pcmvs_core::{
-    Counts, Executor, Mesh, Params, PointCloud, Progress, Rig, Stage, Stages, View, ViewInput, colour,
+    Counts, Executor, Mesh, Params, PointCloud, Progress, Rig, Stage, Stages, View, ViewInput, Workspace, colour,
     detect::{Level, Scratch},
     hull::VisualHull,
     memory,
@@ -60,6 +60,8 @@ pub(crate) struct Pipeline {
     view_scratch: Pool<view::Scratch>,
     /// Memory of the last frame's views.
     buffers: Pool<Buffers>,
+    /// Memory of the stages that need the frame for themselves.
+    workspace: Workspace,
     detected: Vec<Mutex<Option<(PointCloud, Counts)>>>,
     pub stages: Stages,
     pub mesh: Mesh,
@@ -73,12 +75,22 @@ pub(crate) struct Pipeline {
 impl Pipeline {
     /// A frame of which nothing is there yet; it takes over the buffers of the one before.
     pub fn next(&mut self, params: Params) -> Self {
-        let old = self.carved.take().map(Carved::into_owner).unwrap_or_default();
+        let mut next = Self::new(Arc::clone(&self.rig), params);
+        let kept = keeps(&self.params) && keeps(&next.params);
+        if kept {
+            take(&mut self.stages).keep_in(&mut self.workspace);
+            take(&mut self.mesh).keep_in(&mut self.workspace);
+            next.view_scratch = take(&mut self.view_scratch);
+        }
+        let old = self.carved.take().map(|carved| taken_apart(carved, &mut self.workspace)).unwrap_or_default();
         let old = old.into_iter().chain(self.views.iter_mut().filter_map(|slot| slot_of(slot).take()));
-        let mut buffers = take(&mut self.buffers);
-        buffers.spare().extend(old.map(Buffers::from));
-        let scratch = take(&mut self.scratch);
-        Self { scratch, buffers, ..Self::new(Arc::clone(&self.rig), params) }
+        next.scratch = take(&mut self.scratch);
+        next.buffers = take(&mut self.buffers);
+        next.buffers.spare().extend(old.map(Buffers::from));
+        if kept {
+            next.workspace = take(&mut self.workspace);
+        }
+        next
     }
 
     /// A frame of which nothing is there yet.
@@ -93,6 +105,7 @@ impl Pipeline {
             scratch: Pool::default(),
             view_scratch: Pool::default(),
             buffers: Pool::default(),
+            workspace: if keeps(&params) { Workspace::keeping() } else { Workspace::default() },
             detected: (0..slots).map(|_| Mutex::new(None)).collect(),
             stages: Stages::default(),
             mesh: Mesh::default(),
@@ -151,19 +164,21 @@ impl Pipeline {
                 return Err(Failure::new(WrongOrder, problem).of_camera(camera));
             }
             let views = match this.carved.take() {
-                Some(carved) => carved.into_owner(),
+                Some(carved) => taken_apart(carved, &mut this.workspace),
                 None => this.views.iter_mut().filter_map(|slot| slot_of(slot).take()).collect(),
             };
-            let carve = |views| {
+            let workspace = &mut this.workspace;
+            let params = &this.params;
+            let mut carve = |views| {
                 let carved = Carved::try_new_or_recover(views, |views| {
-                    let hull = VisualHull::new(views, &this.params.hull, progress)?;
+                    let hull = VisualHull::in_memory(views, &params.hull, workspace, progress)?;
                     Ok::<_, pcmvs_core::Error>(OfViews { hull, levels: Vec::new() })
                 })?;
                 let (views, hull) = (carved.borrow_owner(), &carved.borrow_dependent().hull);
-                let mesh = || {
-                    memory::check_hull(views, hull, &this.params)?;
-                    let (mesh, dropped) = stages::hull_mesh(hull, &this.params);
-                    memory::check(views, hull, &mesh, &this.params).map(|()| (mesh, dropped))
+                let mut mesh = || {
+                    memory::check_hull(views, hull, params)?;
+                    let (mesh, dropped) = stages::hull_mesh(hull, params, workspace);
+                    memory::check(views, hull, &mesh, params).map(|()| (mesh, dropped))
                 };
                 match mesh() {
                     Ok((mesh, dropped)) => Ok((carved, mesh, dropped)),
@@ -173,8 +188,9 @@ impl Pipeline {
             match carve(views) {
                 Ok((carved, mesh, dropped)) => {
                     (this.stages.hull, this.counts.components_dropped) = (mesh, dropped);
-                    // What later stages need counts more than what the next frame would be spared.
-                    this.view_scratch = Pool::default();
+                    if !keeps(&this.params) {
+                        this.view_scratch = Pool::default();
+                    }
                     this.carved = Some(carved);
                     Ok(())
                 }
@@ -214,10 +230,11 @@ impl Pipeline {
     pub fn coarse(&mut self, threads: &HostThreads, progress: &HostProgress) -> Result<()> {
         self.alone(Stage::Coarse, |this| {
             if this.params.method != Method::Hull {
-                let Self { rig, carved, stages, params, scratch, .. } = &mut *this;
+                let Self { rig, carved, stages, params, scratch, workspace, .. } = &mut *this;
                 let carved = carved.as_mut().ok_or_else(no_hull)?;
                 let (views, hull) = (carved.borrow_owner(), &carved.borrow_dependent().hull);
-                let scratch = scratch.spare();
+                let memory = (scratch.spare(), &mut *workspace);
+                take(&mut stages.coarse).keep_in(memory.1);
                 stages.coarse = stages::coarse(
                     rig,
                     views,
@@ -226,7 +243,7 @@ impl Pipeline {
                     hull,
                     params,
                     threads,
-                    scratch,
+                    memory,
                     progress,
                 )?;
                 carved.with_dependent_mut(|views, of| of.levels = stages::levels(views, params, threads));
@@ -285,7 +302,8 @@ impl Pipeline {
             let carved = carved(&this.carved)?;
             let (views, hull) = (carved.borrow_owner(), &carved.borrow_dependent().hull);
             let mut counts = this.counts;
-            this.stages.merged = stages::merge(&this.stages, views, hull, &this.params, &mut counts, progress)?;
+            this.stages.merged =
+                stages::merge(&this.stages, views, hull, &this.params, &mut counts, &mut this.workspace, progress)?;
             this.counts = counts;
             Ok(())
         })
@@ -298,7 +316,7 @@ impl Pipeline {
                 this.stages.hull.clone()
             } else {
                 let hull = &carved(&this.carved)?.borrow_dependent().hull;
-                let meshed = stages::mesh(&this.stages.merged, hull, &this.params, progress)?;
+                let meshed = stages::mesh(&this.stages.merged, hull, &this.params, &mut this.workspace, progress)?;
                 this.counts.components_dropped = meshed.components_dropped;
                 meshed.mesh
             };
@@ -310,7 +328,14 @@ impl Pipeline {
     pub fn colour(&mut self, progress: &HostProgress) -> Result<()> {
         self.alone(Stage::Colour, |this| {
             let views = carved(&this.carved)?.borrow_owner();
-            let coloured = colour::colour(&mut this.mesh, views, this.rig.gains(), &this.params.colour, progress);
+            let coloured = colour::colour(
+                &mut this.mesh,
+                views,
+                this.rig.gains(),
+                &this.params.colour,
+                &mut this.workspace,
+                progress,
+            );
             let coloured = coloured.map_err(Failure::from).and_then(|gains| {
                 if progress.finish(Stage::Colour) { Ok(gains) } else { Err(Failure::new(Cancelled, "cancelled")) }
             });
@@ -389,6 +414,17 @@ impl Pipeline {
         let mut seconds = self.seconds.lock().unwrap_or_else(PoisonError::into_inner);
         seconds[stage as usize] += started.elapsed().as_secs_f64();
     }
+}
+
+/// Whether stages keep their memory for the next frame: not within a limit, which is that of a single frame.
+fn keeps(params: &Params) -> bool {
+    params.max_memory.is_none()
+}
+
+/// The views, and the rest's memory to the workspace.
+fn taken_apart(mut carved: Carved, workspace: &mut Workspace) -> Vec<View> {
+    carved.with_dependent_mut(|_, of| of.hull.keep_in(workspace));
+    carved.into_owner()
 }
 
 fn carved(carved: &Option<Carved>) -> Result<&Carved> {

@@ -15,7 +15,7 @@ fn memory_is_steady_over_200_frames() {
 }
 
 #[test]
-fn later_frames_allocate_less_and_all_the_same_and_reading_nothing() {
+fn later_frames_allocate_little_and_all_the_same_and_reading_nothing() {
     if !cfg!(target_env = "gnu") {
         return;
     }

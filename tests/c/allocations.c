@@ -6,6 +6,9 @@
 
 #include <string.h>
 
+/* After so many frames nothing changes any more. */
+#define SETTLED 4
+
 /* Says what has happened since `start`; `used` was in use then. */
 static void tell(const char *what, size_t used) {
     printf("%-16s %8zu allocations of %9.1f KiB, %8.1f KiB at most at a time, %8.1f KiB kept\n", what, counts.calls,
@@ -103,16 +106,17 @@ int main(int argc, char **argv) {
         OK(pcmvs_frame_reconstruct(frame, capture.views, capture.count, NULL));
         if (i == 0) {
             first = counts;
-        } else if (i <= 2) {
-            /* The first frame's buffers are used again; the lists that keep them still grow in the second. */
+        } else if (i <= SETTLED) {
+            /* The first frame's memory is used again; what was too small for its new place, or is on no list yet, is
+             * asked for once more. */
             later = counts;
-            CHECK(later.bytes < first.bytes && later.calls < first.calls);
+            CHECK(later.bytes < first.bytes / 4 && later.calls < first.calls);
         } else {
-            /* Frame after frame the same. */
+            /* Frame after frame the same. How much glibc rounds up depends on what it has at hand. */
             CHECK(counts.calls == later.calls && counts.bytes == later.bytes);
+            CHECK(counts.used < later.used + later.used / 50 && counts.peak < later.peak + later.peak / 50);
         }
-        /* How much glibc rounds up depends on what it has at hand; the buffers are there from the start. */
-        CHECK(counts.used < first.used + first.used / 50 && counts.peak < first.peak + first.peak / 20);
+        CHECK(counts.peak < first.peak + first.peak / 5);
         if (i < 2 || i == frames - 1) {
             snprintf(name, sizeof name, "frame %u", i);
             tell(name, used);

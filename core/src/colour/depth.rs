@@ -5,6 +5,7 @@ use crate::{
     math::{max, min},
     point_cloud::Mesh,
     raster::cover,
+    workspace::Workspace,
 };
 use alloc::vec::Vec;
 use glam::{Vec2, Vec3};
@@ -32,6 +33,23 @@ pub(super) struct DepthBuffer {
 }
 
 impl DepthBuffer {
+    /// In memory that has been kept.
+    pub(super) fn in_memory(workspace: &mut Workspace) -> Self {
+        Self {
+            projected: workspace.growing(),
+            inverse: workspace.growing(),
+            border: workspace.growing(),
+            ..Self::default()
+        }
+    }
+
+    /// Hands its memory back.
+    pub(super) fn keep_in(self, workspace: &mut Workspace) {
+        workspace.keep(self.projected);
+        workspace.keep(self.inverse);
+        workspace.keep(self.border);
+    }
+
     /// Rasterises the front of the mesh.
     pub(super) fn render(&mut self, mesh: &Mesh, camera: &Pinhole) {
         self.projected.clear();

@@ -10,14 +10,14 @@ const RELAXATIONS: u32 = 16;
 const GRAY: Vec3 = Vec3::splat(128.0);
 
 /// Diffuses the known colours into the unknown ones over the mesh's edges. Parts without any known colour take the
-/// mean of all.
-pub(super) fn fill(mesh: &Mesh, colours: Vec<Option<Vec3>>) -> Vec<Vec3> {
+/// mean of all. They are added to `out`, which is empty.
+pub(super) fn fill(mesh: &Mesh, colours: &[Option<Vec3>], out: &mut Vec<Vec3>) {
     let known = || colours.iter().flatten();
     let count = known().count();
     let mean = if count > 0 { known().sum::<Vec3>() / count as f32 } else { GRAY };
-    let mut out: Vec<Vec3> = colours.iter().map(|c| c.unwrap_or(mean)).collect();
+    out.extend(colours.iter().map(|c| c.unwrap_or(mean)));
     if count == 0 || count == colours.len() {
-        return out;
+        return;
     }
     let neighbours = Neighbours::new(mesh, |v| colours[v as usize].is_none());
     // Unknown vertices in the order in which the known colours reach them.
@@ -49,7 +49,6 @@ pub(super) fn fill(mesh: &Mesh, colours: Vec<Option<Vec3>>) -> Vec<Vec3> {
             out[v as usize] = around.iter().map(|&n| out[n as usize]).sum::<Vec3>() / around.len() as f32;
         }
     }
-    out
 }
 
 /// Neighbours of some of the vertices, each edge's other end once per triangle.

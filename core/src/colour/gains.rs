@@ -1,7 +1,10 @@
 //! One gain per camera and channel, so that cameras that see the same surface agree on its colour.
 
 use super::Offer;
-use crate::math::{from_ordered, ordered};
+use crate::{
+    math::{from_ordered, ordered},
+    workspace::Workspace,
+};
 use alloc::{vec, vec::Vec};
 use glam::Vec3;
 
@@ -24,8 +27,13 @@ pub(super) struct Overlap {
 }
 
 impl Overlap {
-    pub(super) fn new(vertices: usize, views: usize) -> Self {
-        Self { stride: vertices.div_ceil(VERTICES).max(1), views, samples: Vec::new() }
+    pub(super) fn new(vertices: usize, views: usize, workspace: &mut Workspace) -> Self {
+        Self { stride: vertices.div_ceil(VERTICES).max(1), views, samples: workspace.growing() }
+    }
+
+    /// Hands its memory back.
+    pub(super) fn keep_in(self, workspace: &mut Workspace) {
+        workspace.keep(self.samples);
     }
 
     pub(super) fn add(&mut self, vertex: usize, view: usize, offer: &Offer) {
@@ -36,20 +44,21 @@ impl Overlap {
 
     /// Gains by least squares in the log domain over pairs of views, each pair with the median ratio of what both see:
     /// highlights, shadows and points off the surface do not count. Their geometric mean is one.
-    pub(super) fn solve(mut self) -> Vec<Vec3> {
+    pub(super) fn solve(&mut self, workspace: &mut Workspace) -> Vec<Vec3> {
         let n = self.views;
         let mut gains = vec![Vec3::ONE; n];
         self.samples.sort_unstable_by_key(|&(vertex, view, _)| (vertex, view));
+        // Pair of views, and the ratio's logarithm as an ordered integer.
+        let mut ratios: Vec<u64> = workspace.growing();
         for channel in 0..3 {
-            // Pair of views, and the ratio's logarithm as an ordered integer.
-            let mut ratios: Vec<u64> = Vec::new();
+            ratios.clear();
             for group in self.samples.chunk_by(|a, b| a.0 == b.0) {
                 for (k, &(_, i, a)) in group.iter().enumerate() {
                     for &(_, j, b) in &group[k + 1..] {
                         let (a, b) = (a[channel], b[channel]);
                         if TRUSTED.contains(&a) && TRUSTED.contains(&b) {
-                            ratios
-                                .push(u64::from(i) << 48 | u64::from(j) << 32 | u64::from(ordered(libm::logf(b / a))));
+                            let log = ordered(libm::logf(b / a));
+                            ratios.push(u64::from(i) << 48 | u64::from(j) << 32 | u64::from(log));
                         }
                     }
                 }
@@ -77,6 +86,7 @@ impl Overlap {
                 gain[channel] = libm::exp(log - mean) as f32;
             }
         }
+        workspace.keep(ratios);
         gains
     }
 }

@@ -11,6 +11,7 @@ use crate::{
     point_cloud::Mesh,
     progress::{self, Progress, Stage},
     view::View,
+    workspace::Workspace,
 };
 use alloc::{vec, vec::Vec};
 use depth::DepthBuffer;
@@ -52,6 +53,7 @@ pub fn colour(
     views: &[View],
     fixed_gains: Option<&[Vec3]>,
     params: &ColourParams,
+    workspace: &mut Workspace,
     progress: &dyn Progress,
 ) -> Result<Vec<Vec3>> {
     // A step a view, one for the gains, one for the blend.
@@ -60,10 +62,10 @@ pub fn colour(
     let blended = params.blended_views.max(1) as usize;
     // Blending needs the best view that is left out as well.
     let kept = if blended == 1 { 1 } else { blended + 1 };
-    let mut offers: Vec<Offer> =
-        vec![Offer { score: 0.0, view: u16::MAX, rgb: Vec3::ZERO }; mesh.positions.len() * kept];
-    let mut overlap = gains::Overlap::new(mesh.positions.len(), views.len());
-    let mut buffer = DepthBuffer::default();
+    let none = Offer { score: 0.0, view: u16::MAX, rgb: Vec3::ZERO };
+    let mut offers: Vec<Offer> = workspace.filled(none, mesh.positions.len() * kept);
+    let mut overlap = gains::Overlap::new(mesh.positions.len(), views.len(), workspace);
+    let mut buffer = DepthBuffer::in_memory(workspace);
     for (i, view) in views.iter().enumerate() {
         buffer.render(mesh, &view.camera);
         for (v, (&position, &normal)) in mesh.positions.iter().zip(&mesh.normals).enumerate() {
@@ -77,16 +79,22 @@ pub fn colour(
     }
     let gains = match fixed_gains {
         Some(gains) => gains.to_vec(),
-        None if compared => overlap.solve(),
+        None if compared => overlap.solve(workspace),
         None => vec![Vec3::ONE; views.len()],
     };
+    buffer.keep_in(workspace);
+    overlap.keep_in(workspace);
     step(views.len() as u32 + 1)?;
-    let colours = offers.chunks_exact(kept).map(|offers| blend(offers, blended, &gains)).collect();
+    let mut seen: Vec<Option<Vec3>> = workspace.empty(mesh.positions.len());
+    seen.extend(offers.chunks_exact(kept).map(|offers| blend(offers, blended, &gains)));
+    workspace.keep(offers);
     step(views.len() as u32 + 2)?;
-    mesh.colours = fill::fill(mesh, colours)
-        .into_iter()
-        .map(|c| c.to_array().map(|v| libm::roundf(v.clamp(0.0, 255.0)) as u8))
-        .collect();
+    let mut colours = workspace.empty(seen.len());
+    fill::fill(mesh, &seen, &mut colours);
+    mesh.colours.clear();
+    mesh.colours.extend(colours.iter().map(|c| c.to_array().map(|v| libm::roundf(v.clamp(0.0, 255.0)) as u8)));
+    workspace.keep(seen);
+    workspace.keep(colours);
     Ok(gains)
 }
 

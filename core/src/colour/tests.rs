@@ -114,7 +114,8 @@ fn seen_vertices_take_the_surface_colour() {
     let views = ring(&balls, 8, |_| Vec3::ONE);
     for blended_views in [1, 3] {
         let mut mesh = mesh(&balls);
-        colour(&mut mesh, &views, None, &ColourParams { blended_views, ..PAPER }, &Silent).unwrap();
+        colour(&mut mesh, &views, None, &ColourParams { blended_views, ..PAPER }, &mut Workspace::default(), &Silent)
+            .unwrap();
         let normals = mesh.normals.clone();
         // All cameras look along the pole's surface, and none sees the sole.
         let error = worst(&mesh, |v| smooth(normals[v]), |v| (-0.3..0.9).contains(&normals[v].z));
@@ -128,8 +129,15 @@ fn hidden_vertices_never_take_the_colour_of_what_hides_them() {
     let balls = [Ball(Vec3::new(0.0, 0.0, -0.3), 0.7, blue), Ball(Vec3::new(0.95, 0.0, 0.1), 0.2, red)];
     for blended_views in [1, 3] {
         let mut mesh = mesh(&balls);
-        colour(&mut mesh, &ring(&balls, 8, |_| Vec3::ONE), None, &ColourParams { blended_views, ..PAPER }, &Silent)
-            .unwrap();
+        colour(
+            &mut mesh,
+            &ring(&balls, 8, |_| Vec3::ONE),
+            None,
+            &ColourParams { blended_views, ..PAPER },
+            &mut Workspace::default(),
+            &Silent,
+        )
+        .unwrap();
         let half = mesh.positions.len() / 2;
         let truth = |v: usize| if v < half { blue(Vec3::ZERO) } else { red(Vec3::ZERO) };
         let error = worst(&mesh, truth, |_| true);
@@ -149,7 +157,8 @@ fn gains_make_the_cameras_agree() {
     }));
     let error = |gains| {
         let mut mesh = mesh(&balls);
-        colour(&mut mesh, &views, None, &ColourParams { gains, blended_views: 1 }, &Silent).unwrap();
+        colour(&mut mesh, &views, None, &ColourParams { gains, blended_views: 1 }, &mut Workspace::default(), &Silent)
+            .unwrap();
         let normals = mesh.normals.clone();
         worst(&mesh, |v| smooth(normals[v]) * mean, |v| normals[v].z > -0.3)
     };
@@ -163,12 +172,12 @@ fn unseen_vertices_continue_their_surroundings() {
     let balls = [Ball(Vec3::new(-0.6, 0.0, 0.0), 0.4, red), Ball(Vec3::new(0.6, 0.0, 0.0), 0.4, blue)];
     let mut mesh = mesh(&balls);
     let views = vec![photograph(&balls, 0, DVec3::new(0.01, 0.0, 4.0), Vec3::ONE)];
-    colour(&mut mesh, &views, None, &PAPER, &Silent).unwrap();
+    colour(&mut mesh, &views, None, &PAPER, &mut Workspace::default(), &Silent).unwrap();
     let half = mesh.positions.len() / 2;
     let error = worst(&mesh, |v| if v < half { red(Vec3::ZERO) } else { blue(Vec3::ZERO) }, |_| true);
     assert!(error < 8.0, "{error}");
     // Without any view all are the same gray.
-    colour(&mut mesh, &[], None, &PAPER, &Silent).unwrap();
+    colour(&mut mesh, &[], None, &PAPER, &mut Workspace::default(), &Silent).unwrap();
     assert!(mesh.colours.iter().all(|&c| c == [128; 3]));
 }
 
@@ -182,5 +191,8 @@ fn cancelling_stops() {
     }
     let balls = [Ball(Vec3::ZERO, 1.0, smooth)];
     let mut mesh = mesh(&balls);
-    assert_eq!(colour(&mut mesh, &ring(&balls, 3, |_| Vec3::ONE), None, &PAPER, &Stop), Err(Error::Cancelled));
+    assert_eq!(
+        colour(&mut mesh, &ring(&balls, 3, |_| Vec3::ONE), None, &PAPER, &mut Workspace::default(), &Stop),
+        Err(Error::Cancelled)
+    );
 }

@@ -9,8 +9,9 @@ use crate::{
     progress::{self, Progress, Stage},
     rig::LEAST_VIEWS,
     view::View,
+    workspace::Workspace,
 };
-use alloc::{vec, vec::Vec};
+use alloc::vec::Vec;
 use glam::Vec3;
 
 /// A pixel's distance grows by at most this factor over the ideal when a point moves: obliquity of rays off the axis.
@@ -76,7 +77,12 @@ pub(super) fn judge(
     (verdict, containing, supporting)
 }
 
-pub(super) fn carve<'a>(views: &'a [View], params: &HullParams, progress: &dyn Progress) -> Result<VisualHull<'a>> {
+pub(super) fn carve<'a>(
+    views: &'a [View],
+    params: &HullParams,
+    workspace: &mut Workspace,
+    progress: &dyn Progress,
+) -> Result<VisualHull<'a>> {
     let carvers: Vec<Carver> = views
         .iter()
         .filter_map(|v| Some(Carver { camera: v.camera, silhouette: v.silhouette.as_ref()?, index: v.index }))
@@ -84,7 +90,7 @@ pub(super) fn carve<'a>(views: &'a [View], params: &HullParams, progress: &dyn P
     if (carvers.len() as u32) < LEAST_VIEWS {
         return Err(Error::TooFewViews { given: carvers.len() as u32, needed: LEAST_VIEWS });
     }
-    let search = Search::new(&carvers, progress)?;
+    let search = Search::new(&carvers, workspace, progress)?;
     let (lower, upper) = (search.lower, search.upper);
     let footprint = footprint(&carvers, (lower + upper) * 0.5);
     let voxel = footprint * params.voxel_pixels;
@@ -96,7 +102,10 @@ pub(super) fn carve<'a>(views: &'a [View], params: &HullParams, progress: &dyn P
 
     // A block answers for its nodes and for the cells up to the next block's first nodes.
     let radius = 0.5 * edge * 1.7320508 + voxel;
-    let (mut list_starts, mut carver_lists, mut needed) = (vec![0u32], Vec::new(), Vec::new());
+    let most = dims.iter().product::<u32>() as usize;
+    let (mut list_starts, mut needed) = (workspace.empty(most + 1), workspace.empty(most));
+    let mut carver_lists = workspace.growing();
+    list_starts.push(0);
     let mut crossing = Vec::new();
     let mut cancelled = Ok(());
     let grid = SparseGrid::new(origin, voxel, dims, |[x, y, z]| {
@@ -123,21 +132,23 @@ pub(super) fn carve<'a>(views: &'a [View], params: &HullParams, progress: &dyn P
         }
     });
     cancelled?;
+    let least_silhouettes = search.needed;
+    workspace.keep(search.cells);
 
+    let values = workspace.empty(grid.blocks.len() * BLOCK_NODES);
     let mut hull = VisualHull {
         carvers,
         grid,
-        values: Vec::new(),
+        values,
         list_starts,
         carver_lists,
         needed,
-        least_silhouettes: search.needed,
+        least_silhouettes,
         lower,
         upper,
         footprint,
     };
     let blocks = hull.grid.blocks.len();
-    hull.values.reserve_exact(blocks * BLOCK_NODES);
     let (mut lower, mut upper) = (Vec3::INFINITY, Vec3::NEG_INFINITY);
     for slot in 0..blocks {
         if slot % 256 == 0 {

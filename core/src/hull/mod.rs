@@ -21,8 +21,10 @@ use crate::{
     progress::Progress,
     silhouette::Silhouette,
     view::View,
+    workspace::Workspace,
 };
 use alloc::vec::Vec;
+use core::mem::take;
 use glam::Vec3;
 
 /// Fewest silhouettes that must see a point for it to belong to the object.
@@ -76,7 +78,28 @@ impl<'a> VisualHull<'a> {
     /// [`crate::Error::EmptyHull`] if no point lies inside all silhouettes that see it, [`crate::Error::TooFewViews`]
     /// if fewer than three views have a silhouette, [`crate::Error::Cancelled`].
     pub fn new(views: &'a [View], params: &HullParams, progress: &dyn Progress) -> Result<Self> {
-        carve::carve(views, params, progress)
+        Self::in_memory(views, params, &mut Workspace::default(), progress)
+    }
+
+    /// [`Self::new`] with memory to use.
+    ///
+    /// # Errors
+    /// As for [`Self::new`].
+    pub fn in_memory(
+        views: &'a [View],
+        params: &HullParams,
+        workspace: &mut Workspace,
+        progress: &dyn Progress,
+    ) -> Result<Self> {
+        carve::carve(views, params, workspace, progress)
+    }
+
+    /// Hands its memory back; it is of no use afterwards.
+    pub fn keep_in(&mut self, workspace: &mut Workspace) {
+        workspace.keep(take(&mut self.values));
+        workspace.keep(take(&mut self.list_starts));
+        workspace.keep(take(&mut self.needed));
+        workspace.keep(take(&mut self.carver_lists));
     }
 
     /// Signed distance to the hull's surface in scene units, positive inside: exact in sign, a lower bound inside.
@@ -131,8 +154,8 @@ impl<'a> VisualHull<'a> {
     }
 
     /// The hull's surface as a closed mesh.
-    pub fn mesh(&self) -> Mesh {
-        marching_cubes(&self.grid, &self.values, 0.0, self.grid.voxel, -self.grid.voxel)
+    pub fn mesh(&self, workspace: &mut Workspace) -> Mesh {
+        marching_cubes(&self.grid, &self.values, 0.0, [self.grid.voxel, -self.grid.voxel], workspace)
     }
 
     /// The grid's block at a point.

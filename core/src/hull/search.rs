@@ -5,6 +5,7 @@ use super::{Carver, LEAST_SILHOUETTES};
 use crate::{
     error::{Error, Result},
     progress::{self, Progress, Stage},
+    workspace::Workspace,
 };
 use alloc::{vec, vec::Vec};
 use glam::Vec3;
@@ -14,11 +15,22 @@ const CELLS: usize = 128;
 /// Half diagonal of a cube over its half edge.
 const DIAGONAL: f32 = 1.7320508;
 
+/// What is in a cell.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Cell {
+    /// Nothing.
+    Empty,
+    /// What too few silhouettes agree on.
+    Stray,
+    /// The object, perhaps.
+    Object,
+}
+
 /// The cells of a cube round the rig's origin that may hold the object.
 pub(super) struct Search {
     half: f32,
-    /// Per cell, x fastest: zero where nothing is, else whether it belongs to the object.
-    kept: Vec<bool>,
+    /// Per cell, x fastest, what is there.
+    pub cells: Vec<Cell>,
     pub lower: Vec3,
     pub upper: Vec3,
     /// How many silhouettes must see a point for it to belong to the object.
@@ -31,21 +43,21 @@ impl Search {
     /// Where hardly a view looks, a few silhouettes agree by accident: between two cameras that face each other the
     /// cones of both run together all the way. So a point needs two silhouettes, or a quarter of those that see the
     /// best seen place; and of the connected groups of cells only those are kept that reach half of that best.
-    pub fn new(carvers: &[Carver], progress: &dyn Progress) -> Result<Self> {
+    pub fn new(carvers: &[Carver], workspace: &mut Workspace, progress: &dyn Progress) -> Result<Self> {
         let half = carvers.iter().map(|c| c.camera.centre.length()).fold(0.0, f32::max) * 1.2;
-        let support = support(carvers, half, progress)?;
+        let support = support(carvers, half, workspace, progress)?;
         let most = support.iter().copied().max().unwrap_or(0);
         let needed = (2 * u32::from(most)).div_ceil(5).max(LEAST_SILHOUETTES);
-        let (labels, best) = label(&support, needed);
-        let kept: Vec<bool> = labels.iter().map(|&l| l > 0 && 2 * best[l as usize - 1] >= most).collect();
+        let cells = sort_out(&support, needed, most, workspace);
+        workspace.keep(support);
         let (mut lower, mut upper) = (Vec3::INFINITY, Vec3::NEG_INFINITY);
         let size = 2.0 * half / CELLS as f32;
-        for (i, _) in kept.iter().enumerate().filter(|&(_, &k)| k) {
+        for (i, _) in cells.iter().enumerate().filter(|&(_, &cell)| cell == Cell::Object) {
             let [x, y, z] = coordinates(i).map(|v| v as f32);
             let corner = Vec3::new(x, y, z) * size - Vec3::splat(half);
             (lower, upper) = (lower.min(corner), upper.max(corner + Vec3::splat(size)));
         }
-        if lower.x > upper.x { Err(Error::EmptyHull) } else { Ok(Self { half, kept, lower, upper, needed }) }
+        if lower.x > upper.x { Err(Error::EmptyHull) } else { Ok(Self { half, cells, lower, upper, needed }) }
     }
 
     /// Whether the object may be in a cube.
@@ -54,7 +66,8 @@ impl Search {
         let index = |v: f32| ((v + self.half) * scale).clamp(0.0, CELLS as f32 - 1.0) as usize;
         let (a, b) = (centre - Vec3::splat(half_edge), centre + Vec3::splat(half_edge));
         (index(a.z)..=index(b.z)).any(|z| {
-            (index(a.y)..=index(b.y)).any(|y| (index(a.x)..=index(b.x)).any(|x| self.kept[(z * CELLS + y) * CELLS + x]))
+            (index(a.y)..=index(b.y))
+                .any(|y| (index(a.x)..=index(b.x)).any(|x| self.cells[(z * CELLS + y) * CELLS + x] == Cell::Object))
         })
     }
 }
@@ -64,8 +77,8 @@ fn coordinates(i: usize) -> [usize; 3] {
 }
 
 /// For every cell the number of views in whose silhouette it may lie, zero if some view excludes it.
-fn support(carvers: &[Carver], half: f32, progress: &dyn Progress) -> Result<Vec<u16>> {
-    let mut support = vec![0u16; CELLS * CELLS * CELLS];
+fn support(carvers: &[Carver], half: f32, workspace: &mut Workspace, progress: &dyn Progress) -> Result<Vec<u16>> {
+    let mut support = workspace.filled(0u16, CELLS * CELLS * CELLS);
     let mut crossing = Vec::new();
     let mut stack = vec![([0usize; 3], CELLS)];
     let mut visited = 0u32;
@@ -95,35 +108,40 @@ fn support(carvers: &[Carver], half: f32, progress: &dyn Progress) -> Result<Vec
     Ok(support)
 }
 
-/// Labels the 26-connected groups of supported cells from 1 on; and each group's best support.
-fn label(support: &[u16], needed: u32) -> (Vec<u32>, Vec<u16>) {
-    let (mut labels, mut best) = (vec![0u32; support.len()], Vec::new());
-    let mut stack = Vec::new();
+/// Finds the 26-connected groups of cells that have the support `needed`: those that reach half of `most` are the object's.
+fn sort_out(support: &[u16], needed: u32, most: u16, workspace: &mut Workspace) -> Vec<Cell> {
+    let mut cells = workspace.filled(Cell::Empty, support.len());
+    let mut group: Vec<u32> = workspace.growing();
     for first in 0..support.len() {
-        if u32::from(support[first]) < needed || labels[first] > 0 {
+        if u32::from(support[first]) < needed || cells[first] != Cell::Empty {
             continue;
         }
-        best.push(0);
-        let group = best.len() as u32;
-        labels[first] = group;
-        stack.push(first);
-        while let Some(i) = stack.pop() {
-            let most = &mut best[group as usize - 1];
-            *most = support[i].max(*most);
+        cells[first] = Cell::Stray;
+        group.clear();
+        group.push(first as u32);
+        let (mut next, mut best) = (0, 0);
+        while next < group.len() {
+            let i = group[next] as usize;
+            next += 1;
+            best = support[i].max(best);
             let [x, y, z] = coordinates(i);
             let range = |v: usize| v.saturating_sub(1)..(v + 2).min(CELLS);
             for z in range(z) {
                 for y in range(y) {
                     for x in range(x) {
                         let j = (z * CELLS + y) * CELLS + x;
-                        if u32::from(support[j]) >= needed && labels[j] == 0 {
-                            labels[j] = group;
-                            stack.push(j);
+                        if u32::from(support[j]) >= needed && cells[j] == Cell::Empty {
+                            cells[j] = Cell::Stray;
+                            group.push(j as u32);
                         }
                     }
                 }
             }
         }
+        if 2 * best >= most {
+            group.iter().for_each(|&i| cells[i as usize] = Cell::Object);
+        }
     }
-    (labels, best)
+    workspace.keep(group);
+    cells
 }

@@ -1,20 +1,23 @@
 //! Drops the parts of a mesh that are not the object.
 
-use alloc::{vec, vec::Vec};
-
-use crate::point_cloud::Mesh;
+use crate::{point_cloud::Mesh, workspace::Workspace};
 
 /// Drops components with less volume than `smallest` times the largest one's, cavities (whose volume is negative) among
 /// them. Returns how many were dropped.
-pub fn drop_small_components(mesh: &mut Mesh, smallest: f32) -> u32 {
-    let mut parent: Vec<u32> = (0..mesh.positions.len() as u32).collect();
+pub fn drop_small_components(mesh: &mut Mesh, smallest: f32, workspace: &mut Workspace) -> u32 {
+    let vertices = mesh.positions.len();
+    let mut roots = workspace.empty(vertices);
+    roots.extend(0..vertices as u32);
     for &[a, b, c] in &mesh.triangles {
-        unite(&mut parent, a, b);
-        unite(&mut parent, b, c);
+        unite(&mut roots, a, b);
+        unite(&mut roots, b, c);
     }
-    let roots: Vec<u32> = (0..parent.len() as u32).map(|v| root(&mut parent, v)).collect();
+    // In rising order each vertex finds its root at once.
+    for v in 0..vertices {
+        roots[v] = roots[roots[v] as usize];
+    }
 
-    let mut volumes = vec![0.0_f64; roots.len()];
+    let mut volumes = workspace.filled(0.0_f64, vertices);
     for triangle in &mesh.triangles {
         let [a, b, c] = triangle.map(|v| mesh.positions[v as usize].as_dvec3());
         volumes[roots[triangle[0] as usize] as usize] += a.dot(b.cross(c)) / 6.0;
@@ -27,11 +30,13 @@ pub fn drop_small_components(mesh: &mut Mesh, smallest: f32) -> u32 {
     let is_root = |&(v, &root): &(usize, &u32)| v as u32 == root;
     let dropped = roots.iter().enumerate().filter(is_root).filter(|&(_, &root)| !kept(root)).count() as u32;
     if dropped == 0 {
+        workspace.keep(roots);
+        workspace.keep(volumes);
         return 0;
     }
 
     const GONE: u32 = u32::MAX;
-    let mut renamed = vec![GONE; roots.len()];
+    let mut renamed = workspace.filled(GONE, vertices);
     let mut count = 0;
     for (v, &root) in roots.iter().enumerate() {
         if kept(root) {
@@ -47,6 +52,9 @@ pub fn drop_small_components(mesh: &mut Mesh, smallest: f32) -> u32 {
         *triangle = triangle.map(|v| renamed[v as usize]);
         triangle[0] != GONE
     });
+    workspace.keep(roots);
+    workspace.keep(volumes);
+    workspace.keep(renamed);
     dropped
 }
 

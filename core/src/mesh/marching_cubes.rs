@@ -8,6 +8,7 @@ use super::neighbourhood::{Neighbourhood, SIDE};
 use crate::grid::{BLOCK, BLOCK_NODES, SparseGrid};
 use crate::math::min;
 use crate::point_cloud::Mesh;
+use crate::workspace::Workspace;
 
 /// How near to a node a vertex may come, as a share of the edge: vertices on different edges stay apart, so that no
 /// triangle degenerates.
@@ -20,11 +21,20 @@ const NO_BLOCK: u32 = u32::MAX;
 ///
 /// Whatever the values are, the mesh is closed, each edge has two triangles, each vertex one fan of triangles, and
 /// triangles are counter-clockwise seen from outside, with area. Normals follow the field's gradient.
-pub fn marching_cubes(grid: &SparseGrid, values: &[f32], iso: f32, inside: f32, outside: f32) -> Mesh {
-    let mut extractor = Extractor::new(grid, values, iso, inside, outside);
+pub fn marching_cubes(
+    grid: &SparseGrid,
+    values: &[f32],
+    iso: f32,
+    [inside, outside]: [f32; 2],
+    workspace: &mut Workspace,
+) -> Mesh {
+    let mut extractor = Extractor::new(grid, values, iso, [inside, outside], workspace);
     extractor.vertices();
     extractor.triangles();
-    let mut mesh = extractor.mesh;
+    let Extractor { mut mesh, active, table, nodes, .. } = extractor;
+    workspace.keep(active);
+    workspace.keep(table);
+    workspace.keep(nodes);
     complete_normals(&mut mesh);
     mesh
 }
@@ -45,9 +55,16 @@ struct Extractor<'a> {
 }
 
 impl<'a> Extractor<'a> {
-    fn new(grid: &'a SparseGrid, values: &'a [f32], iso: f32, inside: f32, outside: f32) -> Self {
+    fn new(
+        grid: &'a SparseGrid,
+        values: &'a [f32],
+        iso: f32,
+        [inside, outside]: [f32; 2],
+        workspace: &mut Workspace,
+    ) -> Self {
         let [w, h, d] = grid.dims.map(|v| v as i32);
-        let (mut active, mut table) = (Vec::new(), Vec::new());
+        let mut active = workspace.growing();
+        let mut table = workspace.empty(((w + 1) * (h + 1) * (d + 1)) as usize);
         for z in -1..d {
             for y in -1..h {
                 for x in -1..w {
@@ -62,8 +79,9 @@ impl<'a> Extractor<'a> {
                 }
             }
         }
-        let nodes = vec![0; active.len() * BLOCK_NODES];
-        Self { grid, values, iso, inside, outside, active, table, nodes, mesh: Mesh::default() }
+        let nodes = workspace.filled(0, active.len() * BLOCK_NODES);
+        let mesh = Mesh::in_memory(workspace);
+        Self { grid, values, iso, inside, outside, active, table, nodes, mesh }
     }
 
     fn load(&self, block: [i32; 3], around: &mut Neighbourhood) {

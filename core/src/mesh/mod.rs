@@ -13,6 +13,7 @@ use crate::error::{Error, Result};
 use crate::params::MeshingParams;
 use crate::point_cloud::{Mesh, Point};
 use crate::progress::{self, Progress, Stage};
+use crate::workspace::Workspace;
 pub use components::drop_small_components;
 pub use marching_cubes::marching_cubes;
 
@@ -61,6 +62,7 @@ pub fn mesh(
     envelope: &dyn Envelope,
     voxel: f32,
     params: &MeshingParams,
+    workspace: &mut Workspace,
     progress: &dyn Progress,
 ) -> Result<Meshed> {
     let (low, high) = envelope.bounds();
@@ -72,10 +74,10 @@ pub fn mesh(
     let total = solves * (poisson::steps(low, high, voxel) + 2) + 1;
     let mut steps = Steps { progress, done: 0, total };
     let mut surface = |points: &[Point], constraint: Option<&dyn Envelope>| -> Result<Mesh> {
-        let solution = poisson::solve(points, (low, high), voxel, params.screening, constraint, &mut steps)?;
-        let mut mesh = solution.surface();
+        let solution = poisson::solve(points, (low, high), voxel, params.screening, constraint, workspace, &mut steps)?;
+        let mut mesh = solution.surface(workspace);
         steps.step()?;
-        poisson::smooth_normals(&mut mesh);
+        poisson::smooth_normals(&mut mesh, workspace);
         steps.step()?;
         Ok(mesh)
     };
@@ -87,7 +89,7 @@ pub fn mesh(
         let first = surface(points, None)?;
         surface(&space_constraint::rectified(&first, envelope, voxel), None)?
     };
-    let components_dropped = drop_small_components(&mut mesh, params.smallest_component);
+    let components_dropped = drop_small_components(&mut mesh, params.smallest_component, workspace);
     progress::step(progress, Stage::Mesh, total, total)?;
     if mesh.triangles.is_empty() {
         return Err(Error::NoSurface);

@@ -1,10 +1,11 @@
 //! The grids' extent, and which nodes lie outside the envelope.
 
-use alloc::{vec, vec::Vec};
+use alloc::vec::Vec;
 use glam::Vec3;
 
 use crate::grid::{BLOCK, BLOCK_NODES, SparseGrid};
 use crate::mesh::Envelope;
+use crate::workspace::Workspace;
 
 /// Extent of the domain relative to the bounds: χ is 0 at its border.
 const ROOM: f32 = 1.3;
@@ -33,8 +34,8 @@ const SLOPE: f32 = 1.3;
 
 /// Signed distance to the envelope at the stored nodes, in voxels, positive inside. Exact where it is within
 /// ± `reach`; elsewhere only its sign and that it is beyond are right, which spares most of the evaluations.
-pub(super) fn distances(grid: &SparseGrid, envelope: &dyn Envelope, reach: f32) -> Vec<f32> {
-    let mut distances = vec![0.0; grid.blocks.len() * BLOCK_NODES];
+pub(super) fn distances(grid: &SparseGrid, envelope: &dyn Envelope, reach: f32, workspace: &mut Workspace) -> Vec<f32> {
+    let mut distances = workspace.filled(0.0, grid.blocks.len() * BLOCK_NODES);
     for (block, out) in grid.blocks.iter().zip(distances.chunks_exact_mut(BLOCK_NODES)) {
         let first = block.map(|v| i32::from(v) * BLOCK as i32);
         cube(grid, envelope, reach, first, [0; 3], BLOCK, out);

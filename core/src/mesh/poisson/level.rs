@@ -5,6 +5,7 @@ use alloc::{vec, vec::Vec};
 use super::samples::{Sample, mark};
 use crate::grid::{BLOCK, BLOCK_NODES, SparseGrid};
 use crate::mesh::neighbourhood::Neighbourhood;
+use crate::workspace::Workspace;
 
 /// A level's grid and the indicator function χ on it: 1 inside the object, 0 outside.
 pub(super) struct Level {
@@ -33,15 +34,21 @@ fn value(levels: &[Level], [x, y, z]: [i32; 3]) -> f32 {
 
 impl Level {
     /// The coarsest level: all of the domain.
-    pub(super) fn coarsest(finest: &SparseGrid, level: usize) -> Self {
+    pub(super) fn coarsest(finest: &SparseGrid, level: usize, workspace: &mut Workspace) -> Self {
         let dims = finest.dims.map(|v| v >> level);
         let grid = SparseGrid::new(finest.origin, finest.voxel * (1 << level) as f32, dims, |_| 0);
-        let chi = vec![0.0; grid.blocks.len() * BLOCK_NODES];
+        let chi = workspace.filled(0.0, grid.blocks.len() * BLOCK_NODES);
         Self { grid, chi }
     }
 
     /// The next finer level: the blocks that points reach or that χ = `iso` can pass, with χ interpolated.
-    pub(super) fn refine(levels: &[Level], samples: &[Sample], level: usize, iso: f32) -> Self {
+    pub(super) fn refine(
+        levels: &[Level],
+        samples: &[Sample],
+        level: usize,
+        iso: f32,
+        workspace: &mut Workspace,
+    ) -> Self {
         let coarse = &levels[levels.len() - 1];
         let dims = coarse.grid.dims.map(|v| 2 * v);
         let reach = if level == 0 { REACH } else { REACH_COARSE };
@@ -51,7 +58,7 @@ impl Level {
             let index = ((z * dims[1] + y) * dims[0] + x) as usize;
             if marks[index] { 0 } else { states[index] }
         });
-        let mut chi = vec![0.0; grid.blocks.len() * BLOCK_NODES];
+        let mut chi = workspace.filled(0.0, grid.blocks.len() * BLOCK_NODES);
         prolong(|node| value(levels, node), &grid, 1.0, &mut chi);
         Self { grid, chi }
     }

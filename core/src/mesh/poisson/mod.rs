@@ -20,6 +20,7 @@ use crate::error::{Error, Result};
 use crate::grid::{BLOCK_NODES, SparseGrid};
 use crate::math::{from_ordered, max, ordered};
 use crate::point_cloud::Point;
+use crate::workspace::Workspace;
 use level::Level;
 use samples::Sample;
 use solve::Operator;
@@ -60,19 +61,20 @@ pub(super) fn solve(
     voxel: f32,
     screening: f32,
     envelope: Option<&dyn Envelope>,
+    workspace: &mut Workspace,
     steps: &mut Steps,
 ) -> Result<Solution> {
     let (finest, count) = domain::domain(low, high, voxel);
-    let mut samples = samples::collect(points, &finest, || steps.step())?;
+    let mut samples = samples::collect(points, &finest, workspace, || steps.step())?;
     if samples.is_empty() {
         return Err(Error::NoSurface);
     }
-    samples::weigh(&mut samples, &finest, count, || steps.step())?;
+    samples::weigh(&mut samples, &finest, count, workspace, || steps.step())?;
     // What is finer than a level acts there and above as a whole.
     let mut samples = vec![samples];
     for level in 1..count {
         let settled = |sample: &Sample| sample.detail <= (level - 1) as f32;
-        samples.push(samples::coarser(&samples[level - 1], settled));
+        samples.push(samples::coarser(&samples[level - 1], settled, workspace));
     }
 
     let mut levels: Vec<Level> = Vec::with_capacity(count);
@@ -81,16 +83,18 @@ pub(super) fn solve(
     for level in (0..count).rev() {
         let samples = samples.pop().expect("there is one list a level");
         let mut next = if levels.is_empty() {
-            Level::coarsest(&finest, level)
+            Level::coarsest(&finest, level, workspace)
         } else {
-            Level::refine(&levels, &samples, level, iso)
+            Level::refine(&levels, &samples, level, iso, workspace)
         };
         steps.step()?;
-        let mut rhs = right_hand_side(&levels, &mut sparse, &samples, &next.grid, level);
+        let mut rhs = right_hand_side(&levels, &mut sparse, &samples, &next.grid, level, workspace);
         steps.step()?;
-        let cells = system::cells(&samples, &next.grid, level);
+        let cells = system::cells(&samples, &next.grid, level, workspace);
+        workspace.keep(samples);
         steps.step()?;
-        distances = envelope.map(|envelope| domain::distances(&next.grid, envelope, MARGIN));
+        distances.into_iter().for_each(|above| workspace.keep(above));
+        distances = envelope.map(|envelope| domain::distances(&next.grid, envelope, MARGIN, workspace));
         let outside = |node: usize| distances.as_ref().is_some_and(|d: &Vec<f32>| d[node] < -MARGIN);
         for (node, chi) in next.chi.iter_mut().enumerate() {
             if outside(node) {
@@ -99,7 +103,7 @@ pub(super) fn solve(
         }
         steps.step()?;
         let neighbours = system::neighbours(&next.grid);
-        let inverse_diagonal = system::inverse_diagonal(&neighbours, &cells, screening, outside);
+        let inverse_diagonal = system::inverse_diagonal(&neighbours, &cells, screening, outside, workspace);
         for cell in &cells {
             for (&node, share) in cell.nodes.iter().zip(cell.shares) {
                 rhs[node as usize] += 0.5 * screening * cell.area * share;
@@ -109,14 +113,19 @@ pub(super) fn solve(
         let operator =
             Operator { neighbours: &neighbours, cells: &cells, screening, inverse_diagonal: &inverse_diagonal };
         if levels.is_empty() {
-            operator.solve(&mut rhs, &mut next.chi, ITERATIONS_COARSEST, TOLERANCE, || Ok(()))?;
+            operator.solve(&mut rhs, &mut next.chi, ITERATIONS_COARSEST, TOLERANCE, workspace, || Ok(()))?;
         } else {
-            operator.solve(&mut rhs, &mut next.chi, ITERATIONS, TOLERANCE, || steps.step())?;
+            operator.solve(&mut rhs, &mut next.chi, ITERATIONS, TOLERANCE, workspace, || steps.step())?;
         }
-        iso = median(&cells, &next.chi);
+        iso = median(&cells, &next.chi, workspace);
         levels.push(next);
+        workspace.keep(rhs);
+        workspace.keep(cells);
+        workspace.keep(inverse_diagonal);
     }
     let Level { grid, chi } = levels.pop().expect("there is at least one level");
+    workspace.keep(sparse);
+    levels.into_iter().for_each(|level| workspace.keep(level.chi));
     Ok(Solution { grid, chi, iso, distances })
 }
 
@@ -128,9 +137,10 @@ fn right_hand_side(
     samples: &[Sample],
     grid: &SparseGrid,
     level: usize,
+    workspace: &mut Workspace,
 ) -> Vec<f32> {
     let here = level as f32;
-    let mut rhs = vec![0.0; grid.blocks.len() * BLOCK_NODES];
+    let mut rhs = workspace.filled(0.0, grid.blocks.len() * BLOCK_NODES);
     if let Some(above) = levels.last() {
         // In square voxels of this level the same divergence is a quarter.
         let part = |[x, y, z]: [i32; 3]| above.grid.value(sparse, x, y, z, 0.0, 0.0);
@@ -139,11 +149,12 @@ fn right_hand_side(
     // Finer samples act in full.
     let whole = |detail: f32| (1.0 - (detail - here)).clamp(0.0, 1.0);
     if level > 0 {
-        let mut own = rhs.clone();
+        let mut own = workspace.empty(rhs.len());
+        own.extend_from_slice(&rhs);
         // A sample's share at a level falls linearly to 0 one level from its own.
         let shares = |detail: f32| [whole(detail), max(1.0 - (detail - here).abs(), 0.0)];
         system::splat(samples, grid, level, shares, [&mut rhs, &mut own]);
-        *sparse = own;
+        workspace.keep(core::mem::replace(sparse, own));
     } else {
         system::splat(samples, grid, level, |detail| [whole(detail)], [&mut rhs]);
     }
@@ -152,18 +163,19 @@ fn right_hand_side(
 
 /// Median of χ at the points, by area: stray points lie on either side of the surface but only those inside the envelope
 /// are there, so that a mean would lie too deep.
-fn median(cells: &[Cell], chi: &[f32]) -> f32 {
+fn median(cells: &[Cell], chi: &[f32], workspace: &mut Workspace) -> f32 {
     let key = |cell: &Cell| u64::from(ordered(cell.value(chi))) << 32 | u64::from(cell.area.to_bits());
     let area = |key: u64| f64::from(f32::from_bits(key as u32));
-    let mut keys: Vec<u64> = cells.iter().map(key).collect();
+    let mut keys: Vec<u64> = workspace.empty(cells.len());
+    keys.extend(cells.iter().map(key));
     keys.sort_unstable();
     let half = 0.5 * keys.iter().fold(0.0, |sum, &key| sum + area(key));
     let mut sum = 0.0;
-    for key in keys {
+    let middle = keys.iter().find(|&&key| {
         sum += area(key);
-        if sum >= half {
-            return from_ordered((key >> 32) as u32);
-        }
-    }
-    0.5
+        sum >= half
+    });
+    let median = middle.map_or(0.5, |key| from_ordered((key >> 32) as u32));
+    workspace.keep(keys);
+    median
 }

@@ -8,6 +8,7 @@ use crate::error::Result;
 use crate::grid::{BLOCK, BLOCK_NODES, SparseGrid};
 use crate::math::{max, min, sqrt};
 use crate::point_cloud::Point;
+use crate::workspace::Workspace;
 
 /// Edge of the cells in which points are merged, in voxels.
 const MERGED: f32 = 0.5;
@@ -33,9 +34,10 @@ pub(super) struct Sample {
 pub(super) fn collect(
     points: &[Point],
     grid: &SparseGrid,
+    workspace: &mut Workspace,
     mut step: impl FnMut() -> Result<()>,
 ) -> Result<Vec<Sample>> {
-    let mut keyed: Vec<(u64, u32)> = Vec::with_capacity(points.len());
+    let mut keyed: Vec<(u64, u32)> = workspace.empty(points.len());
     let size = grid.dims.map(|v| (v as usize * BLOCK) as f32);
     for (i, point) in points.iter().enumerate() {
         let at = (point.position - grid.origin) / grid.voxel;
@@ -52,11 +54,12 @@ pub(super) fn collect(
         let p = &points[i as usize];
         (p.position.to_array().map(f32::to_bits), p.normal.to_array().map(f32::to_bits), p.weight.to_bits())
     };
-    let mut samples = Vec::with_capacity(keyed.len() / 2);
+    let mut samples = workspace.empty(keyed.len() / 2);
     for cell in keyed.chunk_by_mut(|a, b| a.0 == b.0) {
         cell.sort_unstable_by_key(bits);
         samples.push(merged(cell, points, grid));
     }
+    workspace.keep(keyed);
     step()?;
     Ok(samples)
 }
@@ -84,8 +87,8 @@ fn merged(cell: &[(u64, u32)], points: &[Point], grid: &SparseGrid) -> Sample {
 }
 
 /// Samples for a level from those for the next finer one: in cells of twice the size, those that are `settled` merged.
-pub(super) fn coarser(samples: &[Sample], settled: impl Fn(&Sample) -> bool) -> Vec<Sample> {
-    let mut merged = Vec::with_capacity(samples.len() / 2);
+pub(super) fn coarser(samples: &[Sample], settled: impl Fn(&Sample) -> bool, workspace: &mut Workspace) -> Vec<Sample> {
+    let mut merged: Vec<Sample> = workspace.empty(samples.len() / 2);
     for family in samples.chunk_by(|a, b| a.cell >> 3 == b.cell >> 3) {
         let cell = family[0].cell >> 3;
         let empty = Sample { at: Vec3::ZERO, normal: Vec3::ZERO, count: 0.0, area: 0.0, detail: 0.0, cell };
@@ -128,24 +131,29 @@ pub(super) fn weigh(
     samples: &mut [Sample],
     finest: &SparseGrid,
     levels: usize,
+    workspace: &mut Workspace,
     mut step: impl FnMut() -> Result<()>,
 ) -> Result<()> {
-    let mut waiting: Vec<u32> = (0..samples.len() as u32).collect();
-    let mut shares = vec![(0.0, 0.0); samples.len()];
+    let mut waiting: Vec<u32> = workspace.empty(samples.len());
+    waiting.extend(0..samples.len() as u32);
+    let mut shares: Vec<(f32, f32)> = workspace.filled((0.0, 0.0), samples.len());
     let mut merged = Vec::new();
     for level in 1..levels {
-        merged = coarser(if level == 1 { samples } else { &merged }, |_| true);
+        let next = coarser(if level == 1 { samples } else { &merged }, |_| true, workspace);
+        workspace.keep(core::mem::replace(&mut merged, next));
         let scale = 1.0 / (1 << level) as f32;
         let grid = around(&merged, finest, level, 2.0);
         step()?;
-        let density = density(&merged, &grid, scale);
+        let density = density(&merged, &grid, scale, workspace);
         step()?;
         let last = level == levels - 1;
-        let mut left = Vec::new();
-        for (n, &i) in waiting.iter().enumerate() {
+        // Those left over move to the front.
+        let mut left = 0;
+        for n in 0..waiting.len() {
             if n % SAMPLES_A_STEP == 0 {
                 step()?;
             }
+            let i = waiting[n];
             let sample = &samples[i as usize];
             let [count, weight] = Stencil::new(&grid, sample.at * scale).gather(&density);
             let count = count / PLANE;
@@ -156,25 +164,30 @@ pub(super) fn weigh(
                 let detail = libm::log2f(SPREAD * spacing).clamp(0.0, (levels - 1) as f32);
                 shares[i as usize] = (area, detail);
             } else {
-                left.push(i);
+                waiting[left] = i;
+                left += 1;
             }
         }
-        waiting = left;
+        waiting.truncate(left);
+        workspace.keep(density);
         step()?;
         if waiting.is_empty() {
             break;
         }
     }
-    for (sample, (area, detail)) in samples.iter_mut().zip(shares) {
+    for (sample, &(area, detail)) in samples.iter_mut().zip(&shares) {
         sample.area = area;
         sample.detail = detail;
     }
+    workspace.keep(waiting);
+    workspace.keep(shares);
+    workspace.keep(merged);
     Ok(())
 }
 
 /// Number of samples and sum of their areas per cubic voxel, smoothed by the B-spline.
-fn density(samples: &[Sample], grid: &SparseGrid, scale: f32) -> Vec<[f32; 2]> {
-    let mut density = vec![[0.0; 2]; grid.blocks.len() * BLOCK_NODES];
+fn density(samples: &[Sample], grid: &SparseGrid, scale: f32, workspace: &mut Workspace) -> Vec<[f32; 2]> {
+    let mut density = workspace.filled([0.0; 2], grid.blocks.len() * BLOCK_NODES);
     for sample in samples {
         let stencil = Stencil::new(grid, sample.at * scale);
         let [vx, vy, vz] = &stencil.values;

@@ -1,11 +1,10 @@
 //! Conjugate gradients on one level, preconditioned by the diagonal.
 
-use alloc::{vec, vec::Vec};
-
 use super::spline::ABSENT;
 use super::system::Cell;
 use crate::error::Result;
 use crate::grid::{BLOCK, BLOCK_NODES};
+use crate::workspace::Workspace;
 
 /// The operator: six times the node less its neighbours, plus the screening of the cells.
 pub(super) struct Operator<'a> {
@@ -78,16 +77,18 @@ impl Operator<'_> {
         x: &mut [f32],
         iterations: u32,
         tolerance: f64,
+        workspace: &mut Workspace,
         mut step: impl FnMut() -> Result<()>,
     ) -> Result<()> {
         let target = dot(rhs, rhs, self.inverse_diagonal) * tolerance * tolerance;
-        let mut image = vec![0.0; x.len()];
+        let mut image = workspace.filled(0.0, x.len());
         self.apply(x, &mut image);
         let residual = rhs;
         for (r, a) in residual.iter_mut().zip(&image) {
             *r -= a;
         }
-        let mut direction: Vec<f32> = residual.iter().zip(self.inverse_diagonal).map(|(r, d)| r * d).collect();
+        let mut direction = workspace.empty(x.len());
+        direction.extend(residual.iter().zip(self.inverse_diagonal).map(|(r, d)| r * d));
         let mut size = dot(residual, residual, self.inverse_diagonal);
         for _ in 0..iterations {
             step()?;
@@ -117,6 +118,8 @@ impl Operator<'_> {
                 *p = r * d + beta * *p;
             }
         }
+        workspace.keep(image);
+        workspace.keep(direction);
         Ok(())
     }
 }

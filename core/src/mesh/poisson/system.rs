@@ -1,11 +1,12 @@
 //! The linear system of one level: (Δ + screening) χ = divergence of the normals, in units of the level's voxel.
 
-use alloc::{vec, vec::Vec};
+use alloc::vec::Vec;
 
 use super::samples::Sample;
 use super::spline::{ABSENT, Stencil, cube};
 use crate::grid::{BLOCK, BLOCK_NODES, SparseGrid};
 use crate::math::{floor, min};
+use crate::workspace::Workspace;
 
 /// The points of one cell of the grid, merged: they ask for χ = 1/2 at their mean position.
 pub(super) struct Cell {
@@ -63,12 +64,12 @@ pub(super) fn splat<const N: usize>(
 }
 
 /// Merges the samples cell by cell.
-pub(super) fn cells(samples: &[Sample], grid: &SparseGrid, level: usize) -> Vec<Cell> {
+pub(super) fn cells(samples: &[Sample], grid: &SparseGrid, level: usize, workspace: &mut Workspace) -> Vec<Cell> {
     const NONE: u32 = u32::MAX;
     let scale = 1.0 / (1 << level) as f32;
-    let mut index = vec![NONE; grid.blocks.len() * BLOCK_NODES];
+    let mut index = workspace.filled(NONE, grid.blocks.len() * BLOCK_NODES);
     // Area, area times offset from the cell's first corner, that corner.
-    let mut sums: Vec<([f32; 4], [i32; 3])> = Vec::new();
+    let mut sums: Vec<([f32; 4], [i32; 3])> = workspace.growing();
     for sample in samples {
         let at = sample.at * scale;
         let corner = [at.x, at.y, at.z].map(floor);
@@ -88,8 +89,9 @@ pub(super) fn cells(samples: &[Sample], grid: &SparseGrid, level: usize) -> Vec<
             sum[k + 1] += area * (at[k] - corner[k] as f32);
         }
     }
-    let mut cells = Vec::with_capacity(sums.len());
-    for ([area, x, y, z], corner) in sums {
+    workspace.keep(index);
+    let mut cells = workspace.empty(sums.len());
+    for &([area, x, y, z], corner) in &sums {
         let nodes: [u32; 8] = cube(grid, corner);
         if area <= 0.0 || nodes.contains(&ABSENT) {
             continue;
@@ -100,6 +102,7 @@ pub(super) fn cells(samples: &[Sample], grid: &SparseGrid, level: usize) -> Vec<
         // A sample of a coarser level stands for more than this cell's surface.
         cells.push(Cell { nodes, shares, area: min(area, 1.0) });
     }
+    workspace.keep(sums);
     cells
 }
 
@@ -109,8 +112,9 @@ pub(super) fn inverse_diagonal(
     cells: &[Cell],
     screening: f32,
     fixed: impl Fn(usize) -> bool,
+    workspace: &mut Workspace,
 ) -> Vec<f32> {
-    let mut diagonal = vec![6.0_f32; neighbours.len() * BLOCK_NODES];
+    let mut diagonal = workspace.filled(6.0_f32, neighbours.len() * BLOCK_NODES);
     for cell in cells {
         for (&node, share) in cell.nodes.iter().zip(cell.shares) {
             diagonal[node as usize] += screening * cell.area * share * share;
