@@ -1,6 +1,6 @@
 //! Memory that outlives the step that needed it.
 
-use alloc::{boxed::Box, collections::BTreeMap, vec, vec::Vec};
+use alloc::{boxed::Box, vec::Vec};
 use core::any::{Any, TypeId};
 
 /// Vectors that a step hands back for the next one to use, and a frame for the next: memory is asked for once, but more is
@@ -9,8 +9,16 @@ use core::any::{Any, TypeId};
 #[derive(Debug, Default)]
 pub struct Workspace {
     keeps: bool,
-    /// A list of vectors for each type of item.
-    kept: BTreeMap<TypeId, Box<dyn Any + Send + Sync>>,
+    kept: Vec<Kept>,
+}
+
+/// A vector without items.
+#[derive(Debug)]
+struct Kept {
+    /// Type and number of the items for which it has room.
+    items: TypeId,
+    room: usize,
+    vector: Box<dyn Any + Send + Sync>,
 }
 
 impl Workspace {
@@ -19,50 +27,52 @@ impl Workspace {
         Self { keeps: true, ..Self::default() }
     }
 
-    fn kept<T: Send + Sync + 'static>(&mut self) -> &mut Vec<Vec<T>> {
-        let kept = self.kept.entry(TypeId::of::<T>()).or_insert_with(|| Box::new(Vec::<Vec<T>>::new()));
-        kept.downcast_mut().expect("what is kept under a type is of that type")
+    /// The smallest kept vector with room for `len` items. If none has it, the largest goes: a new one takes its place.
+    fn roomy(&mut self, items: TypeId, len: usize) -> Option<Kept> {
+        let fits = |kept: &Kept| kept.items == items && kept.room >= len;
+        let roomy = (0..self.kept.len()).filter(|&i| fits(&self.kept[i])).min_by_key(|&i| self.kept[i].room);
+        if roomy.is_none() {
+            self.largest(items);
+        }
+        roomy.map(|i| self.kept.swap_remove(i))
     }
 
-    /// The smallest kept vector with room for `len` items. If none has it, the largest goes: a new one takes its place.
-    fn roomy<T: Send + Sync + 'static>(&mut self, len: usize) -> Option<Vec<T>> {
-        let kept = self.kept::<T>();
-        let roomy = (0..kept.len()).filter(|&i| kept[i].capacity() >= len).min_by_key(|&i| kept[i].capacity());
-        if roomy.is_none() {
-            self.growing::<T>();
-        }
-        roomy.map(|i| self.kept().swap_remove(i))
+    fn largest(&mut self, items: TypeId) -> Option<Kept> {
+        let of_type = (0..self.kept.len()).filter(|&i| self.kept[i].items == items);
+        let largest = of_type.max_by_key(|&i| self.kept[i].room);
+        largest.map(|i| self.kept.swap_remove(i))
     }
 
     /// An empty vector with room for `len` items.
     pub(crate) fn empty<T: Send + Sync + 'static>(&mut self, len: usize) -> Vec<T> {
-        self.roomy(len).unwrap_or_else(|| Vec::with_capacity(len))
+        let kept = self.roomy(TypeId::of::<T>(), len);
+        kept.map_or_else(|| Vec::with_capacity(len), Kept::vector)
     }
 
     /// An empty vector that will grow by as much as cannot be foretold: the largest kept one.
     pub(crate) fn growing<T: Send + Sync + 'static>(&mut self) -> Vec<T> {
-        let kept = self.kept::<T>();
-        let largest = (0..kept.len()).max_by_key(|&i| kept[i].capacity());
-        largest.map_or_else(Vec::new, |i| kept.swap_remove(i))
+        self.largest(TypeId::of::<T>()).map_or_else(Vec::new, Kept::vector)
     }
 
     /// A vector of `len` times `value`.
     pub(crate) fn filled<T: Clone + Send + Sync + 'static>(&mut self, value: T, len: usize) -> Vec<T> {
-        match self.roomy(len) {
-            Some(mut filled) => {
-                filled.resize(len, value);
-                filled
-            }
-            None => vec![value; len],
-        }
+        let mut filled = self.empty(len);
+        filled.resize(len, value);
+        filled
     }
 
     /// Takes a vector's memory back.
     pub fn keep<T: Send + Sync + 'static>(&mut self, mut used: Vec<T>) {
-        used.clear();
         if self.keeps && used.capacity() > 0 {
-            self.kept().push(used);
+            used.clear();
+            self.kept.push(Kept { items: TypeId::of::<T>(), room: used.capacity(), vector: Box::new(used) });
         }
+    }
+}
+
+impl Kept {
+    fn vector<T: 'static>(self) -> Vec<T> {
+        *self.vector.downcast().expect("a vector is kept with the type of its items")
     }
 }
 
@@ -84,9 +94,16 @@ mod tests {
         workspace.keep(small);
         let largest = workspace.growing::<u32>();
         assert_eq!(largest.as_ptr(), places.1);
-        // What is too small makes room for what is not.
-        drop(workspace.empty::<u32>(5000));
-        assert!(workspace.kept::<u32>().is_empty());
+        // What is too small makes room for what is not; other types have vectors of their own.
         assert_eq!(workspace.growing::<f32>().capacity(), 0);
+        drop(workspace.empty::<u32>(5000));
+        assert!(workspace.kept.is_empty());
+    }
+
+    #[test]
+    fn one_that_keeps_nothing_is_empty() {
+        let mut workspace = Workspace::default();
+        workspace.keep(Vec::<u32>::with_capacity(10));
+        assert_eq!(workspace.growing::<u32>().capacity(), 0);
     }
 }

@@ -9,7 +9,7 @@ use crate::{
 };
 use js_sys::{Function, Uint8Array, Uint8ClampedArray};
 use pcmvs_core::{
-    Camera, ChromaKey, ImageRef, Mask, Params, PixelFormat, Preset, Progress, Serial, View, ViewInput,
+    Camera, ChromaKey, Error, ImageRef, Mask, Params, PixelFormat, Preset, Progress, Serial, View, ViewInput,
     params::{ColourParams, HullParams},
     reconstruct,
     silhouette::Silhouette,
@@ -18,9 +18,6 @@ use pcmvs_scene::Picture;
 use serde::Deserialize;
 use std::rc::Rc;
 use wasm_bindgen::prelude::*;
-
-/// Cameras that a sketch needs at least.
-const SKETCHED: usize = 8;
 
 /// A key as JavaScript writes it: what is left out is the default.
 #[derive(Deserialize)]
@@ -142,41 +139,48 @@ impl Frame {
             Some("preview") => Preset::Preview,
             _ => return Err(Failed::new("input", "a preset is one of default, paper, hull, preview", None, None)),
         };
-        self.run(&self.rig, 1, &Params::preset(preset), progress)
+        let all: Vec<usize> = (0..self.slots.len()).collect();
+        self.run(&self.rig, &all, &Params::preset(preset), progress)
     }
 
-    /// A coarse visual hull, from every second camera where there are many: something to look at early. Its `stages`
+    /// A coarse visual hull from the cameras that have their pictures so far: something to look at early. Its `stages`
     /// are empty but for the hull. Throws `PcmvsError`.
     pub fn sketch(&self) -> Result<Reconstruction, Failed> {
         let mut params = Params::preset(Preset::Hull);
         params.hull = HullParams { voxel_pixels: 4.0 };
         params.colour = ColourParams { gains: false, blended_views: 1 };
-        let cameras = self.rig.cameras();
-        let step = if cameras.len() < 2 * SKETCHED { 1 } else { 2 };
-        let chosen: Vec<Camera> = cameras.iter().step_by(step).cloned().collect();
-        let rig = pcmvs_core::Rig::new(&chosen).map_err(|error| Failed::core(&error, None))?;
-        self.run(&rig, step, &params, None)
+        let there: Vec<usize> = (0..self.slots.len()).filter(|&i| self.slots[i].image.is_some()).collect();
+        let cameras: Vec<Camera> = there.iter().map(|&i| self.rig.cameras()[i]).collect();
+        let rig = pcmvs_core::Rig::new(&cameras).map_err(|error| Failed::core(&error, None))?;
+        self.run(&rig, &there, &params, None)
     }
 }
 
 impl Frame {
-    /// With every `step`th of the cameras, which `rig` has.
+    /// With the chosen cameras, which `rig` has.
     fn run(
         &self,
         rig: &pcmvs_core::Rig,
-        step: usize,
+        chosen: &[usize],
         params: &Params,
         progress: Option<ProgressFunction>,
     ) -> Result<Reconstruction, Failed> {
-        let chosen = (0..self.slots.len()).step_by(step);
-        let inputs: Vec<ViewInput> = chosen.map(|i| self.input(i)).collect::<Result<_, _>>()?;
+        let inputs: Vec<ViewInput> = chosen.iter().map(|&i| self.input(i)).collect::<Result<_, _>>()?;
         let callback = Callback::new(progress.map(|f| f.unchecked_into::<Function>()));
         let sink: &dyn Progress = &callback;
         match reconstruct(rig, &inputs, params, &Serial, sink) {
             Ok(result) => Ok(Reconstruction::new(result, rig.origin())),
-            Err(error) => Err(match callback.thrown() {
+            Err(mut error) => Err(match callback.thrown() {
                 Some(thrown) => thrown.into(),
-                None => Failed::core(&error, callback.stage()),
+                None => {
+                    if let Error::Camera { camera, .. }
+                    | Error::Image { camera, .. }
+                    | Error::Silhouette { camera, .. } = &mut error
+                    {
+                        *camera = chosen[*camera as usize] as u32;
+                    }
+                    Failed::core(&error, callback.stage())
+                }
             }),
         }
     }

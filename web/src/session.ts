@@ -93,17 +93,16 @@ export class Session {
         const ladder: Rung[] = position > 0 ? [preset] : [...coarse, preset];
         const shares = ladder.length === 3 ? [0.05, 0.25, 0.7] : ladder.length === 2 ? [0.2, 0.8] : [1];
         const views = this.chosen.map((camera) => viewFiles(this.scene, this.entries, position, camera, this.choice));
-        let step = 0;
         await pool.run({ type: "frame", cameras: this.cameras, views, up: this.scene.up, rungs: ladder, stages: position < STAGES_KEPT }, {
             progress: (preset, stage, done, total) => {
                 const before = STAGES.slice(0, STAGES.indexOf(stage)).reduce((sum, s) => sum + STAGE_SHARES[s], 0);
                 const inside = before + (STAGE_SHARES[stage] * done) / Math.max(total, 1);
+                const step = ladder.indexOf(preset);
                 const sum = shares.slice(0, step).reduce((a, b) => a + b, 0) + shares[step] * inside;
                 this.fractions[position] = Math.max(this.fractions[position], Math.min(sum, 1));
                 tell(this.status(position, preset, stage));
             },
             result: (made) => {
-                step++;
                 this.clip.set(position, { glb: new Blob([made.glb], { type: "model/gltf-binary" }), preset: made.preset, triangles: made.triangles, seconds: made.seconds, stages: made.stages });
             },
         });

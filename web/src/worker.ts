@@ -8,6 +8,9 @@ import { bytesOf, readZip, unpack } from "./zip";
 /** Colour of silhouettes over pictures, as an image's bytes (little-endian). */
 const TINT = (151 << 16) | (220 << 8) | 61;
 
+/** Cameras that a sketch needs at least. */
+const SKETCHED = 8;
+
 const scope = self as unknown as DedicatedWorkerGlobalScope;
 const reply = (message: Reply, transfer: Transferable[] = []) => scope.postMessage(message, transfer);
 
@@ -83,18 +86,27 @@ async function withFrame<T>(cameras: Camera[], work: (frame: Frame, rig: Rig) =>
 
 const reconstruct = (job: Extract<Job, { type: "frame" }>) =>
     withFrame(job.cameras, async (frame, rig) => {
-        const files = await Promise.all(job.views.map(readView));
-        for (const [i, { image, mask }] of files.entries()) {
-            frame.setImage(i, image);
-            const key = job.views[i].key;
-            if (key) frame.setChromaKey(i, key);
-            else if (mask) frame.setMask(i, mask);
-        }
-        files.length = 0;
+        const load = async (cameras: number[]) => {
+            const files = await Promise.all(cameras.map((i) => readView(job.views[i])));
+            for (const [n, { image, mask }] of files.entries()) {
+                const i = cameras[n];
+                frame.setImage(i, image);
+                const key = job.views[i].key;
+                if (key) frame.setChromaKey(i, key);
+                else if (mask) frame.setMask(i, mask);
+            }
+        };
+        const all = job.views.map((_, i) => i);
+        // Of many pictures every second one does for a sketch, which then comes before the others are decoded.
+        const sketched = (i: number) => all.length < 2 * SKETCHED || i % 2 === 0;
+        const early = job.rungs.includes("sketch") ? all.filter(sketched) : [];
+        await load(early);
         for (const preset of job.rungs) {
+            if (preset !== "sketch") await load(all.splice(0).filter((i) => !early.includes(i)));
             const start = performance.now();
             const tell = (stage: Stage, done: number, total: number) => reply({ type: "progress", preset, stage, done, total });
-            const made = preset === "sketch" ? frame.sketch() : frame.reconstruct(preset, tell);
+            const made = preset === "sketch" ? sketch(frame) : frame.reconstruct(preset, tell);
+            if (!made) continue;
             const seconds = (performance.now() - start) / 1000;
             const glb = made.glb(job.up) as Uint8Array<ArrayBuffer>;
             const { vertices, triangles } = made;
@@ -103,6 +115,16 @@ const reconstruct = (job: Extract<Job, { type: "frame" }>) =>
             reply({ type: "result", result: { preset, glb, vertices, triangles, seconds, stages } }, [glb.buffer, ...buffers(stages)]);
         }
     });
+
+/** A sketch, or none: what half of the cameras are too few for may do for all. */
+function sketch(frame: Frame) {
+    try {
+        return frame.sketch();
+    } catch (error) {
+        if (["out-of-memory", "internal"].includes(failure(error).code)) throw error;
+        return null;
+    }
+}
 
 function stagesOf(made: ReturnType<Frame["reconstruct"]>, rig: Rig): FrameStages {
     const mesh = made.mesh("hull");

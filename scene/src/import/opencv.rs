@@ -131,7 +131,10 @@ fn distortion(value: &Value) -> Result<[f64; 5], String> {
 fn rotation(numbers: &[f64]) -> Result<[[f64; 3]; 3], String> {
     match *numbers {
         [x, y, z] => {
-            let matrix = DMat3::from_quat(DQuat::from_scaled_axis(DVec3::new(x, y, z)));
+            let vector = DVec3::new(x, y, z);
+            let (sine, cosine) = libm::sincos(0.5 * vector.length());
+            let axis = vector.normalize_or_zero() * sine;
+            let matrix = DMat3::from_quat(DQuat::from_xyzw(axis.x, axis.y, axis.z, cosine));
             Ok(matrix.transpose().to_cols_array_2d())
         }
         _ => to_array(numbers, "R").map(rows),
