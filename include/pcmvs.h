@@ -35,8 +35,8 @@
  * Memory. Results can be had in memory of the caller's choice: pcmvs_frame_copy_... and ..._to_buffer write to its
  * buffers, ..._export_... calls back with a file's bytes. Working memory comes from the C library's malloc, calloc,
  * realloc, posix_memalign and free, or all of it from the functions given to pcmvs_set_allocator. A frame that follows
- * another one on its handle uses much of its memory again. The option max_memory refuses a frame that would need more
- * before it takes it. Where there is none left all the same, from malloc or from those functions, the process is aborted:
+ * another one on its handle uses its memory again. The option max_memory refuses a frame that would need more before it
+ * takes it, and has less kept. Where there is none left all the same, from malloc or from those functions, the process is aborted:
  * Rust's containers know no other way.
  *
  * Structs. Those that callers fill in begin with struct_size; call their init function first and set members then.
@@ -497,6 +497,7 @@ typedef struct pcmvs_options {
   void *parallel_user;
   // Most bytes that a frame may need on one thread beside the pictures given to it, or 0 for no limit. A frame that
   // needs more fails with `PCMVS_STATUS_OUT_OF_MEMORY` as soon as its hull is known, and tells how much it needs.
+  // Without a limit a frame keeps working memory for the next one, and takes up to twice as much.
   uint64_t max_memory;
 } pcmvs_options;
 

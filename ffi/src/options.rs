@@ -46,6 +46,7 @@ pub struct pcmvs_options {
     pub parallel_user: *mut c_void,
     /// Most bytes that a frame may need on one thread beside the pictures given to it, or 0 for no limit. A frame that
     /// needs more fails with `PCMVS_STATUS_OUT_OF_MEMORY` as soon as its hull is known, and tells how much it needs.
+    /// Without a limit a frame keeps working memory for the next one, and takes up to twice as much.
     pub max_memory: u64,
 }
 

@@ -1,10 +1,28 @@
-// What takes longest to come, asked for before the page itself is read: workers compile while three.js loads.
+// What takes longest to come, asked for before the page itself is read: workers compile, the sample's pictures come, and a
+// first sketch is made of them while three.js loads.
 import { sampleFiles } from "./files";
 import { Pool, warm } from "./pool";
+import type { FrameResult } from "./protocol";
+import { viewFiles } from "./session";
 
 warm(2);
 /** For what is not a frame: opening, pictures of cameras, exports. */
 export const aside = new Pool(1);
 export const sample = sampleFiles();
-// Told where it is awaited.
+
+async function sketched(): Promise<FrameResult> {
+    const entries = await sample;
+    const scene = await aside.run({ type: "open", entries });
+    const views = scene.cameras.map((_, camera) => viewFiles(scene, entries, 0, camera, "masks"));
+    const made = Promise.withResolvers<FrameResult>();
+    const pool = new Pool(1);
+    await pool.run({ type: "frame", cameras: scene.cameras, views, up: scene.up, rungs: ["sketch"], stages: false }, { result: made.resolve });
+    pool.leave();
+    return made.promise;
+}
+
+/** A sketch of the sample's first frame. */
+export const sketch = sketched();
+// Told where they are awaited.
 sample.catch(() => {});
+sketch.catch(() => {});

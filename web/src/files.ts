@@ -12,14 +12,8 @@ export async function sampleFiles(): Promise<Entries> {
     const scene = await response.blob();
     const { frames } = JSON.parse(await scene.text()) as { frames: { images: string[]; masks: string[] }[] };
     const entries: Entries = new Map([["scene.json", { kind: "blob", blob: scene }]]);
-    const paths = (some: typeof frames) => some.flatMap((frame) => [...frame.images, ...frame.masks]);
-    for (const path of paths(frames)) entries.set(path, { kind: "url", url: new URL(path, base).href });
-    // The first frame's pictures at once; what fails to come is asked for again, and told, when it is used.
-    const fetched = paths(frames.slice(0, 1)).map(async (path) => {
-        const picture = await fetch(new URL(path, base));
-        if (picture.ok) entries.set(path, { kind: "blob", blob: await picture.blob() });
-    });
-    await Promise.allSettled(fetched);
+    // Workers fetch the pictures: this thread is busy while the page loads.
+    for (const path of frames.flatMap((frame) => [...frame.images, ...frame.masks])) entries.set(path, { kind: "url", url: new URL(path, base).href });
     return entries;
 }
 

@@ -2,11 +2,11 @@
 import type { ChromaKey, Preset, Scene, Stage } from "pcmvs";
 import { meanUp } from "./cameras";
 import { Clip, inspectGlb, type ClipFrame } from "./clip";
-import { aside, sample } from "./early";
+import { aside, sample, sketch } from "./early";
 import { clipZip, fileName, ply, save } from "./exports";
 import { droppedFiles, pickedFiles, sampleFiles } from "./files";
 import { JobError, Pool } from "./pool";
-import type { Entries, Failure, Rung, StageView } from "./protocol";
+import type { Entries, Failure, FrameResult, Rung, StageView } from "./protocol";
 import { Session, chosenCameras, viewFiles, type Choice, type SilhouetteChoice, type Status, type ViewChoice } from "./session";
 import { Strip } from "./strip";
 import { SHADINGS, Viewer, type Shading } from "./viewer";
@@ -112,7 +112,7 @@ function setCapture(next: Capture | null) {
     drawTransport(clip);
 }
 
-async function open(name: string, found: Promise<Entries>, run: boolean) {
+async function open(name: string, found: Promise<Entries>, run: boolean, sketch?: Promise<FrameResult>) {
     const mine = ++turn;
     stop();
     $("errors").replaceChildren();
@@ -129,7 +129,7 @@ async function open(name: string, found: Promise<Entries>, run: boolean) {
         input("show-cameras").checked = !run;
         viewer.showCameras(!run);
         say(run ? "Starting…" : "Ready: check cameras and silhouettes, then reconstruct");
-        if (run) reconstruct();
+        if (run) reconstruct(sketch);
     } catch (error) {
         if (mine !== turn) return;
         say("Nothing opened");
@@ -206,7 +206,7 @@ function rigShown() {
     const { position } = capture.clip;
     return {
         cameras: chosen.map((i) => scene.cameras[i]),
-        files: (camera: number) => viewFiles(scene, entries, position, chosen[camera], made),
+        files: (camera: number) => viewFiles(scene, entries, position, chosen[camera], made.silhouettes, made.key),
         tinted: made.silhouettes === "chroma",
     };
 }
@@ -230,7 +230,7 @@ function poolSize(scene: Scene, cameras: number): number {
     return Math.max(1, Math.min(navigator.hardwareConcurrency, scene.frames.length, Math.floor((memory * 2 ** 30) / 2 / bytes)));
 }
 
-function reconstruct() {
+function reconstruct(sketch?: Promise<FrameResult>) {
     const source = capture?.source;
     if (!capture || !source) return;
     stop();
@@ -240,7 +240,7 @@ function reconstruct() {
     setCapture({ ...capture, clip: new Clip(scene.frames.map((f) => f.index), scene.fps ?? FPS) });
     viewer.setUp(scene.up ?? meanUp(scene.cameras));
     const { clip } = capture;
-    const session = new Session(scene, entries, choice(), clip);
+    const session = new Session(scene, entries, choice(), clip, sketch);
     // Pictures of the cameras can wait.
     strip.load(rigShown(), session.finished);
     const pool = new Pool(poolSize(scene, session.cameras.length));
@@ -377,7 +377,7 @@ on("loop", "click", () => {
     capture.clip.looping = !capture.clip.looping;
     drawTransport(capture.clip);
 });
-on("run", "click", reconstruct);
+on("run", "click", () => reconstruct());
 on("cancel", "click", () => {
     turn++;
     stop();
@@ -493,4 +493,4 @@ function keepForOffline() {
     });
 }
 
-void attempt(() => open("Sample: 20 synthetic cameras", sample, true));
+void attempt(() => open("Sample: 20 synthetic cameras", sample, true, sketch));

@@ -61,6 +61,11 @@ export class Pool {
         for (const task of tasks) task.reject(new JobError(CANCELLED));
     }
 
+    /** Leaves idle workers to other pools. */
+    leave() {
+        warmed.push(...this.idle.splice(0));
+    }
+
     /** Gives idle workers' memory back. */
     rest() {
         for (const worker of this.idle.splice(0)) worker.terminate();

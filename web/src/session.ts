@@ -2,7 +2,7 @@
 import type { Camera, ChromaKey, Preset, Scene, Stage } from "pcmvs";
 import type { Clip } from "./clip";
 import { JobError, type Pool } from "./pool";
-import type { Entries, Entry, Failure, Rung, ViewFiles } from "./protocol";
+import type { Entries, Entry, Failure, FrameResult, Rung, ViewFiles } from "./protocol";
 
 export type ViewChoice = "all" | "half" | "bino";
 export type SilhouetteChoice = "masks" | "chroma" | "none";
@@ -35,13 +35,13 @@ function find(entries: Entries, path: string): Entry {
 }
 
 /** A camera's files in a frame. */
-export function viewFiles(scene: Scene, entries: Entries, frame: number, camera: number, choice: Choice): ViewFiles {
+export function viewFiles(scene: Scene, entries: Entries, frame: number, camera: number, silhouettes: SilhouetteChoice, key: ChromaKey | null = null): ViewFiles {
     const { images, masks } = scene.frames[frame];
-    const mask = choice.silhouettes === "masks" ? (masks?.[camera] ?? null) : null;
+    const mask = silhouettes === "masks" ? (masks?.[camera] ?? null) : null;
     return {
         image: find(entries, images[camera]),
         mask: mask === null ? null : find(entries, mask),
-        key: choice.silhouettes === "chroma" ? choice.key : null,
+        key: silhouettes === "chroma" ? key : null,
     };
 }
 
@@ -66,7 +66,8 @@ export class Session {
     /** The first frame is as good as it gets, or there will be none. */
     readonly finished = this.first.promise;
 
-    constructor(readonly scene: Scene, private readonly entries: Entries, private readonly choice: Choice, private readonly clip: Clip) {
+    /** `sketch` is one of the first frame that has been begun already. */
+    constructor(readonly scene: Scene, private readonly entries: Entries, private readonly choice: Choice, private readonly clip: Clip, private readonly sketch?: Promise<FrameResult>) {
         this.fractions = scene.frames.map(() => 0);
         this.chosen = chosenCameras(scene, choice.views);
         this.cameras = this.chosen.map((i) => scene.cameras[i]);
@@ -92,8 +93,16 @@ export class Session {
         const coarse: Rung[] = preset === "hull" || preset === "preview" ? ["sketch"] : ["sketch", "preview"];
         const ladder: Rung[] = position > 0 ? [preset] : [...coarse, preset];
         const shares = ladder.length === 3 ? [0.05, 0.25, 0.7] : ladder.length === 2 ? [0.2, 0.8] : [1];
-        const views = this.chosen.map((camera) => viewFiles(this.scene, this.entries, position, camera, this.choice));
-        await pool.run({ type: "frame", cameras: this.cameras, views, up: this.scene.up, rungs: ladder, stages: position < STAGES_KEPT }, {
+        const show = (made: FrameResult) => {
+            this.clip.set(position, { glb: new Blob([made.glb], { type: "model/gltf-binary" }), preset: made.preset, triangles: made.triangles, seconds: made.seconds, stages: made.stages });
+        };
+        const rungs = this.sketch && position === 0 ? ladder.slice(1) : ladder;
+        if (position === 0) {
+            // It comes sooner alone; without it there is a better one soon.
+            await this.sketch?.then(show, () => {});
+        }
+        const views = this.chosen.map((camera) => viewFiles(this.scene, this.entries, position, camera, this.choice.silhouettes, this.choice.key));
+        await pool.run({ type: "frame", cameras: this.cameras, views, up: this.scene.up, rungs, stages: position < STAGES_KEPT }, {
             progress: (preset, stage, done, total) => {
                 const before = STAGES.slice(0, STAGES.indexOf(stage)).reduce((sum, s) => sum + STAGE_SHARES[s], 0);
                 const inside = before + (STAGE_SHARES[stage] * done) / Math.max(total, 1);
@@ -102,9 +111,7 @@ export class Session {
                 this.fractions[position] = Math.max(this.fractions[position], Math.min(sum, 1));
                 tell(this.status(position, preset, stage));
             },
-            result: (made) => {
-                this.clip.set(position, { glb: new Blob([made.glb], { type: "model/gltf-binary" }), preset: made.preset, triangles: made.triangles, seconds: made.seconds, stages: made.stages });
-            },
+            result: show,
         });
         this.first.resolve();
         this.fractions[position] = 1;

@@ -17,7 +17,9 @@ const reply = (message: Reply, transfer: Transferable[] = []) => scope.postMessa
 scope.onmessage = async (event: MessageEvent<Job>) => {
     try {
         const { memory } = await ready;
-        const [value, transfer] = await run(event.data);
+        const job = event.data;
+        const [value, transfer] = await run(job);
+        if (!(job.type === "frame" && job.rungs.at(-1) === "sketch")) fetched.clear();
         reply({ type: "done", value, memory: memory.buffer.byteLength }, transfer);
     } catch (error) {
         reply({ type: "failed", failure: failure(error) });
@@ -187,11 +189,18 @@ async function readView(view: ViewFiles): Promise<{ image: Uint8Array; mask: Uin
     return { image: await read(view.image), mask: await mask };
 }
 
+/** What came over the network for a sketch: the whole frame, which follows, needs it too. */
+const fetched = new Map<string, Uint8Array>();
+
 async function read(entry: Entry): Promise<Uint8Array> {
     if (entry.kind !== "url") return readNow(entry);
+    const here = fetched.get(entry.url);
+    if (here) return here;
     const response = await fetch(entry.url);
     if (!response.ok) throw Object.assign(new Error(`${entry.url}: the server says ${response.status}: load the page again`), { code: "input" });
-    return new Uint8Array(await response.arrayBuffer());
+    const bytes = new Uint8Array(await response.arrayBuffer());
+    fetched.set(entry.url, bytes);
+    return bytes;
 }
 
 /** Reads a local file at once, as only workers may. */
