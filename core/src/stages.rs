@@ -90,8 +90,8 @@ pub fn implicit(hull_mesh: &Mesh, views: &[View], params: &Params, progress: &dy
     Ok(cloud)
 }
 
-/// The mesh of the coarse pass, which guides the second; empty if `params` does without. `scratch` are buffers to use, more
-/// are added where more pieces run at a time.
+/// The mesh of the coarse pass, which guides the second; empty if `params` does without. Of the memory to use the first are
+/// buffers of views; more are added where more pieces run at a time.
 ///
 /// # Errors
 /// [`crate::Error::NoSurface`] and [`crate::Error::Cancelled`].

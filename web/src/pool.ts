@@ -36,7 +36,8 @@ export class Pool {
     private readonly waiting: Task[] = [];
     private readonly idle: Worker[] = [];
     private readonly busy = new Map<Worker, Task>();
-    private cancelled = false;
+    /** It has been ended for good. */
+    cancelled = false;
     /** Most memory that an instance has had, bytes. */
     memory = 0;
 

@@ -97,10 +97,8 @@ export class Session {
             this.clip.set(position, { glb: new Blob([made.glb], { type: "model/gltf-binary" }), preset: made.preset, triangles: made.triangles, seconds: made.seconds, stages: made.stages });
         };
         const rungs = this.sketch && position === 0 ? ladder.slice(1) : ladder;
-        if (position === 0) {
-            // It comes sooner alone; without it there is a better one soon.
-            await this.sketch?.then(show, () => {});
-        }
+        // It comes sooner alone; without it there is a better one soon.
+        if (position === 0) await this.sketch?.then((sketch) => pool.cancelled || show(sketch), () => {});
         const views = this.chosen.map((camera) => viewFiles(this.scene, this.entries, position, camera, this.choice.silhouettes, this.choice.key));
         await pool.run({ type: "frame", cameras: this.cameras, views, up: this.scene.up, rungs, stages: position < STAGES_KEPT }, {
             progress: (preset, stage, done, total) => {
