@@ -33,6 +33,18 @@ static int follow(void *user, pcmvs_stage stage, uint32_t done, uint32_t total) 
     return sink->calls == sink->cancel_at;
 }
 
+/* The call at which to cancel after k: every one, or where that would take too long with the step widening, and the last
+ * two. */
+static uint32_t next(uint32_t k, uint32_t total) {
+#ifdef FEW_CALLS
+    const uint32_t wide = k + 1 + k / 8;
+    return wide < total - 1 ? wide : k + 1;
+#else
+    (void)total;
+    return k + 1;
+#endif
+}
+
 static void check_cancel(const struct capture *capture, pcmvs_frame *frame, const struct bytes *expected) {
     pcmvs_options options;
     struct sink sink = {frame, 0, 0, 0, 0};
@@ -45,8 +57,7 @@ static void check_cancel(const struct capture *capture, pcmvs_frame *frame, cons
     CHECK(sink.stage == PCMVS_STAGE_COLOUR && sink.done == 1000);
     total = sink.calls;
     CHECK(total > 20);
-    /* Every k-th call: with the step widening, so that the test stays short, and the last two. */
-    for (k = 1; k <= total; k = k + 1 + k / 8 < total - 1 ? k + 1 + k / 8 : k + 1) {
+    for (k = 1; k <= total; k = next(k, total)) {
         pcmvs_error error;
         size_t count = 7;
         memset(&sink, 0, sizeof sink);
