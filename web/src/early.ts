@@ -14,11 +14,12 @@ async function sketched(): Promise<FrameResult> {
     const entries = await sample;
     const scene = await aside.run({ type: "open", entries });
     const views = scene.cameras.map((_, camera) => viewFiles(scene, entries, 0, camera, "masks"));
-    const made = Promise.withResolvers<FrameResult>();
+    const made: FrameResult[] = [];
     const pool = new Pool(1);
-    await pool.run({ type: "frame", cameras: scene.cameras, views, up: scene.up, rungs: ["sketch"], stages: false }, { result: made.resolve });
+    await pool.run({ type: "frame", cameras: scene.cameras, views, up: scene.up, rungs: ["sketch"], stages: false }, { result: (one) => made.push(one) });
     pool.leave();
-    return made.promise;
+    if (made.length === 0) throw new Error("there is no sketch");
+    return made[0];
 }
 
 /** A sketch of the sample's first frame. */
