@@ -36,8 +36,8 @@
  * buffers, ..._export_... calls back with a file's bytes. Working memory comes from the C library's malloc, calloc,
  * realloc, posix_memalign and free, or all of it from the functions given to pcmvs_set_allocator. A frame that follows
  * another one on its handle uses its memory again. The option max_memory refuses a frame that would need more before it
- * takes it, and has less kept. Where there is none left all the same, from malloc or from those functions, the process is aborted:
- * Rust's containers know no other way.
+ * takes it, and has less kept. Where there is none left all the same, from malloc or from those functions, the process
+ * is aborted: Rust's containers know no other way.
  *
  * Structs. Those that callers fill in begin with struct_size; call their init function first and set members then.
  * Arrays of them hold elements of one size. Later versions add members at the end only, so programs built with an

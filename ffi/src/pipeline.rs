@@ -233,8 +233,7 @@ impl Pipeline {
                 let Self { rig, carved, stages, params, scratch, workspace, .. } = &mut *this;
                 let carved = carved.as_mut().ok_or_else(no_hull)?;
                 let (views, hull) = (carved.borrow_owner(), &carved.borrow_dependent().hull);
-                let memory = (scratch.spare(), &mut *workspace);
-                take(&mut stages.coarse).keep_in(memory.1);
+                let memory = (scratch.spare(), workspace);
                 stages.coarse = stages::coarse(
                     rig,
                     views,

@@ -15,14 +15,15 @@ const scope = self as unknown as DedicatedWorkerGlobalScope;
 const reply = (message: Reply, transfer: Transferable[] = []) => scope.postMessage(message, transfer);
 
 scope.onmessage = async (event: MessageEvent<Job>) => {
+    const job = event.data;
     try {
         const { memory } = await ready;
-        const job = event.data;
         const [value, transfer] = await run(job);
-        if (!(job.type === "frame" && job.rungs.at(-1) === "sketch")) fetched.clear();
         reply({ type: "done", value, memory: memory.buffer.byteLength }, transfer);
     } catch (error) {
         reply({ type: "failed", failure: failure(error) });
+    } finally {
+        if (!(job.type === "frame" && job.rungs.at(-1) === "sketch")) fetched.clear();
     }
 };
 
@@ -102,9 +103,13 @@ const reconstruct = (job: Extract<Job, { type: "frame" }>) =>
         // Of many pictures every second one does for a sketch, which then comes before the others are decoded.
         const sketched = (i: number) => all.length < 2 * SKETCHED || i % 2 === 0;
         const early = job.rungs.includes("sketch") ? all.filter(sketched) : [];
+        let left = all.filter((i) => !early.includes(i));
         await load(early);
         for (const preset of job.rungs) {
-            if (preset !== "sketch") await load(all.splice(0).filter((i) => !early.includes(i)));
+            if (preset !== "sketch") {
+                await load(left);
+                left = [];
+            }
             const start = performance.now();
             const tell = (stage: Stage, done: number, total: number) => reply({ type: "progress", preset, stage, done, total });
             const made = preset === "sketch" ? sketch(frame) : frame.reconstruct(preset, tell);

@@ -48,7 +48,7 @@ impl Search {
         let support = support(carvers, half, workspace, progress)?;
         let most = support.iter().copied().max().unwrap_or(0);
         let needed = (2 * u32::from(most)).div_ceil(5).max(LEAST_SILHOUETTES);
-        let cells = sort_out(&support, needed, most, workspace);
+        let cells = classify(&support, needed, most, workspace);
         workspace.keep(support);
         let (mut lower, mut upper) = (Vec3::INFINITY, Vec3::NEG_INFINITY);
         let size = 2.0 * half / CELLS as f32;
@@ -109,7 +109,7 @@ fn support(carvers: &[Carver], half: f32, workspace: &mut Workspace, progress: &
 }
 
 /// Finds the 26-connected groups of cells that have the support `needed`: those that reach half of `most` are the object's.
-fn sort_out(support: &[u16], needed: u32, most: u16, workspace: &mut Workspace) -> Vec<Cell> {
+fn classify(support: &[u16], needed: u32, most: u16, workspace: &mut Workspace) -> Vec<Cell> {
     let mut cells = workspace.filled(Cell::Empty, support.len());
     let mut group: Vec<u32> = workspace.growing();
     for first in 0..support.len() {
