@@ -57,6 +57,15 @@ test("the entry point chooses a build, tells progress, cancels and throws errors
     const frame = new api.Frame(new api.Rig(scene.cameras));
     assert.throws(() => frame.setImage(4, new Uint8Array(10)), { code: "image", camera: 4 });
     assert.throws(() => frame.reconstruct("hull"), { code: "image", camera: 0 });
+    // A sketch does with the pictures that are there, and names cameras by their place among all.
+    for (let i = 0; i < scene.cameras.length; i += 2) {
+        frame.setImage(i, readFileSync(join(sample, scene.frames[0].images[i])));
+        frame.setMask(i, readFileSync(join(sample, scene.frames[0].masks[i])));
+    }
+    assert.ok(frame.sketch().triangles > 500);
+    const { width, height } = scene.cameras[6];
+    frame.setMaskPixels(6, new Uint8Array(width * height), width, height);
+    assert.throws(() => frame.sketch(), { code: "silhouette", camera: 6 });
 });
 
 /** A page's script that reconstructs the sample's hull; `from` is where the package is. */
