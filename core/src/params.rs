@@ -188,7 +188,7 @@ impl Params {
             },
             meshing: MeshingParams {
                 voxel_pixels: 1.5,
-                screening: 1.0,
+                screening: 2.2,
                 envelope: true,
                 space_constraint: true,
                 smallest_component: 0.01,

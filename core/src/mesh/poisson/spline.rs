@@ -8,30 +8,36 @@ use crate::math::floor;
 /// Index of a node that is not stored.
 pub(super) const ABSENT: u32 = u32::MAX;
 
-/// The 27 nodes that see a point, with the B-spline's values and derivatives along each axis.
+/// Values at the three nodes nearest to a point that lies `d` beyond the middle one.
+#[inline]
+pub(super) fn quadratic(d: f32) -> [f32; 3] {
+    let (below, above) = (0.5 - d, 0.5 + d);
+    [0.5 * below * below, 0.75 - d * d, 0.5 * above * above]
+}
+
+/// Integrals over the four edges that are nearest to a point that lies `d` beyond the node in their middle: a cubic
+/// B-spline's values.
+#[inline]
+pub(super) fn along_edges(d: f32) -> [f32; 4] {
+    let (below, above) = (0.5 - d, 0.5 + d);
+    let near = |t: f32| (4.0 + t * t * (3.0 * t - 6.0)) / 6.0;
+    [below * below * below / 6.0, near(above), near(below), above * above * above / 6.0]
+}
+
+/// The 27 nodes that see a point, with the B-spline's values along each axis.
 pub(super) struct Stencil {
     /// Indices of the nodes' values, x fastest.
     pub(super) nodes: [u32; 27],
     /// Values for the three nodes of an axis.
     pub(super) values: [[f32; 3]; 3],
-    /// Derivatives for the three nodes of an axis, by the node's coordinate.
-    pub(super) derivatives: [[f32; 3]; 3],
 }
 
 impl Stencil {
     /// Of a point given in the grid's own coordinates (nodes at integers).
     pub(super) fn new(grid: &SparseGrid, point: Vec3) -> Self {
-        let (mut values, mut derivatives) = ([[0.0; 3]; 3], [[0.0; 3]; 3]);
-        let mut first = [0; 3];
-        for k in 0..3 {
-            let nearest = floor(point[k] + 0.5);
-            let d = point[k] - nearest as f32;
-            let (below, above) = (0.5 - d, 0.5 + d);
-            values[k] = [0.5 * below * below, 0.75 - d * d, 0.5 * above * above];
-            derivatives[k] = [below, 2.0 * d, -above];
-            first[k] = nearest - 1;
-        }
-        Self { nodes: cube(grid, first), values, derivatives }
+        let nearest = point.to_array().map(|v| floor(v + 0.5));
+        let values = core::array::from_fn(|k| quadratic(point[k] - nearest[k] as f32));
+        Self { nodes: cube::<3, 27>(grid, nearest.map(|v| v - 1)), values }
     }
 
     /// Sums `values` of the grid over the stencil.
@@ -50,36 +56,59 @@ impl Stencil {
     }
 }
 
-/// Indices of the values of the N x N x N nodes from `first` upward, x fastest. N is at most a block's edge.
-pub(super) fn cube<const M: usize>(grid: &SparseGrid, first: [i32; 3]) -> [u32; M] {
-    let side = if M == 8 { 2 } else { 3 };
-    let shift = BLOCK.trailing_zeros();
-    let mask = BLOCK as i32 - 1;
-    let low = first.map(|v| v >> shift);
-    let high = first.map(|v| (v + side - 1) >> shift);
-    let mut slots = [SparseGrid::OUTSIDE; 8];
-    for (i, slot) in slots.iter_mut().enumerate() {
-        let at = |k: usize| if i >> k & 1 == 1 { high[k] } else { low[k] };
-        *slot = if (0..3).all(|k| i >> k & 1 == 0 || high[k] != low[k]) {
-            grid.slot(at(0), at(1), at(2))
-        } else {
-            SparseGrid::OUTSIDE
-        };
-    }
-    let mut nodes = [ABSENT; M];
-    let mut i = 0;
-    for z in first[2]..first[2] + side {
-        for y in first[1]..first[1] + side {
-            for x in first[0]..first[0] + side {
-                let upper = |v: i32, k: usize| usize::from(v >> shift != low[k]) << k;
-                let slot = slots[upper(x, 0) | upper(y, 1) | upper(z, 2)];
+/// Where the values of N x N x N nodes are; N is at most a block's edge.
+pub(super) struct Cube<const N: usize> {
+    /// First value of each of the blocks that the nodes can lie in, [`ABSENT`] where none is stored.
+    blocks: [u32; 8],
+    /// Along each axis: which of the blocks, and where in it.
+    places: [[(usize, u32); N]; 3],
+}
+
+impl<const N: usize> Cube<N> {
+    /// The nodes from `first` upward.
+    #[inline]
+    pub(super) fn new(grid: &SparseGrid, first: [i32; 3]) -> Self {
+        let shift = BLOCK.trailing_zeros();
+        let low = first.map(|v| v >> shift);
+        let high = first.map(|v| (v + N as i32 - 1) >> shift);
+        let mut blocks = [ABSENT; 8];
+        for (i, block) in blocks.iter_mut().enumerate() {
+            let at = |k: usize| if i >> k & 1 == 1 { high[k] } else { low[k] };
+            if (0..3).all(|k| i >> k & 1 == 0 || high[k] != low[k]) {
+                let slot = grid.slot(at(0), at(1), at(2));
                 if slot < SparseGrid::INSIDE {
-                    let local = ((z & mask) << (2 * shift)) | ((y & mask) << shift) | (x & mask);
-                    nodes[i] = slot * BLOCK_NODES as u32 + local as u32;
+                    *block = slot * BLOCK_NODES as u32;
                 }
-                i += 1;
             }
         }
+        let places = core::array::from_fn(|k| {
+            core::array::from_fn(|i| {
+                let v = first[k] + i as i32;
+                (usize::from(v >> shift != low[k]) << k, ((v & (BLOCK as i32 - 1)) as u32) << (k as u32 * shift))
+            })
+        });
+        Self { blocks, places }
+    }
+
+    /// Indices of the values of a row along x, [`ABSENT`] where they are not stored.
+    #[inline]
+    pub(super) fn row(&self, y: usize, z: usize) -> [u32; N] {
+        let (y, z) = (self.places[1][y], self.places[2][z]);
+        let blocks = [self.blocks[y.0 | z.0], self.blocks[1 | y.0 | z.0]];
+        self.places[0].map(|(upper, x)| {
+            let block = blocks[upper];
+            if block == ABSENT { ABSENT } else { block + (x | y.1 | z.1) }
+        })
+    }
+}
+
+/// Indices of the values of the N³ nodes from `first` upward, x fastest.
+#[inline]
+pub(super) fn cube<const N: usize, const NODES: usize>(grid: &SparseGrid, first: [i32; 3]) -> [u32; NODES] {
+    let cube = Cube::<N>::new(grid, first);
+    let mut nodes = [ABSENT; NODES];
+    for (i, row) in nodes.chunks_exact_mut(N).enumerate() {
+        row.copy_from_slice(&cube.row(i % N, i / N));
     }
     nodes
 }

@@ -1,41 +1,48 @@
 //! From the solution to the mesh.
 
+use alloc::vec::Vec;
 use glam::Vec3;
 
-use super::Solution;
-use crate::math::min;
+use super::level::Level;
+use super::profile::{SMOOTHED, SOLVED};
+use super::{MARGIN, Solution, smooth};
+use crate::math::{max, min};
 use crate::mesh::marching_cubes;
 use crate::point_cloud::Mesh;
 use crate::workspace::Workspace;
 
-/// How much the profile of χ across a surface, that of a quadratic B-spline's integral, bends: t + BEND t³ + BEND_5 t⁵ is
-/// nearly a distance, from which marching cubes finds the surface between nodes.
-const BEND: f32 = 1.3;
-const BEND_5: f32 = 2.0;
-
-/// Slope of χ at the surface, per voxel.
-const SLOPE: f32 = 0.75;
-
 /// How far outside the envelope the surface may lie, in voxels.
-const TOLERANCE: f32 = 0.15;
+const TOLERANCE: f32 = 0.1;
+
+/// Distance to the surface χ = `iso` at the nodes, in voxels, positive inside; `envelope` is that to the envelope.
+///
+/// χ is smoothed but where a value that the envelope holds is in the smoothing's reach: near the silhouettes' contours,
+/// which say where the surface ends, it would be rounded off.
+pub(super) fn distances(level: &Level, iso: f32, envelope: Option<&Vec<f32>>, workspace: &mut Workspace) -> Vec<f32> {
+    let mut distances = smooth::smooth(&level.grid, &level.chi, [1.0, 0.0], workspace);
+    for (node, (distance, &chi)) in distances.iter_mut().zip(&level.chi).enumerate() {
+        let smoothed = envelope.map_or(1.0, |envelope| min(max(envelope[node] + (MARGIN - smooth::REACH), 0.0), 1.0));
+        let (even, own) = (SMOOTHED.distance(*distance - iso), SOLVED.distance(chi - iso));
+        *distance = smoothed * even + (1.0 - smoothed) * own;
+    }
+    distances
+}
 
 impl Solution {
-    /// The surface χ = iso, cut off at the envelope.
+    /// The surface, cut off at the envelope.
     pub(in crate::mesh) fn surface(self, workspace: &mut Workspace) -> Mesh {
-        let Self { grid, mut chi, iso, distances } = self;
-        for value in &mut chi {
-            let t = *value - iso;
-            let square = t * t;
-            *value = t * (1.0 + square * (BEND + square * BEND_5));
+        let Self { grid, mut distances, surface, envelope } = self;
+        for distance in &mut distances {
+            *distance -= surface;
         }
-        if let Some(distances) = &distances {
-            for (value, distance) in chi.iter_mut().zip(distances) {
-                *value = min(SLOPE * (distance + TOLERANCE), *value);
+        if let Some(envelope) = &envelope {
+            for (distance, envelope) in distances.iter_mut().zip(envelope) {
+                *distance = min(envelope + TOLERANCE, *distance);
             }
         }
-        let mesh = marching_cubes(&grid, &chi, 0.0, [1.0, -1.0], workspace);
-        workspace.keep(chi);
-        distances.into_iter().for_each(|distances| workspace.keep(distances));
+        let mesh = marching_cubes(&grid, &distances, 0.0, [1.0, -1.0], workspace);
+        workspace.keep(distances);
+        envelope.into_iter().for_each(|envelope| workspace.keep(envelope));
         mesh
     }
 }

@@ -1,14 +1,16 @@
 //! The linear system of one level: (Δ + screening) χ = divergence of the normals, in units of the level's voxel.
 
 use alloc::vec::Vec;
+use glam::Vec3;
 
+use super::profile;
 use super::samples::Sample;
-use super::spline::{ABSENT, Stencil, cube};
+use super::spline::{ABSENT, Cube, along_edges, cube, quadratic};
 use crate::grid::{BLOCK, BLOCK_NODES, SparseGrid};
 use crate::math::{floor, min};
 use crate::workspace::Workspace;
 
-/// The points of one cell of the grid, merged: they ask for χ = 1/2 at their mean position.
+/// The points of one cell of the grid, merged: they ask for the surface at their mean position.
 pub(super) struct Cell {
     /// The cell's corners, x fastest.
     pub(super) nodes: [u32; 8],
@@ -16,6 +18,9 @@ pub(super) struct Cell {
     pub(super) shares: [f32; 8],
     /// Area of surface in square voxels.
     pub(super) area: f32,
+    /// χ there, as interpolated from the corners, if the surface passes with the points' mean normal: not quite 1/2,
+    /// because χ bends between the corners.
+    pub(super) chi: f32,
 }
 
 impl Cell {
@@ -32,6 +37,10 @@ impl Cell {
 
 /// Adds the right-hand side of the samples' smoothed normals: -div V with V = -n a B(x - p), B the quadratic B-spline.
 /// `shares` says how much of a sample, by its level of detail, belongs to each of the fields.
+///
+/// The divergence at a node is the difference between V's integrals over the edges that meet there: the differences of χ
+/// along edges are then those integrals, so that χ at the nodes is the smoothed indicator itself, whichever way the
+/// surface lies to the grid.
 pub(super) fn splat<const N: usize>(
     samples: &[Sample],
     grid: &SparseGrid,
@@ -45,17 +54,32 @@ pub(super) fn splat<const N: usize>(
         if shares == [0.0; N] {
             continue;
         }
-        let stencil = Stencil::new(grid, sample.at * scale);
-        let ([vx, vy, vz], [dx, dy, dz]) = (&stencil.values, &stencil.derivatives);
+        let at = (sample.at * scale).to_array();
+        let nearest = at.map(|v| floor(v + 0.5));
+        let cube = Cube::<5>::new(grid, nearest.map(|v| v - 2));
+        let (mut values, mut differences) = ([[0.0; 5]; 3], [[0.0; 5]; 3]);
+        for k in 0..3 {
+            let d = at[k] - nearest[k] as f32;
+            values[k][1..4].copy_from_slice(&quadratic(d));
+            let [a, b, c, d] = along_edges(d);
+            differences[k] = [a, b - a, c - b, d - c, -d];
+        }
+        let ([vx, vy, vz], [dx, dy, dz]) = (values, differences);
         let n = sample.normal * (sample.area * scale * scale);
-        for (row, nodes) in stencil.nodes.chunks_exact(3).enumerate() {
-            let (y, z) = (row % 3, row / 3);
+        let inner = |v: usize| (1..4).contains(&v);
+        for (z, y) in (0..5).flat_map(|z| (0..5).map(move |y| (z, y))) {
+            let reached = match (inner(y), inner(z)) {
+                (true, true) => 0..5,
+                (false, false) => continue,
+                _ => 1..4,
+            };
             let (along, across) = (n.x * vy[y] * vz[z], n.y * dy[y] * vz[z] + n.z * vy[y] * dz[z]);
-            for (x, &node) in nodes.iter().enumerate() {
-                if node != ABSENT {
-                    let value = along * dx[x] + across * vx[x];
+            let row: [f32; 5] = core::array::from_fn(|x| along * dx[x] + across * vx[x]);
+            let nodes = cube.row(y, z);
+            for x in reached {
+                if nodes[x] != ABSENT {
                     for (field, share) in fields.iter_mut().zip(shares) {
-                        field[node as usize] += share * value;
+                        field[nodes[x] as usize] += share * row[x];
                     }
                 }
             }
@@ -68,8 +92,8 @@ pub(super) fn cells(samples: &[Sample], grid: &SparseGrid, level: usize, workspa
     const NONE: u32 = u32::MAX;
     let scale = 1.0 / (1 << level) as f32;
     let mut index = workspace.filled(NONE, grid.blocks.len() * BLOCK_NODES);
-    // Area, area times offset from the cell's first corner, that corner.
-    let mut sums: Vec<([f32; 4], [i32; 3])> = workspace.growing();
+    // Area; area times offset from the cell's first corner, and times normal; that corner.
+    let mut sums: Vec<([f32; 7], [i32; 3])> = workspace.growing();
     for sample in samples {
         let at = sample.at * scale;
         let corner = [at.x, at.y, at.z].map(floor);
@@ -80,27 +104,33 @@ pub(super) fn cells(samples: &[Sample], grid: &SparseGrid, level: usize, workspa
         let entry = &mut index[slot as usize * BLOCK_NODES + local];
         if *entry == NONE {
             *entry = sums.len() as u32;
-            sums.push(([0.0; 4], corner));
+            sums.push(([0.0; 7], corner));
         }
         let area = sample.area * scale * scale;
         let sum = &mut sums[*entry as usize].0;
         sum[0] += area;
         for k in 0..3 {
-            sum[k + 1] += area * (at[k] - corner[k] as f32);
+            sum[1 + k] += area * (at[k] - corner[k] as f32);
+            sum[4 + k] += area * sample.normal[k];
         }
     }
     workspace.keep(index);
     let mut cells = workspace.empty(sums.len());
-    for &([area, x, y, z], corner) in &sums {
-        let nodes: [u32; 8] = cube(grid, corner);
+    for &([area, x, y, z, normal @ ..], corner) in &sums {
+        let nodes: [u32; 8] = cube::<2, 8>(grid, corner);
         if area <= 0.0 || nodes.contains(&ABSENT) {
             continue;
         }
         let offset = [x, y, z].map(|v| v / area);
         let share = |i: usize, k: usize| if i >> k & 1 == 1 { offset[k] } else { 1.0 - offset[k] };
-        let shares = core::array::from_fn(|i| share(i, 0) * share(i, 1) * share(i, 2));
+        let shares: [f32; 8] = core::array::from_fn(|i| share(i, 0) * share(i, 1) * share(i, 2));
+        let normal = Vec3::from_array(normal).normalize_or_zero();
+        let chi = (0..8).fold(0.5, |sum, i| {
+            let outward = Vec3::from_array(core::array::from_fn(|k| (i >> k & 1) as f32 - offset[k])).dot(normal);
+            sum + shares[i] * profile::chi(-outward)
+        });
         // A sample of a coarser level stands for more than this cell's surface.
-        cells.push(Cell { nodes, shares, area: min(area, 1.0) });
+        cells.push(Cell { nodes, shares, area: min(area, 1.0), chi });
     }
     workspace.keep(sums);
     cells

@@ -1,0 +1,65 @@
+//! Evens out what the sampling's chance leaves in χ from node to node.
+
+use alloc::vec::Vec;
+
+use crate::grid::{BLOCK, BLOCK_NODES, SparseGrid};
+use crate::mesh::neighbourhood::{Neighbourhood, SIDE};
+use crate::workspace::Workspace;
+
+/// How far a smoothed node sees, in voxels.
+pub(super) const REACH: f32 = 2.0;
+
+/// (2 W - W²) χ with W the binomial filter [1 2 1] / 4 along each axis: unlike W alone it leaves what is quadratic as it is,
+/// so that curved surfaces do not shrink. `outside` and `inside` are the values where nothing is stored.
+pub(super) fn smooth(
+    grid: &SparseGrid,
+    chi: &[f32],
+    [inside, outside]: [f32; 2],
+    workspace: &mut Workspace,
+) -> Vec<f32> {
+    let mut once = workspace.filled(0.0, chi.len());
+    binomial(grid, chi, [inside, outside], &mut once);
+    let mut twice = workspace.filled(0.0, chi.len());
+    binomial(grid, &once, [inside, outside], &mut twice);
+    for (twice, once) in twice.iter_mut().zip(&once) {
+        *twice = 2.0 * once - *twice;
+    }
+    workspace.keep(once);
+    twice
+}
+
+/// Rows along an axis that a block's smoothed rows depend on.
+const ROWS: usize = BLOCK + 2;
+
+type Row = [f32; BLOCK];
+
+#[inline]
+fn mean(a: Row, b: Row, c: Row) -> Row {
+    core::array::from_fn(|i| 0.25 * (a[i] + c[i]) + 0.5 * b[i])
+}
+
+fn binomial(grid: &SparseGrid, values: &[f32], [inside, outside]: [f32; 2], out: &mut [f32]) {
+    let mut around = Neighbourhood::new();
+    let mut along_x = [[[0.0; BLOCK]; ROWS]; ROWS];
+    let mut along_y = [[[0.0; BLOCK]; BLOCK]; ROWS];
+    for (block, out) in grid.blocks.iter().zip(out.chunks_exact_mut(BLOCK_NODES)) {
+        around.load(grid, values, block.map(i32::from), inside, outside);
+        for (z, plane) in along_x.iter_mut().enumerate() {
+            for (y, row) in plane.iter_mut().enumerate() {
+                let nodes: &[f32; ROWS] =
+                    around.0[(z * SIDE + y) * SIDE..][..ROWS].try_into().expect("the rows' length");
+                let from = |first: usize| core::array::from_fn(|x| nodes[first + x]);
+                *row = mean(from(0), from(1), from(2));
+            }
+        }
+        for (rows, plane) in along_y.iter_mut().zip(&along_x) {
+            for (y, row) in rows.iter_mut().enumerate() {
+                *row = mean(plane[y], plane[y + 1], plane[y + 2]);
+            }
+        }
+        for (i, row) in out.chunks_exact_mut(BLOCK).enumerate() {
+            let (y, z) = (i % BLOCK, i / BLOCK);
+            row.copy_from_slice(&mean(along_y[z][y], along_y[z + 1][y], along_y[z + 2][y]));
+        }
+    }
+}
