@@ -62,7 +62,7 @@ pub fn wasm() -> Result<String> {
         let compressed = gzip(&bytes)?.len();
         sizes.push(format!("{name} {} KiB compressed of {} allowed", compressed >> 10, MODULE_BUDGET >> 10));
         if compressed > MODULE_BUDGET {
-            return Err(format!("{}: more than {} KiB compressed", file.display(), MODULE_BUDGET >> 10));
+            return Err(format!("{}: {compressed} bytes compressed of {MODULE_BUDGET} allowed", file.display()));
         }
     }
     WRITTEN.iter().try_for_each(|file| copy(&npm.join(file), &package.join(file)))?;

@@ -157,17 +157,16 @@ fn right_hand_side(
         let part = |[x, y, z]: [i32; 3]| above.grid.value(sparse, x, y, z, 0.0, 0.0);
         level::prolong(part, grid, 0.25, &mut rhs);
     }
-    // Finer samples act in full.
+    // Finer samples act in full; a sample's own share at a level falls linearly to 0 one level from its own.
     let whole = |detail: f32| (1.0 - (detail - here)).clamp(0.0, 1.0);
+    let shares = |detail: f32| [whole(detail), max(1.0 - (detail - here).abs(), 0.0)];
     if level > 0 {
         let mut own = workspace.empty(rhs.len());
         own.extend_from_slice(&rhs);
-        // A sample's share at a level falls linearly to 0 one level from its own.
-        let shares = |detail: f32| [whole(detail), max(1.0 - (detail - here).abs(), 0.0)];
-        system::splat(samples, grid, level, shares, [&mut rhs, &mut own]);
+        system::splat(samples, grid, level, shares, &mut [&mut rhs, &mut own]);
         workspace.keep(core::mem::replace(sparse, own));
     } else {
-        system::splat(samples, grid, level, |detail| [whole(detail)], [&mut rhs]);
+        system::splat(samples, grid, level, shares, &mut [&mut rhs]);
     }
     rhs
 }

@@ -56,21 +56,24 @@ impl Stencil {
     }
 }
 
-/// Where the values of N x N x N nodes are; N is at most a block's edge.
-pub(super) struct Cube<const N: usize> {
+/// Most nodes along the edge of a [`Cube`].
+pub(super) const MOST: usize = 5;
+
+/// Where the values of a cube of nodes are.
+pub(super) struct Cube {
     /// First value of each of the blocks that the nodes can lie in, [`ABSENT`] where none is stored.
     blocks: [u32; 8],
     /// Along each axis: which of the blocks, and where in it.
-    places: [[(usize, u32); N]; 3],
+    places: [[(usize, u32); MOST]; 3],
 }
 
-impl<const N: usize> Cube<N> {
-    /// The nodes from `first` upward.
-    #[inline]
-    pub(super) fn new(grid: &SparseGrid, first: [i32; 3]) -> Self {
+impl Cube {
+    /// `side` nodes along each axis from `first` upward.
+    pub(super) fn new(grid: &SparseGrid, first: [i32; 3], side: usize) -> Self {
         let shift = BLOCK.trailing_zeros();
+        let mask = BLOCK as i32 - 1;
         let low = first.map(|v| v >> shift);
-        let high = first.map(|v| (v + N as i32 - 1) >> shift);
+        let high = first.map(|v| (v + side as i32 - 1) >> shift);
         let mut blocks = [ABSENT; 8];
         for (i, block) in blocks.iter_mut().enumerate() {
             let at = |k: usize| if i >> k & 1 == 1 { high[k] } else { low[k] };
@@ -81,18 +84,18 @@ impl<const N: usize> Cube<N> {
                 }
             }
         }
-        let places = core::array::from_fn(|k| {
-            core::array::from_fn(|i| {
-                let v = first[k] + i as i32;
-                (usize::from(v >> shift != low[k]) << k, ((v & (BLOCK as i32 - 1)) as u32) << (k as u32 * shift))
-            })
-        });
+        let mut places = [[(0, 0); MOST]; 3];
+        for (k, places) in places.iter_mut().enumerate() {
+            for (v, place) in (first[k]..).zip(&mut places[..side]) {
+                *place = (usize::from(v >> shift != low[k]) << k, ((v & mask) as u32) << (k as u32 * shift));
+            }
+        }
         Self { blocks, places }
     }
 
     /// Indices of the values of a row along x, [`ABSENT`] where they are not stored.
     #[inline]
-    pub(super) fn row(&self, y: usize, z: usize) -> [u32; N] {
+    pub(super) fn row(&self, y: usize, z: usize) -> [u32; MOST] {
         let (y, z) = (self.places[1][y], self.places[2][z]);
         let blocks = [self.blocks[y.0 | z.0], self.blocks[1 | y.0 | z.0]];
         self.places[0].map(|(upper, x)| {
@@ -103,12 +106,11 @@ impl<const N: usize> Cube<N> {
 }
 
 /// Indices of the values of the N³ nodes from `first` upward, x fastest.
-#[inline]
 pub(super) fn cube<const N: usize, const NODES: usize>(grid: &SparseGrid, first: [i32; 3]) -> [u32; NODES] {
-    let cube = Cube::<N>::new(grid, first);
+    let cube = Cube::new(grid, first, N);
     let mut nodes = [ABSENT; NODES];
     for (i, row) in nodes.chunks_exact_mut(N).enumerate() {
-        row.copy_from_slice(&cube.row(i % N, i / N));
+        row.copy_from_slice(&cube.row(i % N, i / N)[..N]);
     }
     nodes
 }

@@ -36,27 +36,27 @@ impl Cell {
 }
 
 /// Adds the right-hand side of the samples' smoothed normals: -div V with V = -n a B(x - p), B the quadratic B-spline.
-/// `shares` says how much of a sample, by its level of detail, belongs to each of the fields.
+/// `shares` says how much of a sample, by its level of detail, belongs to each of the one or two fields.
 ///
 /// The divergence at a node is the difference between V's integrals over the edges that meet there: the differences of χ
 /// along edges are then those integrals, so that χ at the nodes is the smoothed indicator itself, whichever way the
 /// surface lies to the grid.
-pub(super) fn splat<const N: usize>(
+pub(super) fn splat(
     samples: &[Sample],
     grid: &SparseGrid,
     level: usize,
-    shares: impl Fn(f32) -> [f32; N],
-    mut fields: [&mut [f32]; N],
+    shares: impl Fn(f32) -> [f32; 2],
+    fields: &mut [&mut [f32]],
 ) {
     let scale = 1.0 / (1 << level) as f32;
     for sample in samples {
         let shares = shares(sample.detail);
-        if shares == [0.0; N] {
+        if shares == [0.0; 2] {
             continue;
         }
         let at = (sample.at * scale).to_array();
         let nearest = at.map(|v| floor(v + 0.5));
-        let cube = Cube::<5>::new(grid, nearest.map(|v| v - 2));
+        let cube = Cube::new(grid, nearest.map(|v| v - 2), 5);
         let (mut values, mut differences) = ([[0.0; 5]; 3], [[0.0; 5]; 3]);
         for k in 0..3 {
             let d = at[k] - nearest[k] as f32;
