@@ -42,10 +42,8 @@ const MARGIN: f32 = 1.5;
 /// A solution on the finest grid.
 pub(super) struct Solution {
     pub(super) grid: SparseGrid,
-    /// Distance in voxels, positive inside, to about where the surface is: see `surface`.
+    /// Distance to the surface in voxels, positive inside; its median at the points is 0.
     pub(super) distances: Vec<f32>,
-    /// Distance on the surface: its median at the points.
-    pub(super) surface: f32,
     /// Signed distance to the envelope in voxels where it is within ± [`MARGIN`], if one was given.
     pub(super) envelope: Option<Vec<f32>>,
 }
@@ -57,7 +55,7 @@ pub(super) fn steps(low: Vec3, high: Vec3, voxel: f32) -> u32 {
 }
 
 /// Solves for χ over the bounds `low`, `high`. `screening` is the weight by which the surface is held at the points; an
-/// envelope holds it at 0 outside.
+/// envelope holds χ at 0 outside.
 pub(super) fn solve(
     points: &[Point],
     (low, high): (Vec3, Vec3),
@@ -82,8 +80,7 @@ pub(super) fn solve(
 
     let mut levels: Vec<Level> = Vec::with_capacity(count);
     let mut sparse: Vec<f32> = Vec::new();
-    let (mut iso, mut distances, mut surface) = (0.5, Vec::new(), 0.0);
-    let mut held = None;
+    let (mut iso, mut cells, mut held) = (0.5, Vec::new(), None);
     for level in (0..count).rev() {
         let samples = samples.pop().expect("there is one list a level");
         let mut next = if levels.is_empty() {
@@ -94,7 +91,8 @@ pub(super) fn solve(
         steps.step()?;
         let mut rhs = right_hand_side(&levels, &mut sparse, &samples, &next.grid, level, workspace);
         steps.step()?;
-        let cells = system::cells(&samples, &next.grid, level, workspace);
+        workspace.keep(cells);
+        cells = system::cells(&samples, &next.grid, level, workspace);
         workspace.keep(samples);
         steps.step()?;
         held.into_iter().for_each(|above| workspace.keep(above));
@@ -122,22 +120,21 @@ pub(super) fn solve(
             operator.solve(&mut rhs, &mut next.chi, ITERATIONS, TOLERANCE, workspace, || steps.step())?;
         }
         iso = median(&cells, &next.chi, workspace).unwrap_or(iso);
+        levels.push(next);
         workspace.keep(rhs);
         workspace.keep(inverse_diagonal);
-        if level == 0 {
-            steps.step()?;
-            distances = surface::distances(&next, iso, held.as_ref(), workspace);
-            steps.step()?;
-            surface = median(&cells, &distances, workspace).unwrap_or(surface);
-        }
-        levels.push(next);
-        workspace.keep(cells);
     }
-    let Level { grid, chi } = levels.pop().expect("there is at least one level");
-    workspace.keep(chi);
+    let finest = levels.pop().expect("there is at least one level");
     workspace.keep(sparse);
     levels.into_iter().for_each(|level| workspace.keep(level.chi));
-    Ok(Solution { grid, distances, surface, envelope: held })
+    steps.step()?;
+    let mut distances = surface::distances(&finest, iso, held.as_ref(), workspace);
+    steps.step()?;
+    let at_points = median(&cells, &distances, workspace).unwrap_or(0.0);
+    distances.iter_mut().for_each(|distance| *distance -= at_points);
+    workspace.keep(cells);
+    workspace.keep(finest.chi);
+    Ok(Solution { grid: finest.grid, distances, envelope: held })
 }
 
 /// The right-hand side of a level: samples as detailed as the level or finer act here, coarser ones through `sparse`,

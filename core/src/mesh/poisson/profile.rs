@@ -18,8 +18,8 @@ pub(super) fn chi(distance: f32) -> f32 {
     if distance < 0.0 { -half } else { half }
 }
 
-/// The distance at which χ is found, as a rational function fitted up to 1.2 voxels; χ away from the surface tells no
-/// more than that it is farther.
+/// The distance at which χ is found: scale χ (1 - square χ² - fourth χ⁴) / (1 - pole χ²), fitted up to 1.2 voxels. Beyond,
+/// χ tells no more than that the surface is farther.
 #[derive(Clone, Copy)]
 pub(super) struct Inverse {
     scale: f32,

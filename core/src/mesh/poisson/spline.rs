@@ -56,15 +56,15 @@ impl Stencil {
     }
 }
 
-/// Most nodes along the edge of a [`Cube`].
-pub(super) const MOST: usize = 5;
+/// Nodes along an axis that a point's divergence reaches: most along the edge of a [`Cube`].
+pub(super) const WIDEST: usize = 5;
 
 /// Where the values of a cube of nodes are.
 pub(super) struct Cube {
     /// First value of each of the blocks that the nodes can lie in, [`ABSENT`] where none is stored.
     blocks: [u32; 8],
     /// Along each axis: which of the blocks, and where in it.
-    places: [[(usize, u32); MOST]; 3],
+    places: [[(usize, u32); WIDEST]; 3],
 }
 
 impl Cube {
@@ -84,7 +84,7 @@ impl Cube {
                 }
             }
         }
-        let mut places = [[(0, 0); MOST]; 3];
+        let mut places = [[(0, 0); WIDEST]; 3];
         for (k, places) in places.iter_mut().enumerate() {
             for (v, place) in (first[k]..).zip(&mut places[..side]) {
                 *place = (usize::from(v >> shift != low[k]) << k, ((v & mask) as u32) << (k as u32 * shift));
@@ -95,7 +95,7 @@ impl Cube {
 
     /// Indices of the values of a row along x, [`ABSENT`] where they are not stored.
     #[inline]
-    pub(super) fn row(&self, y: usize, z: usize) -> [u32; MOST] {
+    pub(super) fn row(&self, y: usize, z: usize) -> [u32; WIDEST] {
         let (y, z) = (self.places[1][y], self.places[2][z]);
         let blocks = [self.blocks[y.0 | z.0], self.blocks[1 | y.0 | z.0]];
         self.places[0].map(|(upper, x)| {

@@ -21,9 +21,9 @@ const TOLERANCE: f32 = 0.1;
 pub(super) fn distances(level: &Level, iso: f32, envelope: Option<&Vec<f32>>, workspace: &mut Workspace) -> Vec<f32> {
     let mut distances = smooth::smooth(&level.grid, &level.chi, [1.0, 0.0], workspace);
     for (node, (distance, &chi)) in distances.iter_mut().zip(&level.chi).enumerate() {
-        let smoothed = envelope.map_or(1.0, |envelope| min(max(envelope[node] + (MARGIN - smooth::REACH), 0.0), 1.0));
-        let (even, own) = (SMOOTHED.distance(*distance - iso), SOLVED.distance(chi - iso));
-        *distance = smoothed * even + (1.0 - smoothed) * own;
+        let share = envelope.map_or(1.0, |envelope| min(max(envelope[node] + (MARGIN - smooth::REACH), 0.0), 1.0));
+        let (smoothed, solved) = (SMOOTHED.distance(*distance - iso), SOLVED.distance(chi - iso));
+        *distance = share * smoothed + (1.0 - share) * solved;
     }
     distances
 }
@@ -31,10 +31,7 @@ pub(super) fn distances(level: &Level, iso: f32, envelope: Option<&Vec<f32>>, wo
 impl Solution {
     /// The surface, cut off at the envelope.
     pub(in crate::mesh) fn surface(self, workspace: &mut Workspace) -> Mesh {
-        let Self { grid, mut distances, surface, envelope } = self;
-        for distance in &mut distances {
-            *distance -= surface;
-        }
+        let Self { grid, mut distances, envelope } = self;
         if let Some(envelope) = &envelope {
             for (distance, envelope) in distances.iter_mut().zip(envelope) {
                 *distance = min(envelope + TOLERANCE, *distance);

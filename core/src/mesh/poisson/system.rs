@@ -5,7 +5,7 @@ use glam::Vec3;
 
 use super::profile;
 use super::samples::Sample;
-use super::spline::{ABSENT, Cube, along_edges, cube, quadratic};
+use super::spline::{ABSENT, Cube, WIDEST, along_edges, cube, quadratic};
 use crate::grid::{BLOCK, BLOCK_NODES, SparseGrid};
 use crate::math::{floor, min};
 use crate::workspace::Workspace;
@@ -56,8 +56,8 @@ pub(super) fn splat(
         }
         let at = (sample.at * scale).to_array();
         let nearest = at.map(|v| floor(v + 0.5));
-        let cube = Cube::new(grid, nearest.map(|v| v - 2), 5);
-        let (mut values, mut differences) = ([[0.0; 5]; 3], [[0.0; 5]; 3]);
+        let cube = Cube::new(grid, nearest.map(|v| v - 2), WIDEST);
+        let (mut values, mut differences) = ([[0.0; WIDEST]; 3], [[0.0; WIDEST]; 3]);
         for k in 0..3 {
             let d = at[k] - nearest[k] as f32;
             values[k][1..4].copy_from_slice(&quadratic(d));
@@ -67,14 +67,14 @@ pub(super) fn splat(
         let ([vx, vy, vz], [dx, dy, dz]) = (values, differences);
         let n = sample.normal * (sample.area * scale * scale);
         let inner = |v: usize| (1..4).contains(&v);
-        for (z, y) in (0..5).flat_map(|z| (0..5).map(move |y| (z, y))) {
+        for (z, y) in (0..WIDEST).flat_map(|z| (0..WIDEST).map(move |y| (z, y))) {
             let reached = match (inner(y), inner(z)) {
-                (true, true) => 0..5,
+                (true, true) => 0..WIDEST,
                 (false, false) => continue,
                 _ => 1..4,
             };
             let (along, across) = (n.x * vy[y] * vz[z], n.y * dy[y] * vz[z] + n.z * vy[y] * dz[z]);
-            let row: [f32; 5] = core::array::from_fn(|x| along * dx[x] + across * vx[x]);
+            let row: [f32; WIDEST] = core::array::from_fn(|x| along * dx[x] + across * vx[x]);
             let nodes = cube.row(y, z);
             for x in reached {
                 if nodes[x] != ABSENT {
