@@ -193,6 +193,7 @@ mod tests {
     use crate::point_cloud::Rank;
     use crate::progress::Silent;
     use crate::{Params, Preset, mesh};
+    use studio::noise::Random;
 
     /// Nothing is outside.
     struct Anywhere;
@@ -208,14 +209,19 @@ mod tests {
     }
 
     /// Mean and greatest distance, in voxels, of the mesh's vertices from a sphere that exact points lie on, two to a
-    /// square voxel.
-    fn errors(radius: f32, centre: Vec3) -> (f32, f32) {
+    /// square voxel, evenly spread or by chance.
+    fn errors(radius: f32, centre: Vec3, chance: bool) -> (f32, f32) {
         const TURN: f32 = 2.399_963_2;
         let count = (8.0 * core::f32::consts::PI * radius * radius) as u32;
+        let mut random = Random::new(1, 0);
         let points: Vec<Point> = (0..count)
             .map(|i| {
-                let z = 1.0 - (2.0 * i as f32 + 1.0) / count as f32;
-                let (ring, turn) = (libm::sqrtf(1.0 - z * z), i as f32 * TURN);
+                let (z, turn) = if chance {
+                    (random.signed() as f32, random.uniform() as f32 * core::f32::consts::TAU)
+                } else {
+                    (1.0 - (2.0 * i as f32 + 1.0) / count as f32, i as f32 * TURN)
+                };
+                let ring = libm::sqrtf(1.0 - z * z);
                 let normal = Vec3::new(ring * libm::cosf(turn), ring * libm::sinf(turn), z);
                 let position = centre + normal * radius;
                 Point { position, normal, fidelity: 1.0, weight: 1.0, view: 0, rank: Rank::Detected }
@@ -234,9 +240,16 @@ mod tests {
     fn exact_points_are_met() {
         for radius in [8.0, 12.7, 20.0] {
             for shift in [0.0, 0.21, 0.5] {
-                let (mean, most) = errors(radius, Vec3::new(shift, 0.3 * shift, -shift));
+                let (mean, most) = errors(radius, Vec3::new(shift, 0.3 * shift, -shift), false);
                 assert!(mean < 0.006 && most < 0.05, "radius {radius}, shift {shift}: mean {mean}, most {most}");
             }
         }
+    }
+
+    /// Where points lie by chance, some places are crowded and others bare: the surface hardly shows it.
+    #[test]
+    fn chance_is_evened_out() {
+        let (mean, most) = errors(20.0, Vec3::new(0.2, 0.1, -0.3), true);
+        assert!(mean < 0.006 && most < 0.05, "mean {mean}, most {most}");
     }
 }

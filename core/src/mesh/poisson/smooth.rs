@@ -63,3 +63,31 @@ fn binomial(grid: &SparseGrid, values: &[f32], [inside, outside]: [f32; 2], out:
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::Vec3;
+
+    /// Curved fields stay; what alternates from node to node goes.
+    #[test]
+    fn only_the_finest_detail_goes() {
+        let grid = SparseGrid::new(Vec3::ZERO, 1.0, [2; 3], |_| 0);
+        let node = |i: usize| {
+            let (block, local) = (grid.blocks[i / BLOCK_NODES], i % BLOCK_NODES);
+            let at = [local % BLOCK, local / BLOCK % BLOCK, local / BLOCK / BLOCK];
+            core::array::from_fn(|k| usize::from(block[k]) * BLOCK + at[k])
+        };
+        let curved = |[x, y, z]: [usize; 3]| (x * x + 2 * y * z) as f32 - 3.0 * x as f32 - (z * z) as f32;
+        let alternating = |[x, y, z]: [usize; 3]| if (x + y + z) % 2 == 0 { 5.0 } else { -5.0 };
+        let fields: Vec<f32> = (0..8 * BLOCK_NODES).map(|i| curved(node(i)) + alternating(node(i))).collect();
+        let smoothed = smooth(&grid, &fields, [0.0; 2], &mut Workspace::default());
+        for (i, &value) in smoothed.iter().enumerate() {
+            let at = node(i);
+            // Nodes farther in than the filter reaches.
+            if at.iter().all(|v| (2..14).contains(v)) {
+                assert!((value - curved(at)).abs() < 1e-3, "{at:?}: {value}, not {}", curved(at));
+            }
+        }
+    }
+}

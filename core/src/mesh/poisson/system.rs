@@ -182,3 +182,39 @@ pub(super) fn neighbours(grid: &SparseGrid) -> Vec<[u32; 6]> {
     };
     grid.blocks.iter().map(around).collect()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::mesh::poisson::samples;
+    use crate::point_cloud::{Point, Rank};
+
+    /// Over a plane of points, the sum over what one point adds, χ is its profile at the nodes themselves: the
+    /// right-hand side is minus the profile's second difference.
+    #[test]
+    fn differences_of_chi_are_integrals_along_edges() {
+        let grid = SparseGrid::new(Vec3::ZERO, 1.0, [2; 3], |_| 0);
+        for (axis, at) in [(0, 6.3), (1, 7.0), (2, 7.5), (0, 8.49), (1, 8.9)] {
+            let mut position = Vec3::new(7.8, 8.1, 6.6);
+            position[axis] = at;
+            let normal = Vec3::from_array(core::array::from_fn(|k| f32::from(u8::from(k == axis))));
+            let point = Point { position, normal, fidelity: 1.0, weight: 1.0, view: 0, rank: Rank::Detected };
+            let workspace = &mut Workspace::default();
+            let samples = samples::collect(&[point], &grid, workspace, || Ok(())).expect("nothing cancels");
+            let mut rhs = workspace.filled(0.0, grid.blocks.len() * BLOCK_NODES);
+            splat(&samples, &grid, 0, |_| [1.0, 0.0], &mut [&mut rhs]);
+            for layer in 1..15 {
+                let mut sum = 0.0;
+                for (u, v) in (0..16).flat_map(|u| (0..16).map(move |v| (u, v))) {
+                    let mut node = [layer; 3];
+                    node[(axis + 1) % 3] = u;
+                    node[(axis + 2) % 3] = v;
+                    sum += grid.value(&rhs, node[0], node[1], node[2], 0.0, 0.0);
+                }
+                let chi = |layer: i32| profile::chi(at - layer as f32);
+                let expected = 2.0 * chi(layer) - chi(layer - 1) - chi(layer + 1);
+                assert!((sum - expected).abs() < 1e-5, "axis {axis}, {at}, layer {layer}: {sum}, not {expected}");
+            }
+        }
+    }
+}
