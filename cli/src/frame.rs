@@ -2,15 +2,15 @@
 
 use crate::{
     arguments::Format,
-    debug_json,
     fingerprint::{Fingerprint, sha256},
-    output,
+    json, output,
     progress::{Console, FrameProgress},
     report::{FrameReport, peak_memory},
     threads::Threads,
 };
 use pcmvs_core::{
-    ChromaKey, Executor, Mask, Mesh, Params, PointCloud, Progress, Reconstruction, Rig, Stage, ViewInput,
+    ChromaKey, Executor, Frame, Mask, Memory, Mesh, Params, PointCloud, Progress, Reconstruction, Rig, Stage,
+    ViewInput,
     export::{bounds, glb, ply},
 };
 use pcmvs_scene::{Failure, Picture, Scene, SceneFrame};
@@ -24,6 +24,8 @@ pub struct Job<'a> {
     pub scene: &'a Scene,
     pub rig: &'a Rig,
     pub params: &'a Params,
+    /// Most bytes that a frame may need.
+    pub max_memory: Option<u64>,
     /// Silhouettes from the backdrop's colour instead of mask files.
     pub key: Option<ChromaKey>,
     pub format: Format,
@@ -75,7 +77,7 @@ impl Job<'_> {
         output::write(&self.folder.join(&file), &bytes)?;
         progress.end("write");
 
-        let name = |stage: Stage| stage.name().to_owned();
+        let hash = |&(stage, hash): &(Stage, u64)| (stage.name().to_owned(), format!("{hash:016x}").into());
         Ok(FrameReport {
             index: frame.index,
             file,
@@ -84,8 +86,8 @@ impl Job<'_> {
             fingerprint,
             bounds,
             seconds: progress.seconds().into_iter().map(|(step, s)| (step.to_owned(), s.into())).collect(),
-            counts: debug_json::to_value(&result.counts),
-            hashes: Stage::ALL.map(name).into_iter().zip(result.hashes.map(|h| format!("{h:016x}").into())).collect(),
+            counts: json::to_value(&result.counts),
+            hashes: result.hashes.iter().map(hash).collect(),
             peak_memory: peak_memory(),
         })
     }
@@ -150,8 +152,10 @@ impl Job<'_> {
         progress.end("decode");
         let inputs: Vec<ViewInput> = pictures.iter().map(|pictures| view_input(pictures, self.key)).collect();
         let progress: &dyn Progress = progress;
-        pcmvs_core::reconstruct(self.rig, &inputs, self.params, self.threads, progress)
-            .map_err(|error| self.scene.explain(&error, Some(frame)))
+        let memory = self.max_memory.map_or_else(Memory::default, Memory::limited);
+        let mut made = Frame::new(self.rig, *self.params, memory);
+        made.run_all(&inputs, self.threads, progress).map_err(|error| self.scene.explain(&error, Some(frame)))?;
+        Ok(made.into_reconstruction())
     }
 
     fn stages_folder(&self, index: u32) -> PathBuf {
@@ -160,7 +164,7 @@ impl Job<'_> {
 
     /// Writes what the stages passed on; the folder appears under its final name when all of it is there.
     fn write_stages(&self, index: u32, result: &Reconstruction) -> Result<(), Failure> {
-        let (origin, stages) = (self.rig.origin(), &result.stages);
+        let (origin, stages) = (self.rig.origin(), &result.intermediates);
         let folder = self.stages_folder(index);
         let temporary = output::temporary(&folder);
         let unwritable = |e| Failure::unwritable(&folder, &e);

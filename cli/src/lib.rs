@@ -2,10 +2,11 @@
 //! threads, clocks, the terminal.
 
 mod arguments;
-mod debug_json;
+
 mod fingerprint;
 mod frame;
 mod import;
+mod json;
 mod output;
 mod overrides;
 mod progress;

@@ -1,6 +1,6 @@
 //! `--set KEY=VALUE`: single parameters that differ from the preset's, to measure what each is worth.
 
-use crate::debug_json;
+use crate::json;
 use pcmvs_core::Params;
 use serde_json::Value;
 
@@ -11,7 +11,7 @@ pub fn set(params: &Params, assignment: &str) -> Result<Params, String> {
     let problem = |what: &str| format!("--set {assignment}: {what}");
     let (key, value) = assignment.split_once('=').ok_or_else(|| problem("write KEY=VALUE"))?;
     let value: Value = serde_json::from_str(value).map_err(|e| problem(&format!("the value is not JSON ({e})")))?;
-    let mut all = debug_json::to_value(params);
+    let mut all = json::to_value(params);
     let place = key.split('.').try_fold(&mut all, |at, name| at.get_mut(name));
     *place.ok_or_else(|| problem("there is no such parameter, or this preset leaves its step out"))? = value;
     serde_json::from_value(all).map_err(|e| problem(&e.to_string()))
@@ -27,7 +27,7 @@ mod tests {
         for preset in [Preset::Default, Preset::Paper, Preset::Hull, Preset::Preview] {
             let params = Params::preset(preset);
             let mut expected = params;
-            expected.detection.search.vote.smoothing = 0.123;
+            expected.detection.search.vote.smoothing = Some(0.123);
             assert_eq!(set(&params, "detection.search.vote.smoothing=0.123"), Ok(expected));
             assert_eq!(set(&expected, "frontier=null").unwrap().frontier, None);
         }

@@ -96,12 +96,12 @@ impl FrameProgress<'_> {
 }
 
 impl Progress for FrameProgress<'_> {
-    fn mark(&self, stage: Stage, begin: bool) {
-        if begin {
-            self.begin(stage.name());
-        } else {
-            self.end(stage.name());
-        }
+    fn on_stage_start(&self, stage: Stage) {
+        self.begin(stage.name());
+    }
+
+    fn on_stage_end(&self, stage: Stage) {
+        self.end(stage.name());
     }
 
     fn step(&self, _: Stage, done: u32, total: u32) -> bool {

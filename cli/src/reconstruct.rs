@@ -2,10 +2,9 @@
 
 use crate::{
     arguments::{Format, MaskSource, Reconstruct},
-    debug_json,
     fingerprint::Fingerprint,
     frame::Job,
-    output, overrides,
+    json, output, overrides,
     progress::Console,
     report::{self, FrameFailure, FrameReport, Report, earlier_frames, peak_memory},
     threads::Threads,
@@ -42,8 +41,6 @@ pub fn run(options: &Reconstruct, cancelled: &AtomicBool) -> Result<(), Failure>
     }
     let key = chroma_key(options.masks, &scene)?;
     let settings = settings(options.format, &params, &cameras, key.as_ref())?;
-    // Not among the settings: frames do not differ by it.
-    params.max_memory = options.max_memory.map(|mib| mib.saturating_mul(1 << 20));
     let threads = match options.threads {
         Some(threads) => threads,
         None => thread::available_parallelism().unwrap_or(NonZeroUsize::MIN),
@@ -55,6 +52,7 @@ pub fn run(options: &Reconstruct, cancelled: &AtomicBool) -> Result<(), Failure>
         scene: &scene,
         rig: &rig,
         params: &params,
+        max_memory: options.max_memory.map(|mib| mib.saturating_mul(1 << 20)),
         key,
         format: options.format,
         stages: options.stages,
@@ -70,7 +68,7 @@ pub fn run(options: &Reconstruct, cancelled: &AtomicBool) -> Result<(), Failure>
         masks: if options.masks == MaskSource::File { "file" } else { "chroma" }.to_owned(),
         cameras: scene.cameras.iter().map(|c| c.name.clone()).collect(),
         threads: threads.get(),
-        params: debug_json::to_value(&params),
+        params: json::to_value(&params),
         settings: settings_text,
         peak_memory: peak_memory(),
         frames: not_to_do(&earlier, &scene, &options.output),

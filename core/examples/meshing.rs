@@ -7,7 +7,7 @@
 #![allow(clippy::disallowed_methods, reason = "no result depends on the example's own numbers")]
 
 use glam::Vec3;
-use pcmvs_core::{Params, Point, Preset, Rank, Silent, Workspace, mesh};
+use pcmvs_core::{Params, Point, Preset, Rank, Silent, Workspace, mesh, surface};
 use std::{fmt::Write as _, path::Path, time::Instant};
 use studio::noise::Random;
 
@@ -21,7 +21,7 @@ const NOISE: (f32, f32) = (0.5 * VOXEL, 10.0);
 /// Nothing is outside.
 struct Anywhere;
 
-impl mesh::Envelope for Anywhere {
+impl surface::Envelope for Anywhere {
     fn bounds(&self) -> (Vec3, Vec3) {
         (Vec3::splat(-0.55), Vec3::splat(0.55))
     }

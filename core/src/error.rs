@@ -82,9 +82,105 @@ pub enum Error {
         /// Bytes allowed.
         limit: u64,
     },
-    /// The progress sink asked to stop.
+    /// There is no camera of this number.
+    #[error("there is no camera {camera}: the rig has {cameras}")]
+    NoSuchCamera {
+        /// Number that was given.
+        camera: u32,
+        /// Cameras in the rig.
+        cameras: u32,
+    },
+    /// A stage was asked for before what it needs was there, or too late. Only a host that runs a [`crate::Frame`] stage by
+    /// stage meets it.
+    #[error("{problem}")]
+    WrongOrder {
+        /// Index of the camera that is missing, if it is one.
+        camera: Option<u32>,
+        /// What is missing and what to do.
+        problem: String,
+    },
+    /// The host asked to stop.
     #[error("cancelled")]
     Cancelled,
+}
+
+/// Kind of an [`Error`], for hosts that map errors to codes of their own.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+#[non_exhaustive]
+pub enum ErrorCode {
+    /// [`Error::Camera`].
+    Camera,
+    /// [`Error::Image`].
+    Image,
+    /// [`Error::Silhouette`].
+    Silhouette,
+    /// [`Error::DuplicateCamera`].
+    DuplicateCamera,
+    /// [`Error::TooFewViews`].
+    TooFewViews,
+    /// Lists of different lengths, or a camera that does not exist.
+    InvalidArgument,
+    /// [`Error::EmptyHull`].
+    EmptyHull,
+    /// [`Error::NoSurface`].
+    NoSurface,
+    /// [`Error::OutOfMemory`].
+    OutOfMemory,
+    /// [`Error::WrongOrder`].
+    WrongOrder,
+    /// [`Error::Cancelled`].
+    Cancelled,
+}
+
+impl ErrorCode {
+    /// Stable name in kebab-case.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Camera => "camera",
+            Self::Image => "image",
+            Self::Silhouette => "silhouette",
+            Self::DuplicateCamera => "duplicate-camera",
+            Self::TooFewViews => "too-few-views",
+            Self::InvalidArgument => "invalid-argument",
+            Self::EmptyHull => "empty-hull",
+            Self::NoSurface => "no-surface",
+            Self::OutOfMemory => "out-of-memory",
+            Self::WrongOrder => "wrong-order",
+            Self::Cancelled => "cancelled",
+        }
+    }
+}
+
+impl Error {
+    /// What kind of error it is.
+    pub const fn code(&self) -> ErrorCode {
+        match self {
+            Self::Camera { .. } => ErrorCode::Camera,
+            Self::Image { .. } => ErrorCode::Image,
+            Self::Silhouette { .. } => ErrorCode::Silhouette,
+            Self::DuplicateCamera { .. } => ErrorCode::DuplicateCamera,
+            Self::TooFewViews { .. } => ErrorCode::TooFewViews,
+            Self::ViewCount { .. } | Self::GainCount { .. } | Self::NoSuchCamera { .. } => ErrorCode::InvalidArgument,
+            Self::EmptyHull => ErrorCode::EmptyHull,
+            Self::NoSurface => ErrorCode::NoSurface,
+            Self::OutOfMemory { .. } => ErrorCode::OutOfMemory,
+            Self::WrongOrder { .. } => ErrorCode::WrongOrder,
+            Self::Cancelled => ErrorCode::Cancelled,
+        }
+    }
+
+    /// Index of the camera to blame, if it is one; of two it is the later one.
+    pub const fn camera(&self) -> Option<u32> {
+        match self {
+            Self::Camera { camera, .. }
+            | Self::Image { camera, .. }
+            | Self::Silhouette { camera, .. }
+            | Self::NoSuchCamera { camera, .. } => Some(*camera),
+            Self::DuplicateCamera { second, .. } => Some(*second),
+            Self::WrongOrder { camera, .. } => *camera,
+            _ => None,
+        }
+    }
 }
 
 /// Result of a stage.

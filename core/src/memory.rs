@@ -27,8 +27,8 @@ const PER_BLOCK: u64 = 9000;
 /// Grids and samples of the Poisson solver, the mesh, its colours.
 const PER_VERTEX: f64 = 640.0;
 
-/// The least that any frame of a rig needs, in bytes.
-pub fn least(rig: &Rig) -> u64 {
+/// Bytes that every frame of a rig needs at least.
+pub fn smallest(rig: &Rig) -> u64 {
     let pixels = rig.cameras().iter().map(|c| u64::from(c.width) * u64::from(c.height)).sum::<u64>();
     PER_PIXEL * pixels + SEARCH
 }
@@ -51,7 +51,7 @@ pub fn needed(views: &[View], hull: &VisualHull, hull_mesh: &Mesh, params: &Para
     let finer = params.hull.voxel_pixels / params.meshing.voxel_pixels;
     let mut later = PER_VERTEX * hull_mesh.positions.len() as f64 * f64::from((finer * finer).max(1.0));
     if params.method == Method::Pcmvs {
-        let share = if params.detection.halved { 0.25 } else { 1.0 };
+        let share = if params.detection.octave > 0 { 0.25 } else { 1.0 };
         let cleaned = params.merging.downsample.is_some() || params.merging.conflicts.is_some();
         let silhouettes = views.iter().map(inside).sum::<usize>() as f64;
         later += share * (3.0 * pixels(views) as f64 + if cleaned { 200.0 } else { 140.0 } * silhouettes);
@@ -59,30 +59,32 @@ pub fn needed(views: &[View], hull: &VisualHull, hull_mesh: &Mesh, params: &Para
     needed_for_hull(views, hull).max(PER_PIXEL * pixels(views) + later as u64)
 }
 
-/// Refuses a frame that needs more than `params` allow for its hull's mesh, before that is made.
+/// Refuses a frame whose hull's mesh needs more than `limit` bytes, before that mesh is made.
 ///
 /// # Errors
 /// [`Error::OutOfMemory`].
-pub fn check_hull(views: &[View], hull: &VisualHull, params: &Params) -> Result<()> {
-    params.max_memory.map_or(Ok(()), |limit| within(needed_for_hull(views, hull), limit))
+pub fn check_hull(views: &[View], hull: &VisualHull, limit: Option<u64>) -> Result<()> {
+    within(|| needed_for_hull(views, hull), limit)
 }
 
-/// Refuses a frame that needs more than `params` allow, once its silhouettes, its hull and the hull's mesh are known.
+/// Refuses a frame that needs more than `limit` bytes, once its silhouettes, its hull and the hull's mesh are known.
 ///
 /// # Errors
 /// [`Error::OutOfMemory`].
-pub fn check(views: &[View], hull: &VisualHull, hull_mesh: &Mesh, params: &Params) -> Result<()> {
-    params.max_memory.map_or(Ok(()), |limit| within(needed(views, hull, hull_mesh, params), limit))
+pub fn check(views: &[View], hull: &VisualHull, hull_mesh: &Mesh, params: &Params, limit: Option<u64>) -> Result<()> {
+    within(|| needed(views, hull, hull_mesh, params), limit)
 }
 
-/// Refuses any frame of a rig for which `params` allow too little.
+/// Refuses any frame of a rig whose views alone need more than `limit` bytes.
 ///
 /// # Errors
 /// [`Error::OutOfMemory`].
-pub fn check_least(rig: &Rig, params: &Params) -> Result<()> {
-    params.max_memory.map_or(Ok(()), |limit| within(least(rig), limit))
+pub fn check_rig(rig: &Rig, limit: Option<u64>) -> Result<()> {
+    within(|| smallest(rig), limit)
 }
 
-fn within(needed: u64, limit: u64) -> Result<()> {
+fn within(needed: impl FnOnce() -> u64, limit: Option<u64>) -> Result<()> {
+    let Some(limit) = limit else { return Ok(()) };
+    let needed = needed();
     if needed <= limit { Ok(()) } else { Err(Error::OutOfMemory { needed, limit }) }
 }

@@ -43,6 +43,13 @@ impl Point {
 /// Oriented points in a deterministic order.
 pub type PointCloud = Vec<Point>;
 
+/// The points of several clouds, one cloud after the other.
+pub(crate) fn concat<'a>(clouds: impl Iterator<Item = &'a [Point]> + Clone, workspace: &mut Workspace) -> PointCloud {
+    let mut all = workspace.empty(clouds.clone().map(<[Point]>::len).sum());
+    clouds.for_each(|cloud| all.extend_from_slice(cloud));
+    all
+}
+
 /// A closed triangle mesh, counter-clockwise seen from outside.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Mesh {
@@ -70,22 +77,22 @@ pub fn hash<'a>(points: impl IntoIterator<Item = &'a Point>) -> u64 {
 
 impl Mesh {
     /// An empty mesh in memory that has been kept.
-    pub(crate) fn in_memory(workspace: &mut Workspace) -> Self {
+    pub(crate) fn with_workspace(workspace: &mut Workspace) -> Self {
         Self {
-            positions: workspace.growing(),
-            normals: workspace.growing(),
-            colours: workspace.growing(),
-            triangles: workspace.growing(),
+            positions: workspace.take(),
+            normals: workspace.take(),
+            colours: workspace.take(),
+            triangles: workspace.take(),
         }
     }
 
     /// Hands its memory back.
-    pub fn keep_in(self, workspace: &mut Workspace) {
+    pub fn recycle_into(self, workspace: &mut Workspace) {
         let Self { positions, normals, colours, triangles } = self;
-        workspace.keep(positions);
-        workspace.keep(normals);
-        workspace.keep(colours);
-        workspace.keep(triangles);
+        workspace.recycle(positions);
+        workspace.recycle(normals);
+        workspace.recycle(colours);
+        workspace.recycle(triangles);
     }
 
     /// Hash of positions, normals, colours and triangles.

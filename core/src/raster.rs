@@ -56,6 +56,15 @@ impl Raster {
     }
 }
 
+/// A piece of a pixel's ray inside a closed mesh, as depths along the optical axis.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Interval {
+    /// Where the ray enters.
+    pub near: f32,
+    /// Where it leaves.
+    pub far: f32,
+}
+
 /// Every crossing of a camera's pixel rays with a mesh. Kept from view to view so that its memory is asked for once.
 #[derive(Debug, Default)]
 pub struct Crossings {
@@ -103,7 +112,7 @@ impl Crossings {
     }
 
     /// Depths at which a pixel's ray enters and leaves the mesh, nearest first.
-    pub fn intervals(&mut self, pixel: usize, mut f: impl FnMut(f32, f32)) {
+    pub fn intervals(&mut self, pixel: usize, mut f: impl FnMut(Interval)) {
         let crossings = &mut self.crossings[self.starts[pixel] as usize..self.starts[pixel + 1] as usize];
         crossings.sort_unstable();
         // A ray through an edge may cross both its triangles, or neither: only changes of side count.
@@ -113,7 +122,7 @@ impl Crossings {
             match (key & 1 == 0, entered) {
                 (true, None) => entered = Some(1.0 / z),
                 (false, Some(near)) => {
-                    f(near, 1.0 / z);
+                    f(Interval { near, far: 1.0 / z });
                     entered = None;
                 }
                 _ => {}

@@ -2,6 +2,7 @@
 
 /// Counts over one frame, in the order of the method's steps.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
 #[non_exhaustive]
 pub struct Counts {
     /// Points found by stereo (§4.1).
@@ -39,6 +40,25 @@ pub struct Counts {
 }
 
 impl Counts {
+    /// Takes over what detection has counted.
+    pub(crate) fn set_detection(&mut self, found: &Self) {
+        self.detected = found.detected;
+        self.substituted = found.substituted;
+        self.cleaned_density = found.cleaned_density;
+        self.cleaned_pca = found.cleaned_pca;
+        self.cleaned_normal = found.cleaned_normal;
+    }
+
+    /// Takes over what merging has counted.
+    pub(crate) fn set_merging(&mut self, found: &Self) {
+        self.dropped_normal = found.dropped_normal;
+        self.dropped_fidelity = found.dropped_fidelity;
+        self.conflicts_cameras = found.conflicts_cameras;
+        self.conflicts_virtual = found.conflicts_virtual;
+        self.implicit_removed = found.implicit_removed;
+        self.merged = found.merged;
+    }
+
     /// Adds what one view's detection counted.
     pub fn add_detection(&mut self, view: &Self) {
         self.detected += view.detected;

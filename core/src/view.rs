@@ -8,7 +8,7 @@ use crate::{
     rig::Rig,
     silhouette::{self, ChromaKey, Silhouette, chroma, clean_plate},
 };
-use alloc::{format, vec::Vec};
+use alloc::{format, sync::Arc, vec::Vec};
 
 /// Where a view's silhouette comes from.
 #[derive(Debug, Clone, Copy)]
@@ -45,7 +45,7 @@ pub struct View {
     /// Luma, row after row.
     pub luma: Vec<u8>,
     /// The silhouette, if one is known.
-    pub silhouette: Option<Silhouette>,
+    pub silhouette: Option<Arc<Silhouette>>,
 }
 
 /// Buffers for making one view after another; what they hold does not matter.
@@ -61,6 +61,11 @@ pub struct Scratch {
     distance: silhouette::Scratch,
 }
 
+/// Hash of views in their order.
+pub(crate) fn hash(views: &[View]) -> u64 {
+    views.iter().fold(Hash64::default(), |hash, view| view.hash(hash)).finish()
+}
+
 /// Memory of a view that is not needed any more.
 #[derive(Debug, Default)]
 pub struct Buffers {
@@ -71,14 +76,15 @@ pub struct Buffers {
 
 impl From<View> for Buffers {
     fn from(old: View) -> Self {
-        let distance = old.silhouette.map(Silhouette::into_distances).unwrap_or_default();
+        let silhouette = old.silhouette.and_then(Arc::into_inner);
+        let distance = silhouette.map(Silhouette::into_distances).unwrap_or_default();
         Self { rgb: old.rgb, luma: old.luma, distance }
     }
 }
 
 impl View {
     /// Mixes picture and silhouette into a hash.
-    pub(crate) fn hash(&self, mut hash: Hash64) -> Hash64 {
+    fn hash(&self, mut hash: Hash64) -> Hash64 {
         for p in self.rgb.chunks(8) {
             hash.word(p.iter().fold(0, |word, &b| word << 8 | u64::from(b)));
         }
@@ -93,20 +99,22 @@ impl View {
     /// # Errors
     /// [`Error::Image`] and [`Error::Silhouette`] name the camera and what does not fit.
     pub fn new(rig: &Rig, index: usize, input: &ViewInput) -> Result<Self> {
-        Self::in_memory(rig, index, input, &mut Scratch::default(), Buffers::default())
+        Self::with_buffers(rig, index, input, &mut Scratch::default(), Buffers::default())
     }
 
     /// [`Self::new`] with buffers to use and the memory of an old view.
     ///
     /// # Errors
     /// As for [`Self::new`].
-    pub fn in_memory(
+    pub fn with_buffers(
         rig: &Rig,
         index: usize,
         input: &ViewInput,
         scratch: &mut Scratch,
         buffers: Buffers,
     ) -> Result<Self> {
+        let missing = Error::NoSuchCamera { camera: index as u32, cameras: rig.cameras().len() as u32 };
+        let place = rig.place(index).ok_or(missing)?;
         let Buffers { mut rgb, mut luma, distance } = buffers;
         let Scratch { picture, mask, coverage, known, distance: distance_scratch } = scratch;
         let camera = &rig.cameras()[index];
@@ -146,17 +154,17 @@ impl View {
             (Mask::Unknown, _) => None,
             (_, None) => {
                 let (w, h) = (camera.width, camera.height);
-                Some(Silhouette::in_memory(w, h, mask, |_| true, distance_scratch, distance).map_err(unusable)?)
+                Some(Silhouette::with_buffers(w, h, mask, |_| true, distance_scratch, distance).map_err(unusable)?)
             }
             (_, Some(undistortion)) => {
                 let (w, h) = (camera.width, camera.height);
                 undistortion.coverage(mask, coverage, known);
                 let known = |i: usize| known[i];
-                Some(Silhouette::in_memory(w, h, coverage, known, distance_scratch, distance).map_err(unusable)?)
+                Some(Silhouette::with_buffers(w, h, coverage, known, distance_scratch, distance).map_err(unusable)?)
             }
         };
         luma.clear();
         luma.extend(rgb.chunks_exact(3).map(|p| image::luma([p[0], p[1], p[2]])));
-        Ok(Self { index: rig.place(index) as u16, camera: rig.pinholes()[index], rgb, luma, silhouette })
+        Ok(Self { index: place as u16, camera: rig.pinholes()[index], rgb, luma, silhouette: silhouette.map(Arc::new) })
     }
 }

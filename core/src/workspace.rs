@@ -50,7 +50,7 @@ impl Workspace {
     }
 
     /// An empty vector that will grow by as much as cannot be foretold: the largest kept one.
-    pub(crate) fn growing<T: Send + Sync + 'static>(&mut self) -> Vec<T> {
+    pub(crate) fn take<T: Send + Sync + 'static>(&mut self) -> Vec<T> {
         self.largest(TypeId::of::<T>()).map_or_else(Vec::new, Kept::vector)
     }
 
@@ -62,7 +62,7 @@ impl Workspace {
     }
 
     /// Takes a vector's memory back.
-    pub fn keep<T: Send + Sync + 'static>(&mut self, mut used: Vec<T>) {
+    pub fn recycle<T: Send + Sync + 'static>(&mut self, mut used: Vec<T>) {
         if self.keeps && used.capacity() > 0 {
             used.clear();
             self.kept.push(Kept { items: TypeId::of::<T>(), room: used.capacity(), vector: Box::new(used) });
@@ -85,17 +85,17 @@ mod tests {
         let mut workspace = Workspace::keeping();
         let (small, large) = (workspace.filled(1u32, 10), workspace.filled(2u32, 1000));
         let places = (small.as_ptr(), large.as_ptr());
-        workspace.keep(large);
-        workspace.keep(small);
+        workspace.recycle(large);
+        workspace.recycle(small);
         let (small, large) = (workspace.filled(3u32, 9), workspace.empty::<u32>(900));
         assert_eq!((small.as_ptr(), large.as_ptr()), places);
         assert_eq!((&small[..], large.len()), (&[3; 9][..], 0));
-        workspace.keep(large);
-        workspace.keep(small);
-        let largest = workspace.growing::<u32>();
+        workspace.recycle(large);
+        workspace.recycle(small);
+        let largest = workspace.take::<u32>();
         assert_eq!(largest.as_ptr(), places.1);
         // What is too small makes room for what is not; other types have vectors of their own.
-        assert_eq!(workspace.growing::<f32>().capacity(), 0);
+        assert_eq!(workspace.take::<f32>().capacity(), 0);
         drop(workspace.empty::<u32>(5000));
         assert!(workspace.kept.is_empty());
     }
@@ -103,7 +103,7 @@ mod tests {
     #[test]
     fn one_that_keeps_nothing_is_empty() {
         let mut workspace = Workspace::default();
-        workspace.keep(Vec::<u32>::with_capacity(10));
-        assert_eq!(workspace.growing::<u32>().capacity(), 0);
+        workspace.recycle(Vec::<u32>::with_capacity(10));
+        assert_eq!(workspace.take::<u32>().capacity(), 0);
     }
 }

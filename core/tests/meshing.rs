@@ -7,8 +7,8 @@ use std::sync::atomic::{AtomicU32, Ordering};
 
 use common::{Random, assert_manifold};
 use glam::Vec3;
-use pcmvs_core::mesh::{Envelope, Meshed, drop_small_components, mesh};
-use pcmvs_core::params::MeshingParams;
+use pcmvs_core::mesh::{Meshed, MeshingParams, SpaceConstraint, mesh};
+use pcmvs_core::surface::{Envelope, drop_small_components};
 use pcmvs_core::{Error, Mesh, Params, Point, Preset, Progress, Rank, Silent, Stage, Workspace};
 
 /// A solid by its signed distance, positive inside.
@@ -96,8 +96,9 @@ fn quantile(values: impl Iterator<Item = f32>, rank: f32) -> f32 {
 fn surfaces_are_met_within_a_small_part_of_a_voxel() {
     for solid in [sphere as Solid, torus] {
         let points = cloud(solid, 1.5, |_| true);
-        for (constraint, envelope, screening) in [(false, true, 0.0), (true, true, 4.0), (true, false, 0.0)] {
-            let params = MeshingParams { space_constraint: constraint, envelope, screening, ..params() };
+        let ways = [(None, None), (Some(SpaceConstraint::Envelope), Some(4.0)), (Some(SpaceConstraint::Rectify), None)];
+        for (space_constraint, screening) in ways {
+            let params = MeshingParams { space_constraint, screening, ..params() };
             let mesh = run(&points, solid, &params).mesh;
             assert!(error(&mesh, solid, 0.5) < 0.03);
             assert!(error(&mesh, solid, 0.9) < 0.08);
@@ -154,14 +155,15 @@ fn thin_parts_survive_and_stay_apart() {
 fn nothing_lies_outside_the_envelope() {
     let points = cloud(sphere, 1.5, |_| true);
     let cut = |p: Vec3| sphere(p).min(0.3 - p.z).min(0.35 - p.x);
-    for (envelope, allowed) in [(true, 0.5), (false, 1.0)] {
-        let mesh = run(&points, cut, &MeshingParams { envelope, ..params() }).mesh;
+    for (constraint, allowed) in [(SpaceConstraint::Envelope, 0.5), (SpaceConstraint::Rectify, 1.0)] {
+        let params = MeshingParams { space_constraint: Some(constraint), ..params() };
+        let mesh = run(&points, cut, &params).mesh;
         let farthest = quantile(mesh.positions.iter().map(|&p| -cut(p) / VOXEL), 1.0);
         assert!(farthest < allowed, "{farthest}");
         // It is not merely shrunk: the envelope's faces are reached.
         assert!(mesh.positions.iter().any(|p| p.z > 0.3 - VOXEL && p.x.abs() < 0.2 && p.y.abs() < 0.2));
     }
-    let free = MeshingParams { space_constraint: false, ..params() };
+    let free = MeshingParams { space_constraint: None, ..params() };
     assert!(run(&points, cut, &free).mesh.positions.iter().any(|p| p.z > 0.45));
 }
 
@@ -174,7 +176,7 @@ fn weights_draw_the_surface() {
         };
         shell(0.4, inner).chain(shell(0.4 + VOXEL, outer)).collect()
     };
-    for screening in [0.0, 4.0] {
+    for screening in [None, Some(4.0)] {
         let radius = |inner: f32, outer: f32| {
             let mesh = run(&shells(inner, outer), |p| sphere(p) + 0.05, &MeshingParams { screening, ..params() }).mesh;
             (quantile(mesh.positions.iter().map(|p| p.length()), 0.5) - 0.4) / VOXEL

@@ -18,7 +18,7 @@ use pcmvs::{
     status::{pcmvs_stage, pcmvs_status},
     view::{pcmvs_view, pcmvs_view_init},
 };
-use pcmvs_core::{Mask, Params, Preset, Rig, Serial, Silent, Stage, ViewInput, reconstruct};
+use pcmvs_core::{Mask, Params, Preset, Rig, Serial, Silent, ViewInput, frame::ORDER, reconstruct};
 use std::{
     env,
     ffi::{c_int, c_long, c_void},
@@ -31,7 +31,7 @@ use std::{
 /// Longest time without a call, of each stage.
 struct Gaps {
     last: Duration,
-    longest: [Duration; Stage::ALL.len()],
+    longest: [Duration; ORDER.len()],
 }
 
 unsafe extern "C" fn follow(gaps: *mut c_void, stage: pcmvs_stage, _: u32, _: u32) -> c_int {
@@ -103,7 +103,7 @@ fn main() -> ExitCode {
         ok(pcmvs_rig_set_cameras(rig, cameras.as_ptr(), cameras.len()));
         ok(pcmvs_frame_new(rig, &mut handle));
 
-        let mut gaps = Gaps { last: now(), longest: [Duration::ZERO; Stage::ALL.len()] };
+        let mut gaps = Gaps { last: now(), longest: [Duration::ZERO; ORDER.len()] };
         let mut options = zeroed::<pcmvs_options>();
         ok(pcmvs_options_init(&mut options, size_of::<pcmvs_options>()));
         options.progress = Some(follow);
@@ -131,7 +131,7 @@ fn main() -> ExitCode {
         costs.sort_by(f64::total_cmp);
         let (fastest, median) = (cost(rust, c), costs[costs.len() / 2]);
         println!("Rust {rust:.3?}, C {c:.3?}: {fastest:+.2} %, median of {rounds} rounds {median:+.2} %");
-        for stage in Stage::ALL {
+        for stage in ORDER {
             println!("{:8} longest wait for the callback {:.1?}", stage.name(), gaps.longest[stage as usize]);
         }
         if fastest < 1.0 { ExitCode::SUCCESS } else { ExitCode::FAILURE }

@@ -5,11 +5,7 @@ use crate::{
     error::Failure,
     frame::{Work, pcmvs_frame, shared},
     mesh::Target,
-    pipeline::Pipeline,
-    status::{
-        pcmvs_stage,
-        pcmvs_status::{self, InvalidArgument, WrongOrder},
-    },
+    status::pcmvs_status::{self, InvalidArgument, WrongOrder},
 };
 use pcmvs_core::{Point, Stage};
 use std::mem::size_of;
@@ -77,9 +73,9 @@ impl Growing for pcmvs_silhouette {
     const FIRST_SIZE: usize = 8 + size_of::<usize>();
 }
 
-impl Pipeline {
+impl Work {
     /// A cloud by its number, and the stage that makes it; `camera` chooses among the detected ones.
-    pub(crate) fn cloud_of_kind(&self, kind: u32, camera: u32) -> Result<(&[Point], pcmvs_stage)> {
+    pub(crate) fn cloud_of_kind(&self, kind: u32, camera: u32) -> Result<(&[Point], Stage)> {
         let stage = match kind {
             0 | 1 => Stage::Contours,
             2 | 3 => Stage::Merge,
@@ -87,12 +83,15 @@ impl Pipeline {
         };
         self.require(stage)?;
         let cloud = match kind {
-            0 => &self.stages.frontier,
-            1 => &self.stages.implicit,
-            2 => &self.stages.detected[self.place(camera as usize).map_err(|f| f.at(stage.into()))?],
-            _ => &self.stages.merged,
+            0 => &self.frame.intermediates().frontier,
+            1 => &self.frame.intermediates().implicit,
+            2 => {
+                &self.frame.intermediates().detected
+                    [self.frame.place(camera as usize).map_err(|e| Failure::from(e).at(stage))?]
+            }
+            _ => &self.frame.intermediates().merged,
         };
-        Ok((cloud, stage.into()))
+        Ok((cloud, stage))
     }
 }
 
@@ -109,8 +108,8 @@ pub unsafe extern "C" fn pcmvs_frame_copy_cloud(
     count: *mut usize,
 ) -> pcmvs_status {
     let copy = |work: &Work| {
-        let (cloud, stage) = work.pipeline.cloud_of_kind(kind, camera)?;
-        let order = work.pipeline.rig.order();
+        let (cloud, stage) = work.cloud_of_kind(kind, camera)?;
+        let order = work.frame.rig().order();
         let point = |p: &Point| pcmvs_point {
             position: p.position.to_array(),
             normal: p.normal.to_array(),
@@ -137,9 +136,10 @@ pub unsafe extern "C" fn pcmvs_frame_get_silhouette(
     size: usize,
 ) -> pcmvs_status {
     let look = |work: &Work| {
-        let views = work.pipeline.carved_views()?;
-        let at = |failure: Failure| failure.of_camera(camera).at(pcmvs_stage::Views);
-        let found = views[work.pipeline.place(camera as usize)?].silhouette.as_ref();
+        work.require(Stage::Hull)?;
+        let views = work.frame.views();
+        let at = |failure: Failure| failure.of_camera(camera).at(Stage::Views);
+        let found = views[work.frame.place(camera as usize).map_err(Failure::from)?].silhouette.as_ref();
         let found = found.ok_or_else(|| at(Failure::new(WrongOrder, "this view was given no silhouette")))?;
         let (width, height, distances) = (found.width, found.height, found.distances().as_ptr());
         let found = pcmvs_silhouette { width, height, distances };

@@ -1,10 +1,7 @@
 //! Why a call failed.
 
-use crate::{
-    boundary::Growing,
-    status::{pcmvs_stage, pcmvs_status},
-};
-use pcmvs_core::Error;
+use crate::{boundary::Growing, status::pcmvs_status};
+use pcmvs_core::{Error, ErrorCode, Stage};
 use std::{
     ffi::c_char,
     sync::{Mutex, PoisonError},
@@ -39,7 +36,7 @@ impl Growing for pcmvs_error {
 #[derive(Debug, Clone)]
 pub(crate) struct Failure {
     pub status: pcmvs_status,
-    pub stage: Option<pcmvs_stage>,
+    pub stage: Option<Stage>,
     pub camera: Option<u32>,
     pub message: String,
 }
@@ -54,7 +51,7 @@ impl Failure {
     }
 
     /// The same, known to be a stage's.
-    pub fn at(self, stage: pcmvs_stage) -> Self {
+    pub fn at(self, stage: Stage) -> Self {
         Self { stage: Some(stage), ..self }
     }
 
@@ -66,20 +63,21 @@ impl Failure {
 
 impl From<Error> for Failure {
     fn from(error: Error) -> Self {
-        let (status, camera) = match &error {
-            Error::Camera { camera, .. } => (pcmvs_status::Camera, Some(*camera)),
-            Error::Image { camera, .. } => (pcmvs_status::Image, Some(*camera)),
-            Error::Silhouette { camera, .. } => (pcmvs_status::Silhouette, Some(*camera)),
-            Error::DuplicateCamera { second, .. } => (pcmvs_status::DuplicateCamera, Some(*second)),
-            Error::TooFewViews { .. } => (pcmvs_status::TooFewViews, None),
-            Error::ViewCount { .. } | Error::GainCount { .. } => (pcmvs_status::InvalidArgument, None),
-            Error::EmptyHull => (pcmvs_status::EmptyHull, None),
-            Error::NoSurface => (pcmvs_status::NoSurface, None),
-            Error::OutOfMemory { .. } => (pcmvs_status::OutOfMemory, None),
-            Error::Cancelled => (pcmvs_status::Cancelled, None),
-            _ => (pcmvs_status::Other, None),
+        let status = match error.code() {
+            ErrorCode::Camera => pcmvs_status::Camera,
+            ErrorCode::Image => pcmvs_status::Image,
+            ErrorCode::Silhouette => pcmvs_status::Silhouette,
+            ErrorCode::DuplicateCamera => pcmvs_status::DuplicateCamera,
+            ErrorCode::TooFewViews => pcmvs_status::TooFewViews,
+            ErrorCode::InvalidArgument => pcmvs_status::InvalidArgument,
+            ErrorCode::EmptyHull => pcmvs_status::EmptyHull,
+            ErrorCode::NoSurface => pcmvs_status::NoSurface,
+            ErrorCode::OutOfMemory => pcmvs_status::OutOfMemory,
+            ErrorCode::WrongOrder => pcmvs_status::WrongOrder,
+            ErrorCode::Cancelled => pcmvs_status::Cancelled,
+            _ => pcmvs_status::Other,
         };
-        Self { status, stage: None, camera, message: error.to_string() }
+        Self { status, stage: None, camera: error.camera(), message: error.to_string() }
     }
 }
 
@@ -114,7 +112,7 @@ impl LastFailure {
             pcmvs_error { status: 0, stage: -1, camera: -1, reserved: 0, frame: -1, message: [0; PCMVS_MESSAGE_SIZE] };
         if let Some((failure, frame)) = &*self.0.lock().unwrap_or_else(PoisonError::into_inner) {
             error.status = failure.status as u32;
-            error.stage = failure.stage.map_or(-1, |s| s as i32);
+            error.stage = failure.stage.map_or(-1, |stage| stage.id() as i32);
             error.camera = failure.camera.map_or(-1, |c| c as i32);
             error.frame = frame.map_or(-1, i64::from);
             let place = frame.map_or_else(String::new, |f| format!("frame {f}: "));

@@ -1,6 +1,6 @@
 //! The host's threads behind the core's trait.
 
-use pcmvs_core::{Executor, Serial};
+use pcmvs_core::{Executor, Pool, Serial};
 use std::{
     any::Any,
     ffi::c_void,
@@ -67,30 +67,6 @@ impl<T: Send, F: Fn(usize) -> T + Sync> Batch<'_, T, F> {
     }
 }
 
-/// Buffers that no piece of work is using.
-#[derive(Default)]
-pub(crate) struct Pool<S>(Mutex<Vec<S>>);
-
-impl<S: Default> Pool<S> {
-    /// One of them, or a new one.
-    pub fn take(&self) -> S {
-        self.0.lock().unwrap_or_else(PoisonError::into_inner).pop().unwrap_or_default()
-    }
-
-    /// Runs something with a scratch of its own.
-    pub fn with<T>(&self, work: impl FnOnce(&mut S) -> T) -> T {
-        let mut scratch = self.take();
-        let result = work(&mut scratch);
-        self.0.lock().unwrap_or_else(PoisonError::into_inner).push(scratch);
-        result
-    }
-
-    /// All that are not in use.
-    pub fn spare(&mut self) -> &mut Vec<S> {
-        self.0.get_mut().unwrap_or_else(PoisonError::into_inner)
-    }
-}
-
 impl Executor for HostThreads {
     fn map_with<S: Default + Send, T: Send>(
         &self,
@@ -99,7 +75,7 @@ impl Executor for HostThreads {
         job: impl Fn(&mut S, usize) -> T + Sync,
     ) -> Vec<T> {
         let Some(parallel) = self.parallel else { return Serial.map_with(spare, count, job) };
-        let mut pool = Pool(Mutex::new(take(spare)));
+        let mut pool = Pool::from(take(spare));
         let results = self.run(parallel, count, |i| pool.with(|scratch| job(scratch, i)));
         *spare = take(pool.spare());
         results

@@ -5,13 +5,12 @@ use crate::{
     error::Failure,
     frame::{Work, pcmvs_frame, shared},
     mesh::Target,
-    pipeline::Pipeline,
-    status::{
-        pcmvs_stage,
-        pcmvs_status::{self, InvalidArgument, NullPointer, WriteFailed},
-    },
+    status::pcmvs_status::{self, InvalidArgument, NullPointer, WriteFailed},
 };
-use pcmvs_core::export::{glb, ply};
+use pcmvs_core::{
+    Stage,
+    export::{glb, ply},
+};
 use std::{
     ffi::{c_int, c_void},
     mem::size_of,
@@ -66,12 +65,12 @@ pub unsafe extern "C" fn pcmvs_export_options_init(options: *mut pcmvs_export_op
 /// Called on the thread that made the call, once or more often. It must not throw.
 pub type pcmvs_write_fn = Option<unsafe extern "C" fn(user: *mut c_void, data: *const c_void, size: usize) -> c_int>;
 
-impl Pipeline {
+impl Work {
     /// A mesh as a file's bytes, and the stage that makes it.
     ///
     /// # Safety
     /// `options` is NULL or true.
-    unsafe fn mesh_file(&self, kind: u32, options: *const pcmvs_export_options) -> Result<(Vec<u8>, pcmvs_stage)> {
+    unsafe fn mesh_file(&self, kind: u32, options: *const pcmvs_export_options) -> Result<(Vec<u8>, Stage)> {
         let (mesh, stage) = self.mesh_of_kind(kind)?;
         let options = if options.is_null() {
             pcmvs_export_options::defaults()
@@ -89,9 +88,9 @@ impl Pipeline {
         let file = match options.format {
             0 => {
                 let up = (options.has_up == 1).then_some(options.up);
-                glb::write(mesh, self.rig.origin(), &glb::Options { normals: options.normals == 1, up })
+                glb::write(mesh, self.frame.rig().origin(), &glb::Options { normals: options.normals == 1, up })
             }
-            1 => ply::write_mesh(mesh, self.rig.origin()),
+            1 => ply::write_mesh(mesh, self.frame.rig().origin()),
             other => return refused(format!("file format {other} is not known")),
         };
         Ok((file, stage))
@@ -105,7 +104,7 @@ impl Pipeline {
 unsafe fn hand_over(
     write: pcmvs_write_fn,
     user: *mut c_void,
-    file: impl FnOnce() -> Result<(Vec<u8>, pcmvs_stage)>,
+    file: impl FnOnce() -> Result<(Vec<u8>, Stage)>,
 ) -> Result<()> {
     let write = write.ok_or_else(|| Failure::new(NullPointer, "`write` is NULL"))?;
     let (bytes, stage) = file()?;
@@ -126,7 +125,7 @@ pub unsafe extern "C" fn pcmvs_frame_export_mesh(
     user: *mut c_void,
 ) -> pcmvs_status {
     // SAFETY: the caller's promise.
-    unsafe { shared(frame, |work| hand_over(write, user, || work.pipeline.mesh_file(kind, options))) }
+    unsafe { shared(frame, |work| hand_over(write, user, || work.mesh_file(kind, options))) }
 }
 
 /// Writes a mesh as a file's bytes to a buffer of `capacity` bytes; `size`, if not NULL, gets their number. With a NULL
@@ -145,7 +144,7 @@ pub unsafe extern "C" fn pcmvs_frame_export_mesh_to_buffer(
         let target = Target { buffer: buffer.cast(), capacity, stride: 0, count: size };
         // SAFETY: the caller's promise.
         unsafe {
-            let (file, stage) = work.pipeline.mesh_file(kind, options)?;
+            let (file, stage) = work.mesh_file(kind, options)?;
             target.fill(file.iter().copied()).map_err(|f| f.at(stage))
         }
     };
@@ -163,8 +162,8 @@ pub unsafe extern "C" fn pcmvs_frame_export_cloud(
     user: *mut c_void,
 ) -> pcmvs_status {
     let file = |work: &Work| {
-        let (cloud, stage) = work.pipeline.cloud_of_kind(kind, camera)?;
-        Ok((ply::write_cloud(&cloud.to_vec(), work.pipeline.rig.origin()), stage))
+        let (cloud, stage) = work.cloud_of_kind(kind, camera)?;
+        Ok((ply::write_cloud(&cloud.to_vec(), work.frame.rig().origin()), stage))
     };
     // SAFETY: the caller's promise.
     unsafe { shared(frame, |work| hand_over(write, user, || file(work))) }

@@ -2,19 +2,18 @@
 
 use crate::{
     boundary::{Opaque, Result, Versioned, body, catch, free, into_handle, out, read, read_array, status, write},
+    clock::Clock,
     error::{Failure, LastFailure, pcmvs_error},
     options::pcmvs_options,
-    pipeline::Pipeline,
     progress::HostProgress,
     rig::{RigBody, pcmvs_rig, with_rig},
-    status::{
-        pcmvs_stage,
-        pcmvs_status::{self, Busy, InvalidArgument},
-    },
+    status::pcmvs_status::{self, Busy, InvalidArgument},
     view::{GivenView, pcmvs_view},
 };
+use pcmvs_core::{Frame, Memory, Rig, Stage, ViewInput};
+use std::mem::replace;
 use std::sync::{
-    RwLock, TryLockError,
+    Arc, RwLock, TryLockError,
     atomic::{AtomicU32, Ordering},
 };
 
@@ -33,7 +32,45 @@ pub(crate) struct FrameBody {
 /// What the handle's lock protects.
 pub(crate) struct Work {
     options: pcmvs_options,
-    pub pipeline: Pipeline,
+    pub frame: Frame<Arc<Rig>>,
+    pub clock: Clock,
+}
+
+impl Work {
+    fn new(rig: Arc<Rig>, options: pcmvs_options, memory: Memory) -> Result<Self> {
+        Ok(Self { options, frame: Frame::new(rig, options.params()?, memory), clock: Clock::default() })
+    }
+
+    /// Begins the next frame. It takes over the working memory of the last one unless either has a limit.
+    fn restart(&mut self, options: pcmvs_options) -> Result<()> {
+        let rig = Arc::clone(self.frame.rig());
+        let next = Self::new(Arc::clone(&rig), options, options.memory())?;
+        let last = replace(self, next);
+        if options.max_memory == 0 && last.options.max_memory == 0 {
+            *self = Self::new(rig, options, last.frame.recycle())?;
+        }
+        Ok(())
+    }
+
+    /// Fails unless a stage is complete.
+    pub fn require(&self, stage: Stage) -> Result<()> {
+        self.frame.require(stage).map_err(|error| Failure::from(error).at(stage))
+    }
+
+    /// Runs all stages.
+    fn run_all(&mut self, inputs: &[ViewInput]) -> Result<()> {
+        let progress = HostProgress::new(&self.options, &self.clock);
+        self.frame.run_all(inputs, &self.options.threads(), &progress).map_err(|error| {
+            let failure = Failure::from(error);
+            progress.stage().map_or(failure.clone(), |stage| failure.at(stage))
+        })
+    }
+
+    /// Runs one stage.
+    fn step(&mut self, stage: Stage) -> Result<()> {
+        let progress = HostProgress::new(&self.options, &self.clock);
+        self.frame.step(stage, &self.options.threads(), &progress).map_err(|error| Failure::from(error).at(stage))
+    }
 }
 
 // SAFETY: the raw pointers in `options` are the host's: it lets them be used on every thread on which it calls.
@@ -70,13 +107,10 @@ impl FrameBody {
 ///
 /// # Safety
 /// As for [`body`].
-unsafe fn alone(frame: *mut pcmvs_frame, work: impl FnOnce(&mut Work, &HostProgress) -> Result<()>) -> pcmvs_status {
+unsafe fn step(frame: *mut pcmvs_frame, stage: Stage) -> pcmvs_status {
     // SAFETY: the caller's promise.
     match unsafe { body(frame.cast_const()) } {
-        Ok(frame) => frame.keep(frame.alone(|w| {
-            let progress = HostProgress::new(&w.options);
-            work(w, &progress)
-        })),
+        Ok(frame) => frame.keep(frame.alone(|work| work.step(stage))),
         Err(failure) => failure.status,
     }
 }
@@ -102,11 +136,9 @@ unsafe fn begin(frame: &FrameBody, work: &mut Work, options: *const pcmvs_option
         // SAFETY: the caller's promise.
         unsafe { read(options, "options")? }
     };
-    let params = given.params()?;
+    given.params()?;
     frame.number.store(given.frame, Ordering::Relaxed);
-    let pipeline = work.pipeline.next(params);
-    *work = Work { options: given, pipeline };
-    Ok(())
+    work.restart(given)
 }
 
 /// Makes a frame of a rig that has its cameras. Free it with `pcmvs_frame_free`. Why it failed is told by
@@ -117,7 +149,7 @@ pub unsafe extern "C" fn pcmvs_frame_new(rig: *const pcmvs_rig, frame: *mut *mut
         let frame = out(frame, "frame")?;
         let rig = rig.get()?;
         let options = pcmvs_options::defaults();
-        let work = Work { options, pipeline: Pipeline::new(rig, options.params()?) };
+        let work = Work::new(rig, options, options.memory())?;
         let made = FrameBody { number: AtomicU32::new(0), work: RwLock::new(work), failure: LastFailure::default() };
         // SAFETY: the caller's promise.
         unsafe { frame.write(into_handle(made)) };
@@ -159,22 +191,21 @@ pub unsafe extern "C" fn pcmvs_frame_reconstruct(
     let result = frame.alone(|work| {
         // SAFETY: the caller's promise.
         unsafe { begin(frame, work, options)? };
-        if count != work.pipeline.cameras() {
-            let problem = format!("{count} views were given for {} cameras: give one each", work.pipeline.cameras());
+        if count != work.frame.cameras() {
+            let problem = format!("{count} views were given for {} cameras: give one each", work.frame.cameras());
             return Err(Failure::new(InvalidArgument, problem));
         }
-        let at = |failure: Failure| failure.at(pcmvs_stage::Views);
+        let at = |failure: Failure| failure.at(Stage::Views);
         // SAFETY: the caller's promise.
         let views = unsafe { read_array(views, count, "views") }.map_err(at)?;
         // SAFETY: the caller's promise.
         let given = |(i, view)| unsafe { GivenView::new(view) }.map_err(|f| at(f.of_camera(i as u32)));
         let given = views.iter().enumerate().map(given).collect::<Result<Vec<_>>>()?;
         let inputs: Vec<_> = given.iter().map(GivenView::input).collect();
-        let made = work.pipeline.run(&inputs, &work.options.threads(), &HostProgress::new(&work.options));
+        let made = work.run_all(&inputs);
         if made.is_err() {
             // Nothing is kept of a frame that fails.
-            let params = work.options.params()?;
-            work.pipeline = work.pipeline.next(params);
+            work.restart(work.options)?;
         }
         made
     });
@@ -202,9 +233,10 @@ pub unsafe extern "C" fn pcmvs_frame_view(
     // SAFETY: the caller's promise.
     unsafe {
         shared(frame, |work| {
-            let at = |failure: Failure| failure.of_camera(camera).at(pcmvs_stage::Views);
+            let at = |failure: Failure| failure.of_camera(camera).at(Stage::Views);
             let given = read(view, "view").and_then(|view| GivenView::new(&view)).map_err(at)?;
-            work.pipeline.view(camera as usize, &given.input(), &HostProgress::new(&work.options))
+            let progress = HostProgress::new(&work.options, &work.clock);
+            work.frame.view(camera as usize, &given.input(), &progress).map_err(|e| Failure::from(e).at(Stage::Views))
         })
     }
 }
@@ -213,21 +245,21 @@ pub unsafe extern "C" fn pcmvs_frame_view(
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn pcmvs_frame_hull(frame: *mut pcmvs_frame) -> pcmvs_status {
     // SAFETY: the caller's promise.
-    unsafe { alone(frame, |work, progress| work.pipeline.hull(progress)) }
+    unsafe { step(frame, Stage::Hull) }
 }
 
 /// Finds the points that the silhouettes alone give.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn pcmvs_frame_contours(frame: *mut pcmvs_frame) -> pcmvs_status {
     // SAFETY: the caller's promise.
-    unsafe { alone(frame, |work, progress| work.pipeline.contours(&work.options.threads(), progress)) }
+    unsafe { step(frame, Stage::Contours) }
 }
 
 /// Detects and meshes at half the resolution.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn pcmvs_frame_coarse(frame: *mut pcmvs_frame) -> pcmvs_status {
     // SAFETY: the caller's promise.
-    unsafe { alone(frame, |work, progress| work.pipeline.coarse(&work.options.threads(), progress)) }
+    unsafe { step(frame, Stage::Coarse) }
 }
 
 /// Detects the points of one view by stereo with its neighbours. Any number of threads may do this for views of their
@@ -235,28 +267,33 @@ pub unsafe extern "C" fn pcmvs_frame_coarse(frame: *mut pcmvs_frame) -> pcmvs_st
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn pcmvs_frame_detect(frame: *mut pcmvs_frame, camera: u32) -> pcmvs_status {
     // SAFETY: the caller's promise.
-    unsafe { shared(frame, |work| work.pipeline.detect(camera as usize, &HostProgress::new(&work.options))) }
+    unsafe {
+        shared(frame, |work| {
+            let progress = HostProgress::new(&work.options, &work.clock);
+            work.frame.detect(camera as usize, &progress).map_err(|e| Failure::from(e).at(Stage::Detect))
+        })
+    }
 }
 
 /// Merges all points to one cloud, once every view has been detected.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn pcmvs_frame_merge(frame: *mut pcmvs_frame) -> pcmvs_status {
     // SAFETY: the caller's promise.
-    unsafe { alone(frame, |work, progress| work.pipeline.merge(progress)) }
+    unsafe { step(frame, Stage::Merge) }
 }
 
 /// Makes a closed mesh of the merged cloud.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn pcmvs_frame_mesh(frame: *mut pcmvs_frame) -> pcmvs_status {
     // SAFETY: the caller's promise.
-    unsafe { alone(frame, |work, progress| work.pipeline.mesh(progress)) }
+    unsafe { step(frame, Stage::Mesh) }
 }
 
 /// Colours the mesh.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn pcmvs_frame_colour(frame: *mut pcmvs_frame) -> pcmvs_status {
     // SAFETY: the caller's promise.
-    unsafe { alone(frame, |work, progress| work.pipeline.colour(progress)) }
+    unsafe { step(frame, Stage::Colour) }
 }
 
 /// Why the last failed call on this frame failed, calls that only read results included; a failure of this function

@@ -8,7 +8,6 @@
 
 mod boundary;
 mod executor;
-mod pipeline;
 mod progress;
 
 // The header has them in this order: that in which a user meets them.
@@ -22,6 +21,7 @@ pub mod allocator;
 pub mod error;
 
 pub mod camera;
+mod clock;
 
 pub mod rig;
 

@@ -4,11 +4,7 @@ use crate::{
     boundary::{Growing, Result, out, write},
     error::Failure,
     frame::{Work, pcmvs_frame, shared},
-    pipeline::Pipeline,
-    status::{
-        pcmvs_stage,
-        pcmvs_status::{self, BufferTooSmall, InvalidArgument, WrongOrder},
-    },
+    status::pcmvs_status::{self, BufferTooSmall, InvalidArgument, WrongOrder},
 };
 use pcmvs_core::{Mesh, Stage};
 use std::{
@@ -67,16 +63,16 @@ impl Growing for pcmvs_mesh {
     const FIRST_SIZE: usize = 8 + 4 * size_of::<usize>() + 24;
 }
 
-impl Pipeline {
+impl Work {
     /// A mesh by its number, and the stage that makes it.
-    pub(crate) fn mesh_of_kind(&self, kind: u32) -> Result<(&Mesh, pcmvs_stage)> {
+    pub(crate) fn mesh_of_kind(&self, kind: u32) -> Result<(&Mesh, Stage)> {
         let (stage, mesh) = match kind {
-            0 => (Stage::Mesh, &self.mesh),
-            1 => (Stage::Hull, &self.stages.hull),
-            2 => (Stage::Coarse, &self.stages.coarse),
+            0 => (Stage::Mesh, self.frame.mesh()),
+            1 => (Stage::Hull, &self.frame.intermediates().hull),
+            2 => (Stage::Coarse, &self.frame.intermediates().coarse),
             _ => return Err(Failure::new(InvalidArgument, format!("mesh {kind} is not known"))),
         };
-        self.require(stage).map(|()| (mesh, stage.into()))
+        self.require(stage).map(|()| (mesh, stage))
     }
 }
 
@@ -89,7 +85,7 @@ pub unsafe extern "C" fn pcmvs_frame_get_mesh(
     size: usize,
 ) -> pcmvs_status {
     let look = |work: &Work| {
-        let (found, stage) = work.pipeline.mesh_of_kind(kind)?;
+        let (found, stage) = work.mesh_of_kind(kind)?;
         let view = pcmvs_mesh {
             vertex_count: found.positions.len() as u32,
             triangle_count: found.triangles.len() as u32,
@@ -97,7 +93,7 @@ pub unsafe extern "C" fn pcmvs_frame_get_mesh(
             normals: found.normals.as_ptr().cast(),
             colours: if found.colours.is_empty() { null() } else { found.colours.as_ptr().cast() },
             triangles: found.triangles.as_ptr().cast(),
-            origin: work.pipeline.rig.origin().to_array(),
+            origin: work.frame.rig().origin().to_array(),
         };
         // SAFETY: the caller's promise.
         unsafe { write(mesh, size, &view, "mesh") }.map_err(|f| f.at(stage))
@@ -120,20 +116,20 @@ pub unsafe extern "C" fn pcmvs_frame_copy_mesh(
     count: *mut usize,
 ) -> pcmvs_status {
     let copy = |work: &Work| {
-        let (mesh, stage) = work.pipeline.mesh_of_kind(kind)?;
+        let (mesh, stage) = work.mesh_of_kind(kind)?;
         let target = Target { buffer: buffer.cast(), capacity, stride, count };
         // SAFETY: the caller's promise.
         let copied = unsafe {
             match attribute {
                 0 => {
-                    let origin = work.pipeline.rig.origin();
+                    let origin = work.frame.rig().origin();
                     // As files hold them.
                     let scene = |p: &glam::Vec3| (origin + p.as_dvec3()).to_array().map(|v| v as f32 + 0.0);
                     target.fill(mesh.positions.iter().map(scene))
                 }
                 1 => target.fill(mesh.normals.iter().map(|n| n.to_array())),
                 2 if mesh.colours.len() != mesh.positions.len() => {
-                    return Err(Failure::new(WrongOrder, "this mesh has no colours").at(pcmvs_stage::Colour));
+                    return Err(Failure::new(WrongOrder, "this mesh has no colours").at(Stage::Colour));
                 }
                 2 => target.fill(mesh.colours.iter().copied()),
                 3 => target.fill(mesh.triangles.iter().copied()),

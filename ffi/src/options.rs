@@ -7,7 +7,7 @@ use crate::{
     progress::pcmvs_progress_fn,
     status::pcmvs_status::{self, InvalidArgument},
 };
-use pcmvs_core::{Params, Preset};
+use pcmvs_core::{Memory, Params, Preset};
 use std::{ffi::c_void, mem::size_of, ptr::null_mut};
 
 /// Sets of parameters. Numbers never change.
@@ -92,8 +92,12 @@ impl pcmvs_options {
             }
             params.meshing.voxel_pixels = self.voxel_pixels;
         }
-        params.max_memory = (self.max_memory != 0).then_some(self.max_memory);
         Ok(params)
+    }
+
+    /// Working memory as the options ask for it.
+    pub(crate) fn memory(&self) -> Memory {
+        if self.max_memory == 0 { Memory::kept() } else { Memory::limited(self.max_memory) }
     }
 
     pub(crate) fn threads(&self) -> HostThreads {

@@ -4,8 +4,9 @@ use crate::{
     boundary::{Growing, write},
     frame::{Work, pcmvs_frame, shared},
     mesh::Target,
-    status::{PCMVS_STAGE_COUNT, pcmvs_stage, pcmvs_status},
+    status::{PCMVS_STAGE_COUNT, pcmvs_status},
 };
+use pcmvs_core::{Stage, frame::ORDER};
 
 /// What a frame took and counted.
 #[repr(C)]
@@ -61,10 +62,16 @@ pub unsafe extern "C" fn pcmvs_frame_get_report(
     size: usize,
 ) -> pcmvs_status {
     let tell = |work: &Work| {
-        let (counts, hashes, seconds) = work.pipeline.report()?;
+        work.require(Stage::Colour)?;
+        let counts = work.frame.counts();
+        let (mut seconds, mut hashes) = ([0.0; ORDER.len()], [0; ORDER.len()]);
+        for &(stage, hash) in work.frame.hashes() {
+            let id = stage.id() as usize;
+            (seconds[id], hashes[id]) = (work.clock.seconds(stage), hash);
+        }
         let found = pcmvs_report {
             seconds,
-            hashes: *hashes,
+            hashes,
             detected: counts.detected,
             substituted: counts.substituted,
             cleaned_density: counts.cleaned_density,
@@ -83,7 +90,7 @@ pub unsafe extern "C" fn pcmvs_frame_get_report(
             faces: counts.faces,
         };
         // SAFETY: the caller's promise.
-        unsafe { write(report, size, &found, "report") }.map_err(|f| f.at(pcmvs_stage::Colour))
+        unsafe { write(report, size, &found, "report") }.map_err(|f| f.at(Stage::Colour))
     };
     // SAFETY: the caller's promise.
     unsafe { shared(frame, tell) }
@@ -101,10 +108,11 @@ pub unsafe extern "C" fn pcmvs_frame_copy_gains(
     count: *mut usize,
 ) -> pcmvs_status {
     let copy = |work: &Work| {
-        let gains = work.pipeline.gains()?;
+        work.require(Stage::Colour)?;
+        let gains = work.frame.gains();
         let target = Target { buffer: buffer.cast(), capacity, stride, count };
         // SAFETY: the caller's promise.
-        unsafe { target.fill(gains.iter().copied()) }.map_err(|f| f.at(pcmvs_stage::Colour))
+        unsafe { target.fill(gains.iter().copied()) }.map_err(|f| f.at(Stage::Colour))
     };
     // SAFETY: the caller's promise.
     unsafe { shared(frame, copy) }

@@ -51,19 +51,11 @@ impl Failed {
     /// What the core found wrong.
     pub fn core(error: &Error, stage: Option<Stage>) -> Self {
         let text = error.to_string();
-        let (code, message, camera) = match error {
-            Error::Camera { camera, problem } => ("camera", problem.as_str(), Some(*camera)),
-            Error::Image { camera, problem } => ("image", problem.as_str(), Some(*camera)),
-            Error::Silhouette { camera, problem } => ("silhouette", problem.as_str(), Some(*camera)),
-            Error::DuplicateCamera { second, .. } => ("duplicate-camera", text.as_str(), Some(*second)),
-            Error::TooFewViews { .. } => ("too-few-views", text.as_str(), None),
-            Error::EmptyHull => ("empty-hull", text.as_str(), None),
-            Error::NoSurface => ("no-surface", text.as_str(), None),
-            Error::OutOfMemory { .. } => ("out-of-memory", text.as_str(), None),
-            Error::Cancelled => ("cancelled", text.as_str(), None),
-            _ => ("internal", text.as_str(), None),
+        let message = match error {
+            Error::Camera { problem, .. } | Error::Image { problem, .. } | Error::Silhouette { problem, .. } => problem,
+            _ => &text,
         };
-        Self::new(code, message, camera, stage)
+        Self::new(error.code().name(), message, error.camera(), stage)
     }
 }
 

@@ -10,9 +10,7 @@ use crate::{
 use js_sys::{Function, Uint8Array, Uint8ClampedArray};
 use pcmvs_core::{
     Camera, ChromaKey, Error, ImageRef, Mask, Params, PixelFormat, Preset, Progress, Serial, View, ViewInput,
-    params::{ColourParams, HullParams},
-    reconstruct,
-    silhouette::Silhouette,
+    colour::ColourParams, hull::HullParams, reconstruct, silhouette::Silhouette,
 };
 use pcmvs_scene::Picture;
 use serde::Deserialize;
@@ -148,7 +146,7 @@ impl Frame {
     pub fn sketch(&self) -> Result<Reconstruction, Failed> {
         let mut params = Params::preset(Preset::Hull);
         params.hull = HullParams { voxel_pixels: 4.0 };
-        params.colour = ColourParams { gains: false, blended_views: 1 };
+        params.colour = ColourParams { gains: None, blended_views: 1 };
         let there: Vec<usize> = (0..self.slots.len()).filter(|&i| self.slots[i].image.is_some()).collect();
         let cameras: Vec<Camera> = there.iter().map(|&i| self.rig.cameras()[i]).collect();
         let rig = pcmvs_core::Rig::new(&cameras).map_err(|error| Failed::core(&error, None))?;

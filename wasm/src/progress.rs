@@ -45,11 +45,13 @@ impl Callback {
 }
 
 impl Progress for Callback {
-    fn mark(&self, stage: Stage, begin: bool) {
-        if begin {
-            self.0.stage.set(Some(stage));
-        }
-        self.call(stage, u32::from(!begin), 1);
+    fn on_stage_start(&self, stage: Stage) {
+        self.0.stage.set(Some(stage));
+        self.call(stage, 0, 1);
+    }
+
+    fn on_stage_end(&self, stage: Stage) {
+        self.call(stage, 1, 1);
     }
 
     fn step(&self, stage: Stage, done: u32, total: u32) -> bool {

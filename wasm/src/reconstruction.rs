@@ -9,7 +9,7 @@ use crate::{
 use glam::DVec3;
 use js_sys::{Float32Array, Object, Reflect, Uint8Array, Uint16Array, Uint32Array};
 use pcmvs_core::{
-    Mesh, PointCloud, Stage,
+    Mesh, PointCloud,
     export::{glb, ply},
 };
 use wasm_bindgen::prelude::*;
@@ -29,8 +29,8 @@ impl Reconstruction {
 
     fn stage(&self, stage: &MeshStage) -> Result<&Mesh, Failed> {
         match stage.as_string().as_deref() {
-            Some("hull") => Ok(&self.result.stages.hull),
-            Some("coarse") => Ok(&self.result.stages.coarse),
+            Some("hull") => Ok(&self.result.intermediates.hull),
+            Some("coarse") => Ok(&self.result.intermediates.coarse),
             Some("mesh") => Ok(&self.result.mesh),
             _ => Err(Failed::new("input", "a mesh is one of hull, coarse, mesh", None, None)),
         }
@@ -54,7 +54,7 @@ impl Reconstruction {
     /// The merged cloud (§5) as a binary PLY file.
     #[wasm_bindgen(js_name = cloudPly)]
     pub fn cloud_ply(&self) -> Uint8Array {
-        Uint8Array::new_from_slice(&ply::write_cloud(&self.result.stages.merged, self.origin))
+        Uint8Array::new_from_slice(&ply::write_cloud(&self.result.intermediates.merged, self.origin))
     }
 
     /// A stage's mesh: `hull` has no colours, nor has `coarse`, which is empty where there is no coarse pass.
@@ -70,18 +70,18 @@ impl Reconstruction {
 
     /// All views' cleaned clouds (§4).
     pub fn detected(&self) -> Cloud {
-        Cloud::of(&self.result.stages.detected.concat())
+        Cloud::of(&self.result.intermediates.detected.concat())
     }
 
     /// Frontier points, then implicit points (§4.4).
     pub fn contours(&self) -> Cloud {
-        let stages = &self.result.stages;
+        let stages = &self.result.intermediates;
         Cloud::of(&[stages.frontier.as_slice(), stages.implicit.as_slice()].concat())
     }
 
     /// The merged cloud (§5).
     pub fn merged(&self) -> Cloud {
-        Cloud::of(&self.result.stages.merged)
+        Cloud::of(&self.result.intermediates.merged)
     }
 
     /// Vertices of the mesh.
@@ -100,7 +100,7 @@ impl Reconstruction {
     #[wasm_bindgen(unchecked_return_type = "Record<Stage, string>")]
     pub fn hashes(&self) -> Result<Object, Failed> {
         let hashes = Object::new();
-        for (stage, hash) in Stage::ALL.iter().zip(self.result.hashes) {
+        for (stage, hash) in &self.result.hashes {
             Reflect::set(&hashes, &stage.name().into(), &format!("{hash:016x}").into())?;
         }
         Ok(hashes)

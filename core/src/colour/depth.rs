@@ -34,20 +34,15 @@ pub(super) struct DepthBuffer {
 
 impl DepthBuffer {
     /// In memory that has been kept.
-    pub(super) fn in_memory(workspace: &mut Workspace) -> Self {
-        Self {
-            projected: workspace.growing(),
-            inverse: workspace.growing(),
-            border: workspace.growing(),
-            ..Self::default()
-        }
+    pub(super) fn with_workspace(workspace: &mut Workspace) -> Self {
+        Self { projected: workspace.take(), inverse: workspace.take(), border: workspace.take(), ..Self::default() }
     }
 
     /// Hands its memory back.
-    pub(super) fn keep_in(self, workspace: &mut Workspace) {
-        workspace.keep(self.projected);
-        workspace.keep(self.inverse);
-        workspace.keep(self.border);
+    pub(super) fn recycle_into(self, workspace: &mut Workspace) {
+        workspace.recycle(self.projected);
+        workspace.recycle(self.inverse);
+        workspace.recycle(self.border);
     }
 
     /// Rasterises the front of the mesh.

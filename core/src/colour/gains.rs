@@ -1,6 +1,6 @@
 //! One gain per camera and channel, so that cameras that see the same surface agree on its colour.
 
-use super::Offer;
+use super::candidate::Candidate;
 use crate::{
     math::{from_ordered, ordered},
     workspace::Workspace,
@@ -10,12 +10,18 @@ use glam::Vec3;
 
 /// About as many vertices are compared as this: more do not change the gains.
 const VERTICES: usize = 16384;
-/// Views compare a vertex only if both see it well.
-const LEAST_SCORE: f32 = 0.5;
 /// Darker values are mostly noise, brighter ones may be saturated.
 const TRUSTED: core::ops::RangeInclusive<f32> = 12.0..=248.0;
-/// Pull of every gain towards one, in vertices: decides only where cameras share next to nothing.
-const PRIOR: f64 = 1.0;
+/// How gains are solved for.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
+pub struct GainParams {
+    /// Views compare a vertex only if both see it at least this well: cosine between ray and normal, times the pixel's
+    /// cleanness.
+    pub min_score: f32,
+    /// Pull of every gain towards one, in vertices. It decides only where cameras share next to nothing.
+    pub prior: f64,
+}
 
 /// What well-placed views see of some of the vertices.
 pub(super) struct Overlap {
@@ -28,28 +34,28 @@ pub(super) struct Overlap {
 
 impl Overlap {
     pub(super) fn new(vertices: usize, views: usize, workspace: &mut Workspace) -> Self {
-        Self { stride: vertices.div_ceil(VERTICES).max(1), views, samples: workspace.growing() }
+        Self { stride: vertices.div_ceil(VERTICES).max(1), views, samples: workspace.take() }
     }
 
     /// Hands its memory back.
-    pub(super) fn keep_in(self, workspace: &mut Workspace) {
-        workspace.keep(self.samples);
+    pub(super) fn recycle_into(self, workspace: &mut Workspace) {
+        workspace.recycle(self.samples);
     }
 
-    pub(super) fn add(&mut self, vertex: usize, view: usize, offer: &Offer) {
-        if vertex.is_multiple_of(self.stride) && offer.score >= LEAST_SCORE {
-            self.samples.push((vertex as u32, view as u16, offer.rgb));
+    pub(super) fn add(&mut self, vertex: usize, view: usize, candidate: &Candidate, params: &GainParams) {
+        if vertex.is_multiple_of(self.stride) && candidate.score >= params.min_score {
+            self.samples.push((vertex as u32, view as u16, candidate.rgb));
         }
     }
 
     /// Gains by least squares in the log domain over pairs of views, each pair with the median ratio of what both see:
     /// highlights, shadows and points off the surface do not count. Their geometric mean is one.
-    pub(super) fn solve(&mut self, workspace: &mut Workspace) -> Vec<Vec3> {
+    pub(super) fn solve(&mut self, params: &GainParams, workspace: &mut Workspace) -> Vec<Vec3> {
         let n = self.views;
         let mut gains = vec![Vec3::ONE; n];
         self.samples.sort_unstable_by_key(|&(vertex, view, _)| (vertex, view));
         // Pair of views, and the ratio's logarithm as an ordered integer.
-        let mut ratios: Vec<u64> = workspace.growing();
+        let mut ratios: Vec<u64> = workspace.take();
         for channel in 0..3 {
             ratios.clear();
             for group in self.samples.chunk_by(|a, b| a.0 == b.0) {
@@ -78,7 +84,7 @@ impl Overlap {
                 right[j] -= weight * median;
             }
             for i in 0..n {
-                matrix[i * n + i] += PRIOR;
+                matrix[i * n + i] += params.prior;
             }
             let logs = solve_symmetric(matrix, right);
             let mean = logs.iter().sum::<f64>() / n as f64;
@@ -86,7 +92,7 @@ impl Overlap {
                 gain[channel] = libm::exp(log - mean) as f32;
             }
         }
-        workspace.keep(ratios);
+        workspace.recycle(ratios);
         gains
     }
 }

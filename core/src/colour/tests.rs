@@ -1,5 +1,6 @@
 use super::*;
 use crate::{Camera, Pinhole, Silent, error::Error, silhouette::Silhouette};
+use alloc::sync::Arc;
 use glam::{DMat3, DVec3};
 
 const SIZE: u32 = 200;
@@ -88,7 +89,7 @@ fn photograph(balls: &[Ball], index: u16, from: DVec3, gain: Vec3) -> View {
         coverage.push(if nearest.0 < f32::INFINITY { 255 } else { 0 });
     }
     let silhouette = Some(Silhouette::from_coverage(SIZE, SIZE, &coverage, |_| true).unwrap());
-    View { index, camera, rgb, luma: Vec::new(), silhouette }
+    View { index, camera, rgb, luma: Vec::new(), silhouette: silhouette.map(Arc::new) }
 }
 
 fn ring(balls: &[Ball], count: u32, gain: impl Fn(u32) -> Vec3) -> Vec<View> {
@@ -101,7 +102,7 @@ fn ring(balls: &[Ball], count: u32, gain: impl Fn(u32) -> Vec3) -> Vec<View> {
         .collect()
 }
 
-const PAPER: ColourParams = ColourParams { gains: false, blended_views: 1 };
+const PAPER: ColourParams = ColourParams { gains: None, blended_views: 1 };
 
 fn worst(mesh: &Mesh, truth: impl Fn(usize) -> Vec3, counts: impl Fn(usize) -> bool) -> f32 {
     let error = |v: usize| (Vec3::from_array(mesh.colours[v].map(f32::from)) - truth(v)).abs().max_element();
@@ -162,7 +163,7 @@ fn gains_make_the_cameras_agree() {
         let normals = mesh.normals.clone();
         worst(&mesh, |v| smooth(normals[v]) * mean, |v| normals[v].z > -0.3)
     };
-    let (with, without) = (error(true), error(false));
+    let (with, without) = (error(Some(GainParams { min_score: 0.5, prior: 1.0 })), error(None));
     assert!(with < 3.0 && without > 12.0, "{with} {without}");
 }
 

@@ -13,16 +13,17 @@ use glam::Vec3;
 
 /// The constraints of §4.3.
 #[derive(Debug, Clone, Copy, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Deserialize), serde(deny_unknown_fields))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
 pub struct CleanParams {
     /// Radius of a point's neighbourhood in pixels of footprint.
     pub radius_pixels: f32,
-    /// A point goes if it has fewer than this share of the average number of neighbours; 0 switches it off.
-    pub density: f32,
-    /// A point goes if λ3/λ1 or λ3/λ2 of its neighbourhood's covariance is larger; 1 switches it off.
-    pub flatness: f32,
-    /// A point goes if |n·c| is smaller, c the direction to the camera; 0 switches it off.
-    pub facing: f32,
+    /// Density: a point goes if it has fewer than this share of the average number of neighbours; the paper has 1/2.
+    pub density: Option<f32>,
+    /// PCA: a point goes if λ3/λ1 or λ3/λ2 of its neighbourhood's covariance is larger, with λ1 ≥ λ2 ≥ λ3; the paper has
+    /// 1/2.
+    pub flatness: Option<f32>,
+    /// Normal: a point goes if |n·c| is smaller, with c the unit vector to the camera.
+    pub facing: Option<f32>,
 }
 
 /// Windows of at least this reach in pixels are sampled more sparsely.
@@ -59,7 +60,7 @@ pub fn clean(
         }
     }
     let total: f64 = fits.iter().fold(0.0, |sum, fit| sum + f64::from(fit.neighbours));
-    let fewest = params.density * (total / fits.len().max(1) as f64) as f32;
+    let fewest = params.density.unwrap_or(0.0) * (total / fits.len().max(1) as f64) as f32;
     let mut cloud = PointCloud::with_capacity(fits.len());
     for fit in fits.iter() {
         let i = fit.pixel as usize;
@@ -68,20 +69,19 @@ pub fn clean(
             continue;
         }
         let [l1, l2, l3] = fit.values;
-        if l3 > params.flatness * l1 || l3 > params.flatness * l2 {
+        if params.flatness.is_some_and(|flatness| l3 > flatness * l1 || l3 > flatness * l2) {
             counts.cleaned_pca += 1;
             continue;
         }
         let position = level.camera.unproject((i % w) as f32, (i / w) as f32, map.depth[i]);
         let toward = (level.camera.centre - position).normalize_or_zero();
         let facing = fit.normal.dot(toward);
-        if facing.abs() < params.facing {
+        if params.facing.is_some_and(|least| facing.abs() < least) {
             counts.cleaned_normal += 1;
             continue;
         }
         let normal = if facing < 0.0 { -fit.normal } else { fit.normal };
-        let fidelity = map.fidelity[i];
-        cloud.push(Point { position, normal, fidelity, weight: fidelity.max(0.0), view, rank: rank[i] });
+        cloud.push(Point { position, normal, fidelity: map.fidelity[i], weight: 0.0, view, rank: rank[i] });
     }
     cloud
 }

@@ -15,7 +15,7 @@ use glam::Vec3;
 
 /// How one pass of detection searches.
 #[derive(Debug, Clone, Copy, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Deserialize), serde(deny_unknown_fields))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
 pub struct SearchParams {
     /// J: how many neighbouring views vote.
     pub neighbours: u32,
@@ -23,12 +23,22 @@ pub struct SearchParams {
     pub window_radius: u32,
     /// δ: distance of samples, in pixels by which they move on average in the neighbours' pictures.
     pub step_pixels: f32,
-    /// Windows follow the guide surface; off, they are upright squares that face the camera, as in the paper.
-    pub follow_guide: bool,
+    /// What the correlation windows lie on.
+    pub windows: Windows,
     /// Curves to depth.
     pub vote: VoteParams,
-    /// Interpolate the best sample's position.
-    pub refine: bool,
+    /// Interpolates the best sample's position by a parabola; otherwise the position is a sample's, as in the paper.
+    pub interpolate: bool,
+}
+
+/// What the correlation windows lie on.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "lowercase"))]
+pub enum Windows {
+    /// The guide surface, shifted along the rays.
+    Slanted,
+    /// A plane that faces the camera, as in the paper.
+    Upright,
 }
 
 /// Depth (0 where there is none) and fidelity f of eq. 1, row after row.
@@ -129,7 +139,7 @@ fn sweep_tile(tile: TileSweep) {
     let (w, h) = (target.camera.width as usize, target.camera.height as usize);
     let pixels = (y0..(y0 + TILE).min(h)).flat_map(move |y| (x0..(x0 + TILE).min(w)).map(move |x| (x, y)));
     let searched = pixels.filter(|&(x, y)| !range.of(y * w + x).is_empty());
-    let guide: &[f32] = if params.follow_guide {
+    let guide: &[f32] = if params.windows == Windows::Slanted {
         &range.guide
     } else {
         // The guide of a whole tile is its nearest depth: the sheets are planes.
@@ -148,12 +158,12 @@ fn sweep_tile(tile: TileSweep) {
         }
         curves.vote(&params.vote);
     }
-    if params.vote.agreement_radius > 0 {
+    if let Some(radius) = params.vote.agreement_radius {
         let mut own = [false; TILE_PIXELS];
         for (x, y) in searched.clone() {
             own[(y - y0) * TILE + x - x0] = true;
         }
-        curves.agree(params.vote.agreement_radius as usize, &own);
+        curves.agree(radius as usize, &own);
     }
     for (x, y) in searched {
         let pixel = y * w + x;
@@ -163,7 +173,7 @@ fn sweep_tile(tile: TileSweep) {
             let last = sheets.count - 2;
             let first = (libm::ceilf(sheets.position(guide, interval.near)) as usize).clamp(1, last);
             let last = (libm::floorf(sheets.position(guide, interval.far)) as usize).clamp(first, last);
-            let found = curves.best((y - y0) * TILE + x - x0, first, last, params.refine);
+            let found = curves.best((y - y0) * TILE + x - x0, first, last, params.interpolate);
             if found.1 > best.1 {
                 best = found;
             }

@@ -15,18 +15,35 @@ pub struct Level<'a> {
 }
 
 impl<'a> Level<'a> {
-    /// The view at the resolution that a pass asks for.
-    pub fn new(view: &'a View, halved: bool) -> Self {
+    /// The view at its full resolution, borrowed.
+    pub fn full(view: &'a View) -> Self {
         let inside = match &view.silhouette {
             Some(s) => Cow::Borrowed(s.distances()),
             None => Cow::Owned(vec![i16::MAX; view.luma.len()]),
         };
-        let full = Self { camera: view.camera, luma: Cow::Borrowed(&view.luma), inside };
-        if halved { full.halved() } else { full }
+        Self { camera: view.camera, luma: Cow::Borrowed(&view.luma), inside }
+    }
+
+    /// The view at an octave, if that is not the view itself: means of 2 x 2 pixels, `octave` times.
+    pub fn made(view: &View, octave: u32) -> Option<Level<'static>> {
+        let full = Level::full(view);
+        if octave == 0 {
+            let Cow::Owned(inside) = full.inside else { return None };
+            return Some(Level { camera: full.camera, luma: view.luma.clone().into(), inside: inside.into() });
+        }
+        Some((1..octave).fold(full.halved(), |level, _| level.halved()))
+    }
+
+    /// The view at an octave: what [`Self::made`] gave for it, or the view itself.
+    pub fn new(view: &'a View, made: Option<&'a Level<'static>>) -> Self {
+        made.map_or_else(
+            || Self::full(view),
+            |made| Self { camera: made.camera, luma: Cow::Borrowed(&made.luma), inside: Cow::Borrowed(&made.inside) },
+        )
     }
 
     /// Half the resolution, means of 2 x 2 pixels.
-    fn halved(&self) -> Self {
+    fn halved(&self) -> Level<'static> {
         let camera = self.camera.halved();
         let (w, h, full) = (camera.width as usize, camera.height as usize, self.camera.width as usize);
         let (mut luma, mut inside) = (Vec::with_capacity(w * h), Vec::with_capacity(w * h));
@@ -41,6 +58,6 @@ impl<'a> Level<'a> {
                 inside.push((sum / 8) as i16);
             }
         }
-        Self { camera, luma: luma.into(), inside: inside.into() }
+        Level { camera, luma: luma.into(), inside: inside.into() }
     }
 }

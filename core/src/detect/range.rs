@@ -1,10 +1,7 @@
-//! Where each pixel's search runs (§4.1): inside the hull, or in a band round a surface found before.
+//! Where each pixel's search runs (§4.1): inside the hull, or in a band around a surface found before.
 
 use super::level::Level;
-use crate::{
-    hull::Interval,
-    raster::{Crossings, Raster},
-};
+use crate::raster::{Crossings, Interval, Raster};
 use alloc::vec::Vec;
 
 /// Depth intervals of a view's pixels and the surface that the windows follow. Kept from view to view so that its memory
@@ -27,7 +24,7 @@ impl SearchRange {
             let mut front = 0.0;
             if level.inside[pixel] > 0 {
                 let first = self.intervals.len();
-                crossings.intervals(pixel, |near, far| self.intervals.push(Interval { near, far }));
+                crossings.intervals(pixel, |interval| self.intervals.push(interval));
                 front = self.intervals.get(first).map_or(0.0, |i| i.near);
             }
             self.guide.push(front);
@@ -36,7 +33,7 @@ impl SearchRange {
     }
 
     /// Becomes a band of half width `band` (scene units along the ray) round the surface that a camera sees.
-    pub fn set_round_surface(&mut self, level: &Level, surface: &Raster, band: f32) {
+    pub fn set_around_surface(&mut self, level: &Level, surface: &Raster, band: f32) {
         self.clear();
         for (&inside, &inverse) in level.inside.iter().zip(&surface.inverse) {
             let depth = if inside > 0 && inverse > 0.0 { 1.0 / inverse } else { 0.0 };

@@ -5,7 +5,7 @@ use super::{
     depth::DepthMap,
     level::Level,
     sweep::{MAX_RADIUS, NOISE_VARIANCE, TILE, TILE_PIXELS, Tile},
-    vote::{Curves, VoteParams},
+    vote::{Curves, Support, VoteParams},
 };
 use crate::{
     camera::{Camera, Pinhole},
@@ -102,7 +102,7 @@ impl Work for Sweep<'_> {
 
     #[inline(always)]
     fn run(self) -> Vec<u32> {
-        let params = VoteParams { smoothing: 0.8, local_maximum: true, spread: 1.0, agreement_radius: 2 };
+        let params = VoteParams { smoothing: Some(0.8), support: Support::SpreadPeaks(1.0), agreement_radius: Some(2) };
         let mut tile = Tile::default();
         let mut curves = Curves::default();
         curves.tune(&params);
@@ -116,7 +116,7 @@ impl Work for Sweep<'_> {
                 bits.extend(scores.iter().map(|&s| canonical(s)));
             }
             curves.vote(&params);
-            curves.agree(params.agreement_radius as usize, &[true; TILE_PIXELS]);
+            curves.agree(2, &[true; TILE_PIXELS]);
             for pixel in 0..TILE_PIXELS {
                 let (position, support) = curves.best(pixel, 1, 7, true);
                 bits.extend([canonical(position), canonical(support)]);
@@ -163,7 +163,7 @@ fn neighbourhoods_are_the_same_with_vector_code() {
             let depth = |_| if random.next().is_multiple_of(5) { odd } else { 1.8 + roughness * random.unit() };
             let map = DepthMap { depth: pixels.map(depth).collect(), fidelity: Vec::new() };
             for radius_pixels in [1.0, 2.5, 4.0, 5.0] {
-                let params = CleanParams { radius_pixels, density: 0.0, flatness: 1.0, facing: 0.0 };
+                let params = CleanParams { radius_pixels, density: None, flatness: None, facing: None };
                 let mut planes = <[Vec<f32>; 4]>::default();
                 let points = Points::new(&level, &map, &params, &mut planes);
                 for (x, y) in [(0, 0), (7, 3), (WIDTH as usize - 1, HEIGHT as usize - 1)] {

@@ -6,18 +6,29 @@ use alloc::{vec, vec::Vec};
 
 /// How curves of scores become one depth.
 #[derive(Debug, Clone, Copy, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Deserialize), serde(deny_unknown_fields))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
 pub struct VoteParams {
-    /// Standard deviation, in samples, of the Gaussian that smooths each view's curve (§4.1); 0 for none.
-    pub smoothing: f32,
-    /// Count a view's score only where its curve peaks (the local-maximum rule); off sums plain scores.
-    pub local_maximum: bool,
-    /// Standard deviation, in samples, of the kernel that spreads a peak to its neighbourhood (Parzen window);
-    /// 0 is eq. 1 as printed, where peaks one sample apart do not support each other.
-    pub spread: f32,
-    /// Pixels add the votes of their neighbours up to this far on the same sheet to their own, so that what one
-    /// window leaves open its surroundings decide; 0 for none, as in eq. 1. At most 4.
-    pub agreement_radius: u32,
+    /// Standard deviation, in samples, of the Gaussian that smooths each view's curve (§4.1), if it is smoothed.
+    pub smoothing: Option<f32>,
+    /// What a view's curve adds to the support of a sample.
+    pub support: Support,
+    /// Pixels add the votes of their neighbours up to this far on the same depth hypothesis to their own, so that the
+    /// surroundings decide what a single window leaves open. Not in eq. 1. At most 4.
+    pub agreement_radius: Option<u32>,
+}
+
+/// What a view's curve adds to the support of a sample.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "lowercase"))]
+pub enum Support {
+    /// Its score at the sample: eq. 1 without the local-maximum rule, for comparison.
+    Scores,
+    /// Its score, but only where the curve peaks: eq. 1 as printed. Peaks one sample apart do not support each other.
+    Peaks,
+    /// Its peaks, spread to the samples around them by a Gaussian kernel of this standard deviation, in samples (Vogiatzis,
+    /// Hernández, Torr, Cipolla: Multiview Stereo via Volumetric Graph-Cuts and Occlusion Robust Photo-Consistency, PAMI
+    /// 2007, spread peaks by a Parzen window).
+    SpreadPeaks(f32),
 }
 
 /// Scores of a tile: one neighbour's on every sheet, and what all have voted.
@@ -38,7 +49,11 @@ pub struct Curves {
 impl Curves {
     /// Prepares for the scores that `params` asks for.
     pub fn tune(&mut self, params: &VoteParams) {
-        (self.gaussian, self.spread) = (gaussian(params.smoothing), Spread::new(params.spread));
+        let spread = match params.support {
+            Support::SpreadPeaks(sigma) => sigma,
+            Support::Peaks | Support::Scores => 0.0,
+        };
+        (self.gaussian, self.spread) = (gaussian(params.smoothing.unwrap_or(0.0)), Spread::new(spread));
     }
 
     /// Makes room for a tile with `sheets` sheets.
@@ -65,7 +80,7 @@ impl Curves {
         } else {
             &self.scores
         };
-        if params.local_maximum {
+        if params.support != Support::Scores {
             self.spread.peaks(curves, &mut self.votes);
         } else {
             for (votes, curve) in self.votes.iter_mut().zip(curves) {

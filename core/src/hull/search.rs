@@ -1,14 +1,20 @@
 //! Finds roughly where the object is in the space between the cameras.
 
-use super::carve::{Verdict, judge};
-use super::{Carver, LEAST_SILHOUETTES};
+use super::{
+    carver::Carver,
+    judge::{Verdict, judge},
+};
 use crate::{
     error::{Error, Result},
-    progress::{self, Progress, Stage},
+    progress::{self, Progress},
+    stage::Stage,
     workspace::Workspace,
 };
 use alloc::{vec, vec::Vec};
 use glam::Vec3;
+
+/// Fewest silhouettes that must see a point for it to belong to the object.
+const MIN_SILHOUETTES: u32 = 2;
 
 /// Cells along an edge of the searched cube.
 const CELLS: usize = 128;
@@ -41,15 +47,15 @@ impl Search {
     /// Subdivides the cube of the cameras' radius.
     ///
     /// Where hardly a view looks, a few silhouettes agree by accident: between two cameras that face each other the
-    /// cones of both run together all the way. So a point needs two silhouettes, or a quarter of those that see the
-    /// best seen place; and of the connected groups of cells only those are kept that reach half of that best.
+    /// cones of both run together all the way. So a point needs two silhouettes, or two fifths of those that see
+    /// the best seen place; and of the connected groups of cells only those are kept that reach half of that best.
     pub fn new(carvers: &[Carver], workspace: &mut Workspace, progress: &dyn Progress) -> Result<Self> {
         let half = carvers.iter().map(|c| c.camera.centre.length()).fold(0.0, f32::max) * 1.2;
         let support = support(carvers, half, workspace, progress)?;
         let most = support.iter().copied().max().unwrap_or(0);
-        let needed = (2 * u32::from(most)).div_ceil(5).max(LEAST_SILHOUETTES);
+        let needed = (2 * u32::from(most)).div_ceil(5).max(MIN_SILHOUETTES);
         let cells = classify(&support, needed, most, workspace);
-        workspace.keep(support);
+        workspace.recycle(support);
         let (mut lower, mut upper) = (Vec3::INFINITY, Vec3::NEG_INFINITY);
         let size = 2.0 * half / CELLS as f32;
         for (i, _) in cells.iter().enumerate().filter(|&(_, &cell)| cell == Cell::Object) {
@@ -90,7 +96,7 @@ fn support(carvers: &[Carver], half: f32, workspace: &mut Workspace, progress: &
         let edge = 2.0 * half * cells as f32 / CELLS as f32;
         let [x, y, z] = corner.map(|v| v as f32 * 2.0 * half / CELLS as f32 - half + 0.5 * edge);
         let (verdict, _, supporting) =
-            judge(carvers, Vec3::new(x, y, z), 0.5 * edge * DIAGONAL, LEAST_SILHOUETTES, &mut crossing);
+            judge(carvers, Vec3::new(x, y, z), 0.5 * edge * DIAGONAL, MIN_SILHOUETTES, &mut crossing);
         if verdict == Verdict::Outside {
             continue;
         }
@@ -111,7 +117,7 @@ fn support(carvers: &[Carver], half: f32, workspace: &mut Workspace, progress: &
 /// Finds the 26-connected groups of cells that have the support `needed`: those that reach half of `most` are the object's.
 fn classify(support: &[u16], needed: u32, most: u16, workspace: &mut Workspace) -> Vec<Cell> {
     let mut cells = workspace.filled(Cell::Empty, support.len());
-    let mut group: Vec<u32> = workspace.growing();
+    let mut group: Vec<u32> = workspace.take();
     for first in 0..support.len() {
         if u32::from(support[first]) < needed || cells[first] != Cell::Empty {
             continue;
@@ -142,6 +148,6 @@ fn classify(support: &[u16], needed: u32, most: u16, workspace: &mut Workspace) 
             group.iter().for_each(|&i| cells[i as usize] = Cell::Object);
         }
     }
-    workspace.keep(group);
+    workspace.recycle(group);
     cells
 }

@@ -10,7 +10,7 @@ use alloc::{vec, vec::Vec};
 
 /// Conflict cleaning of §5.2.
 #[derive(Debug, Clone, Copy, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Deserialize), serde(deny_unknown_fields))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
 pub struct ConflictParams {
     /// ε: points further apart do not conflict, in pixels of footprint.
     pub distance_pixels: f32,

@@ -9,7 +9,7 @@ use glam::Vec3;
 
 /// Downsampling of §5.1.
 #[derive(Debug, Clone, Copy, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Deserialize), serde(deny_unknown_fields))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
 pub struct DownsampleParams {
     /// ρ: radius of a neighbourhood in pixels of footprint.
     pub radius_pixels: f32,

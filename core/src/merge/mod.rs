@@ -8,31 +8,32 @@ mod virtual_view;
 pub use conflict::ConflictParams;
 pub use downsample::DownsampleParams;
 
-use crate::{
-    camera::Pinhole,
-    error::Result,
-    hull::VisualHull,
-    params::MergingParams,
-    point_cloud::PointCloud,
-    progress::{self, Progress, Stage},
-    report::Counts,
-};
+use crate::{context::Context, error::Result, point_cloud::PointCloud, progress, report::Counts, stage::Stage};
 use alloc::vec::Vec;
 use virtual_view::Eye;
+
+/// Merging (§5).
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
+pub struct MergingParams {
+    /// §5.1, if it runs.
+    pub downsample: Option<DownsampleParams>,
+    /// §5.2, if it runs.
+    pub conflicts: Option<ConflictParams>,
+}
 
 /// Merges points of all views and kinds. `neighbours` is J, the largest fidelity.
 ///
 /// # Errors
 /// [`crate::Error::Cancelled`].
 pub fn merge(
+    context: Context,
     cloud: PointCloud,
-    hull: &VisualHull,
-    cameras: &[Pinhole],
     neighbours: u32,
     params: &MergingParams,
     counts: &mut Counts,
-    progress: &dyn Progress,
 ) -> Result<PointCloud> {
+    let Context { views, hull, progress, .. } = context;
     let footprint = hull.footprint();
     let mut cloud = match &params.downsample {
         Some(p) => downsample::downsample(
@@ -47,18 +48,15 @@ pub fn merge(
     if let Some(p) = &params.conflicts {
         let (lower, upper) = hull.bounds();
         let target = (lower + upper) * 0.5;
-        let distances = cameras.iter().map(|c| (c.centre - target).length());
-        let distance = distances.fold(0.0, |s: f32, d| s + d) / cameras.len() as f32;
+        let distances = views.iter().map(|v| (v.camera.centre - target).length());
+        let distance = distances.fold(0.0, |s: f32, d| s + d) / views.len() as f32;
         let radius = 0.5 * (upper - lower).length();
-        let mut eyes: Vec<Eye> = cameras.iter().map(|&camera| Eye { camera }).collect();
+        let mut eyes: Vec<Eye> = views.iter().map(|v| Eye { camera: v.camera }).collect();
         eyes.extend(virtual_view::virtual_views(p.virtual_views, target, distance, radius, footprint));
         let total = eyes.len() as u32;
-        conflict::clean_conflicts(&mut cloud, &eyes, cameras.len(), p.distance_pixels * footprint, counts, |done| {
+        conflict::clean_conflicts(&mut cloud, &eyes, views.len(), p.distance_pixels * footprint, counts, |done| {
             progress::step(progress, Stage::Merge, done as u32, total)
         })?;
-    }
-    if !params.fidelity_weights {
-        cloud.iter_mut().for_each(|p| p.weight = 1.0);
     }
     counts.merged = cloud.len() as u32;
     Ok(cloud)

@@ -1,28 +1,48 @@
 //! Meshing (§6): points to a closed manifold mesh inside the visual hull.
 
-mod cases;
-mod components;
-mod marching_cubes;
-mod neighbourhood;
 mod poisson;
-mod space_constraint;
+mod rectify;
+mod steps;
+mod weight;
 
-use glam::Vec3;
+pub use weight::{WeightParams, weigh};
 
-use crate::error::{Error, Result};
-use crate::params::MeshingParams;
-use crate::point_cloud::{Mesh, Point};
-use crate::progress::{self, Progress, Stage};
-use crate::workspace::Workspace;
-pub use components::drop_small_components;
-pub use marching_cubes::marching_cubes;
+use crate::{
+    error::{Error, Result},
+    point_cloud::{Mesh, Point},
+    progress::{self, Progress},
+    stage::Stage,
+    surface::{Envelope, drop_small_components},
+    workspace::Workspace,
+};
+use steps::Steps;
 
-/// What encloses the object: the visual hull.
-pub trait Envelope {
-    /// Lower and upper corner of its bounding box.
-    fn bounds(&self) -> (Vec3, Vec3);
-    /// Signed distance in scene units, positive inside. It may change by at most 1.3 per unit of length.
-    fn signed_distance(&self, p: Vec3) -> f32;
+/// Meshing (§6).
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
+pub struct MeshingParams {
+    /// Distance of the grid's nodes in pixels of footprint at the object.
+    pub voxel_pixels: f32,
+    /// Eq. 3 (§6.1). Without it all points weigh the same.
+    pub weights: Option<WeightParams>,
+    /// Weight of the screening term, which holds the surface at the points rather than at their normals alone. Without it
+    /// the solver is the unscreened one of the paper.
+    pub screening: Option<f32>,
+    /// §6.2. Without it the surface may leave the hull.
+    pub space_constraint: Option<SpaceConstraint>,
+    /// Components with less than this share of the largest one's volume are dropped.
+    pub smallest_component: f32,
+}
+
+/// How the mesh is kept inside the hull (§6.2).
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "lowercase"))]
+pub enum SpaceConstraint {
+    /// χ is held at zero outside the hull while it is solved for (Kazhdan, Chuang, Rusinkiewicz, Hoppe: Poisson Surface
+    /// Reconstruction with Envelope Constraints, SGP 2020).
+    Envelope,
+    /// The paper's way: vertices outside move onto the hull, and the solver runs again on the rectified points.
+    Rectify,
 }
 
 /// The mesh of §6.
@@ -35,21 +55,7 @@ pub struct Meshed {
 }
 
 /// Most nodes along the longest side of the bounds.
-const MOST_NODES: f32 = 4096.0;
-
-/// Reports the meshing's progress.
-struct Steps<'a> {
-    progress: &'a dyn Progress,
-    done: u32,
-    total: u32,
-}
-
-impl Steps<'_> {
-    fn step(&mut self) -> Result<()> {
-        self.done = (self.done + 1).min(self.total);
-        progress::step(self.progress, Stage::Mesh, self.done, self.total)
-    }
-}
+const MAX_NODES: f32 = 4096.0;
 
 /// Meshes oriented points (§6) with nodes `voxel` scene units apart. The result depends on the points only, not on
 /// their order.
@@ -67,27 +73,28 @@ pub fn mesh(
 ) -> Result<Meshed> {
     let (low, high) = envelope.bounds();
     // Written so that NaN fails too.
-    if !(voxel > 0.0 && (high - low).min_element() >= 0.0 && (high - low).max_element() < MOST_NODES * voxel) {
+    if !(voxel > 0.0 && (high - low).min_element() >= 0.0 && (high - low).max_element() < MAX_NODES * voxel) {
         return Err(Error::NoSurface);
     }
-    let solves = 1 + u32::from(params.space_constraint && !params.envelope);
+    let solves = if params.space_constraint == Some(SpaceConstraint::Rectify) { 2 } else { 1 };
     let total = solves * (poisson::steps(low, high, voxel) + 2) + 1;
     let mut steps = Steps { progress, done: 0, total };
+    let screening = params.screening.unwrap_or(0.0);
     let mut surface = |points: &[Point], constraint: Option<&dyn Envelope>| -> Result<Mesh> {
-        let solution = poisson::solve(points, (low, high), voxel, params.screening, constraint, workspace, &mut steps)?;
+        let solution = poisson::solve(points, (low, high), voxel, screening, constraint, workspace, &mut steps)?;
         let mut mesh = solution.surface(workspace);
         steps.step()?;
         poisson::smooth_normals(&mut mesh, workspace);
         steps.step()?;
         Ok(mesh)
     };
-    let mut mesh = if !params.space_constraint {
-        surface(points, None)?
-    } else if params.envelope {
-        surface(points, Some(envelope))?
-    } else {
-        let first = surface(points, None)?;
-        surface(&space_constraint::rectified(&first, envelope, voxel), None)?
+    let mut mesh = match params.space_constraint {
+        None => surface(points, None)?,
+        Some(SpaceConstraint::Envelope) => surface(points, Some(envelope))?,
+        Some(SpaceConstraint::Rectify) => {
+            let first = surface(points, None)?;
+            surface(&rectify::rectified(&first, envelope, voxel), None)?
+        }
     };
     let components_dropped = drop_small_components(&mut mesh, params.smallest_component, workspace);
     progress::step(progress, Stage::Mesh, total, total)?;

@@ -37,11 +37,11 @@ impl Silhouette {
         coverage: &[u8],
         known: impl Fn(usize) -> bool,
     ) -> Result<Self, String> {
-        Self::in_memory(width, height, coverage, known, &mut Scratch::default(), Vec::new())
+        Self::with_buffers(width, height, coverage, known, &mut Scratch::default(), Vec::new())
     }
 
     /// [`Self::from_coverage`] with buffers to use; the distances go to `distance`.
-    pub(crate) fn in_memory(
+    pub(crate) fn with_buffers(
         width: u32,
         height: u32,
         coverage: &[u8],

@@ -5,10 +5,10 @@ use facts::{
     errors::quantile,
     topology::{assert_sound, components},
 };
-use glam::DVec3;
+use glam::{DVec3, Vec3};
 use pcmvs_core::{
     Params, Point, Preset, Reconstruction, Silent, View,
-    detect::{FrontierParams, frontier},
+    contours::{FrontierParams, frontier},
     hull::VisualHull,
 };
 use std::sync::LazyLock;
@@ -77,10 +77,9 @@ impl Case {
     fn assert_implicit(&self) {
         let views = self.views();
         let hull = carve(&views);
-        let points = &self.result.stages.implicit;
+        let points = &self.result.intermediates.implicit;
         assert!(points.len() > 500, "{}: {}", self.name, points.len());
-        let mut intervals = Vec::new();
-        let mut sees = |view: &View, p: &Point| {
+        let sees = |view: &View, p: &Point| {
             let pixel = view.camera.project(p.position);
             let silhouette = view.silhouette.as_ref().expect("all have masks");
             if silhouette.sample(pixel.x, pixel.y).is_none_or(|inside| inside < 2.0) {
@@ -89,8 +88,8 @@ impl Case {
             // Of a pixel at an edge of what hides the point it cannot be told what it sees.
             [(0.0, 0.0), (-0.7, 0.0), (0.7, 0.0), (0.0, -0.7), (0.0, 0.7)].iter().all(|(dx, dy)| {
                 let ray = view.camera.ray(pixel.x + dx, pixel.y + dy);
-                hull.intervals(view.camera.centre, ray, &mut intervals);
-                intervals.first().is_none_or(|i| pixel.z < i.near + 2.0 * view.camera.footprint(pixel.z))
+                let slack = 2.0 * view.camera.footprint(pixel.z);
+                !enters_before(&hull, view.camera.centre, ray, pixel.z - slack)
             })
         };
         let seen = points.iter().filter(|&p| views.iter().any(|v| sees(v, p))).count();
@@ -99,7 +98,17 @@ impl Case {
     }
 }
 
-fn carve(views: &[View]) -> VisualHull<'_> {
+/// Whether a ray meets the hull before a depth. Rays have depth 1 along the optical axis.
+fn enters_before(hull: &VisualHull, start: Vec3, ray: Vec3, depth: f32) -> bool {
+    let (lower, upper) = hull.bounds();
+    let (middle, radius) = ((lower + upper) * 0.5, 0.5 * (upper - lower).length());
+    let first = ((middle - start).length() - radius) / ray.length();
+    let step = 0.3 * hull.footprint() / ray.length();
+    let count = ((depth - first) / step).max(0.0) as usize;
+    (0..count).any(|i| hull.signed_distance(start + ray * (first + i as f32 * step)) > 0.0)
+}
+
+fn carve(views: &[View]) -> VisualHull {
     VisualHull::new(views, &Params::preset(Preset::Default).hull, &Silent).expect("there is a hull")
 }
 

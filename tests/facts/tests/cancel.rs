@@ -1,7 +1,7 @@
 //! Progress can be followed, and the host can stop at any of its steps.
 
 use facts::{Shot, Threads};
-use pcmvs_core::{Error, Params, Preset, Progress, Serial, Silent, Stage};
+use pcmvs_core::{Error, Params, Preset, Progress, Serial, Silent, Stage, frame::position};
 use std::sync::{
     LazyLock, Mutex,
     atomic::{AtomicU32, Ordering},
@@ -61,8 +61,12 @@ enum Event {
 }
 
 impl Progress for Log {
-    fn mark(&self, stage: Stage, begin: bool) {
-        self.0.lock().unwrap().push(Event::Mark(stage, begin));
+    fn on_stage_start(&self, stage: Stage) {
+        self.0.lock().unwrap().push(Event::Mark(stage, true));
+    }
+
+    fn on_stage_end(&self, stage: Stage) {
+        self.0.lock().unwrap().push(Event::Mark(stage, false));
     }
 
     fn step(&self, stage: Stage, done: u32, total: u32) -> bool {
@@ -82,7 +86,7 @@ fn progress_goes_forward() {
             match event {
                 Event::Mark(stage, true) => {
                     assert_eq!(running, None, "{preset:?}: {stage:?} begins inside another");
-                    assert!(last < Some(stage), "{preset:?}: {stage:?} after {last:?}");
+                    assert!(last.map(position) < Some(position(stage)), "{preset:?}: {stage:?} after {last:?}");
                     (running, last, share) = (Some(stage), Some(stage), 0.0);
                 }
                 Event::Mark(stage, false) => {

@@ -17,7 +17,7 @@ static TWO: LazyLock<Shot> = LazyLock::new(|| Shot::small(Subject::TwoBodies, 8)
 /// A contour is known to this many pixels, away from corners.
 const CONTOUR: f64 = 0.25;
 
-fn carve(views: &[View]) -> VisualHull<'_> {
+fn carve(views: &[View]) -> VisualHull {
     VisualHull::new(views, &Params::preset(Preset::Hull).hull, &Silent).expect("there is a hull")
 }
 
@@ -29,51 +29,6 @@ fn single(p: DVec3, rig: &Rig) -> Vec3 {
 fn around(scene: &Scene, random: &mut Random) -> DVec3 {
     let (centre, radius) = scene.ball();
     centre + DVec3::new(random.signed(), random.signed(), random.signed()) * radius * 1.1
-}
-
-/// Along any ray, intervals hold exactly the points that the true outlines allow, to a contour's precision.
-#[test]
-fn intervals_are_what_the_outlines_allow() {
-    for (name, shot) in [("torus", &*TORUS), ("two bodies", &TWO)] {
-        let rig = shot.rig();
-        let views = shot.views(&rig);
-        let hull = carve(&views);
-        let footprint = f64::from(hull.footprint());
-        let mut random = Random::new(7, 0);
-        let (mut intervals, mut inside, mut outside, mut several) = (Vec::new(), 0, 0, 0);
-        let mut wrong = Vec::new();
-        for _ in 0..60 {
-            // From anywhere outside, not only from cameras.
-            let (centre, radius) = shot.scene().ball();
-            let start = centre + random.direction() * 2.0 * radius;
-            let direction = (around(shot.scene(), &mut random) - start).normalize();
-            hull.intervals(single(start, &rig), direction.as_vec3(), &mut intervals);
-            assert!(intervals.iter().all(|i| i.near < i.far), "{name}: {intervals:?}");
-            assert!(intervals.windows(2).all(|w| w[0].far < w[1].near), "{name}: {intervals:?}");
-            several += usize::from(intervals.len() > 1);
-            let count = (4.0 * radius / (0.25 * footprint)) as usize;
-            for i in 0..count {
-                let t = i as f64 * 0.25 * footprint;
-                let margin = hull_margin(shot, start + direction * t);
-                let held = intervals.iter().any(|i| f64::from(i.near) <= t && t <= f64::from(i.far));
-                if margin > CONTOUR {
-                    inside += 1;
-                } else if margin < -CONTOUR {
-                    outside += 1;
-                } else {
-                    continue;
-                }
-                if held != (margin > 0.0) {
-                    wrong.push(margin);
-                }
-            }
-        }
-        println!("{name}: {inside} inside, {outside} outside, {several} rays with several, wrong: {wrong:?}");
-        assert!(inside > 1000 && outside > 5000 && several > 1, "{name}: {inside}, {outside}, {several}");
-        // Where outlines cross or have corners a contour is rounder than the truth.
-        assert!(wrong.len() * 400 < inside, "{name}: {} of {inside} are wrong: {wrong:?}", wrong.len());
-        assert!(wrong.iter().all(|m| m.abs() < 0.8), "{name}: {wrong:?}");
-    }
 }
 
 /// The signed distance is positive inside and negative outside.

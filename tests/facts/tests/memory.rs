@@ -2,7 +2,9 @@
 #![allow(unsafe_code)]
 
 use facts::Shot;
-use pcmvs_core::{Error, Mesh, Params, Preset, Progress, Serial, Silent, Stage, hull::VisualHull, memory};
+use pcmvs_core::{
+    Error, Frame, Memory, Mesh, Params, Preset, Progress, Serial, Silent, Stage, hull::VisualHull, memory,
+};
 use std::{
     alloc::{GlobalAlloc, Layout, System},
     sync::{
@@ -42,10 +44,8 @@ static ALLOCATOR: Counting = Counting;
 struct Last(Mutex<Option<Stage>>);
 
 impl Progress for Last {
-    fn mark(&self, stage: Stage, begin: bool) {
-        if begin {
-            *self.0.lock().unwrap() = Some(stage);
-        }
+    fn on_stage_start(&self, stage: Stage) {
+        *self.0.lock().unwrap() = Some(stage);
     }
 
     fn step(&self, _: Stage, _: u32, _: u32) -> bool {
@@ -72,26 +72,26 @@ fn a_frame_takes_what_the_formula_says() {
         let rig = shot.rig();
         let views = shot.views(&rig);
         for preset in [Preset::Default, Preset::Paper, Preset::Hull, Preset::Preview] {
-            let mut params = Params::preset(preset);
+            let params = Params::preset(preset);
             let mut hull = Mesh::default();
-            let taken = most(|| hull = shot.reconstruct(&params).expect("nothing is wrong").stages.hull);
+            let taken = most(|| hull = shot.reconstruct(&params).expect("nothing is wrong").intermediates.hull);
             let carved = VisualHull::new(&views, &params.hull, &Silent).expect("there is a hull");
             let needed = memory::needed(&views, &carved, &hull, &params);
             assert!(taken <= needed, "{preset:?}, {count} x {width}: {taken} bytes taken, {needed} foretold");
             assert!(width < 320 || 5 * needed < 9 * taken, "{preset:?}, {count} x {width}: {taken} of {needed}");
 
-            params.max_memory = Some(needed - 1);
+            let within = |limit: u64, progress: &dyn Progress| {
+                Frame::new(&rig, params, Memory::limited(limit)).run_all(&shot.inputs(), &Serial, progress)
+            };
             let last = Last::default();
-            let refused = shot.reconstruct_with(&params, &Serial, &last).err();
+            let refused = within(needed - 1, &last).err();
             assert_eq!(refused, Some(Error::OutOfMemory { needed, limit: needed - 1 }));
             // What any frame of the rig needs is refused at once.
-            let begun = (needed > memory::least(&rig)).then_some(Stage::Hull);
+            let begun = (needed > memory::smallest(&rig)).then_some(Stage::Hull);
             assert_eq!(last.0.into_inner().unwrap(), begun, "{preset:?}, {count} x {width}");
-            params.max_memory = Some(needed);
-            assert!(shot.reconstruct(&params).is_ok());
+            assert!(within(needed, &Silent).is_ok());
             let mut refused = None;
-            params.max_memory = Some(memory::least(&rig) - 1);
-            let taken = most(|| refused = shot.reconstruct(&params).err());
+            let taken = most(|| refused = within(memory::smallest(&rig) - 1, &Silent).err());
             assert!(matches!(refused, Some(Error::OutOfMemory { .. })));
             assert!(taken < 1 << 20, "{taken} bytes taken before the refusal");
         }

@@ -26,8 +26,8 @@ pub fn measure(scene: &Scene, preset: Preset, detail: Detail) -> Result<Record, 
     let rig = Rig::new(&scene.cameras)?;
     let inputs = scene.inputs();
     let result = reconstruct(&rig, &inputs, &Params::preset(preset), &Serial, &Silent)?;
-    let (stages, mesh) = (&result.stages, &result.mesh);
-    let of_stage = |(stage, hash): (Core, u64)| {
+    let (stages, mesh) = (&result.intermediates, &result.mesh);
+    let of_stage = |&(stage, hash): &(Core, u64)| {
         let arrays = match stage {
             Core::Views => views(&rig, scene, detail)?,
             Core::Hull => surface(&stages.hull, detail),
@@ -36,7 +36,7 @@ pub fn measure(scene: &Scene, preset: Preset, detail: Detail) -> Result<Record, 
             Core::Detect => cloud(stages.detected.iter().flatten(), detail),
             Core::Merge => cloud(&stages.merged, detail),
             Core::Mesh => surface(mesh, detail),
-            Core::Colour => vec![Array::words("colours", detail, mesh.colours.iter().map(|&c| rgb(c)))],
+            _ => vec![Array::words("colours", detail, mesh.colours.iter().map(|&c| rgb(c)))],
         };
         Ok(Stage { name: stage.name().to_owned(), hash, arrays })
     };
@@ -45,7 +45,7 @@ pub fn measure(scene: &Scene, preset: Preset, detail: Detail) -> Result<Record, 
     let words = file.chunks(4).map(|b| b.iter().rev().fold(0, |word, &b| word << 8 | u32::from(b)));
     let written =
         Stage { name: "glb".to_owned(), hash: hash(&file), arrays: vec![Array::words("file", detail, words)] };
-    let of_stages = Core::ALL.into_iter().zip(result.hashes).map(of_stage);
+    let of_stages = result.hashes.iter().map(of_stage);
     let stages = [Ok(read)].into_iter().chain(of_stages).chain([Ok(written)]).collect::<Result<_, Error>>()?;
     Ok(Record { stages })
 }

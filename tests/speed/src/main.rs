@@ -38,8 +38,12 @@ impl Clock {
 }
 
 impl Progress for Clock {
-    fn mark(&self, stage: Stage, begin: bool) {
-        self.tick(stage.name(), begin);
+    fn on_stage_start(&self, stage: Stage) {
+        self.tick(stage.name(), true);
+    }
+
+    fn on_stage_end(&self, stage: Stage) {
+        self.tick(stage.name(), false);
     }
 
     fn step(&self, _: Stage, _: u32, _: u32) -> bool {

@@ -4,7 +4,7 @@ use alloc::vec::Vec;
 use glam::Vec3;
 
 use crate::grid::{BLOCK, BLOCK_NODES, SparseGrid};
-use crate::mesh::Envelope;
+use crate::surface::{Envelope, SLOPE};
 use crate::workspace::Workspace;
 
 /// Extent of the domain relative to the bounds: χ is 0 at its border.
@@ -28,9 +28,6 @@ pub(super) fn domain(low: Vec3, high: Vec3, voxel: f32) -> (SparseGrid, usize) {
     let finest = SparseGrid::new(origin, voxel, dims.map(|v| v << (levels - 1)), |_| SparseGrid::OUTSIDE);
     (finest, levels)
 }
-
-/// How fast a signed distance may change along a line, at most.
-const SLOPE: f32 = 1.3;
 
 /// Signed distance to the envelope at the stored nodes, in voxels, positive inside. Exact where it is within
 /// ± `reach`; elsewhere only its sign and that it is beyond are right, which spares most of the evaluations.

@@ -4,7 +4,7 @@ use alloc::{vec, vec::Vec};
 
 use super::samples::{Sample, mark};
 use crate::grid::{BLOCK, BLOCK_NODES, SparseGrid};
-use crate::mesh::neighbourhood::Neighbourhood;
+use crate::surface::neighbourhood::Neighbourhood;
 use crate::workspace::Workspace;
 
 /// A level's grid and the indicator function χ on it: 1 inside the object, 0 outside.

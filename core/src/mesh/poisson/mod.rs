@@ -9,6 +9,7 @@ mod level;
 mod profile;
 mod samples;
 mod smooth;
+mod solution;
 mod solve;
 mod spline;
 mod surface;
@@ -17,14 +18,16 @@ mod system;
 use alloc::{vec, vec::Vec};
 use glam::Vec3;
 
-use super::{Envelope, Steps};
+use super::steps::Steps;
 use crate::error::{Error, Result};
 use crate::grid::{BLOCK_NODES, SparseGrid};
 use crate::math::{from_ordered, max, ordered};
 use crate::point_cloud::Point;
+use crate::surface::Envelope;
 use crate::workspace::Workspace;
 use level::Level;
 use samples::Sample;
+use solution::{MARGIN, Solution};
 use solve::Operator;
 pub(super) use surface::smooth_normals;
 use system::Cell;
@@ -34,19 +37,6 @@ const ITERATIONS: u32 = 6;
 /// Iterations on the coarsest level at most, and the share of the residual that may remain there.
 const ITERATIONS_COARSEST: u32 = 200;
 const TOLERANCE: f64 = 1e-4;
-
-/// χ is held at 0 farther outside the envelope than this, in voxels: a surface that coincides with the envelope keeps
-/// the smooth profile that χ has across it.
-const MARGIN: f32 = 1.5;
-
-/// A solution on the finest grid.
-pub(super) struct Solution {
-    pub(super) grid: SparseGrid,
-    /// Distance to the surface in voxels, positive inside; its median at the points is 0.
-    pub(super) distances: Vec<f32>,
-    /// Signed distance to the envelope in voxels where it is within ± [`MARGIN`], if one was given.
-    pub(super) envelope: Option<Vec<f32>>,
-}
 
 /// Number of steps that [`solve`] reports at most.
 pub(super) fn steps(low: Vec3, high: Vec3, voxel: f32) -> u32 {
@@ -91,11 +81,11 @@ pub(super) fn solve(
         steps.step()?;
         let mut rhs = right_hand_side(&levels, &mut sparse, &samples, &next.grid, level, workspace);
         steps.step()?;
-        workspace.keep(cells);
+        workspace.recycle(cells);
         cells = system::cells(&samples, &next.grid, level, workspace);
-        workspace.keep(samples);
+        workspace.recycle(samples);
         steps.step()?;
-        held.into_iter().for_each(|above| workspace.keep(above));
+        held.into_iter().for_each(|above| workspace.recycle(above));
         held = envelope.map(|envelope| domain::distances(&next.grid, envelope, MARGIN, workspace));
         let outside = |node: usize| held.as_ref().is_some_and(|held: &Vec<f32>| held[node] < -MARGIN);
         for (node, chi) in next.chi.iter_mut().enumerate() {
@@ -121,19 +111,19 @@ pub(super) fn solve(
         }
         iso = median(&cells, &next.chi, workspace).unwrap_or(iso);
         levels.push(next);
-        workspace.keep(rhs);
-        workspace.keep(inverse_diagonal);
+        workspace.recycle(rhs);
+        workspace.recycle(inverse_diagonal);
     }
     let finest = levels.pop().expect("there is at least one level");
-    workspace.keep(sparse);
-    levels.into_iter().for_each(|level| workspace.keep(level.chi));
+    workspace.recycle(sparse);
+    levels.into_iter().for_each(|level| workspace.recycle(level.chi));
     steps.step()?;
     let mut distances = surface::distances(&finest, iso, held.as_ref(), workspace);
     steps.step()?;
     let at_points = median(&cells, &distances, workspace).unwrap_or(0.0);
     distances.iter_mut().for_each(|distance| *distance -= at_points);
-    workspace.keep(cells);
-    workspace.keep(finest.chi);
+    workspace.recycle(cells);
+    workspace.recycle(finest.chi);
     Ok(Solution { grid: finest.grid, distances, envelope: held })
 }
 
@@ -161,7 +151,7 @@ fn right_hand_side(
         let mut own = workspace.empty(rhs.len());
         own.extend_from_slice(&rhs);
         system::splat(samples, grid, level, shares, &mut [&mut rhs, &mut own]);
-        workspace.keep(core::mem::replace(sparse, own));
+        workspace.recycle(core::mem::replace(sparse, own));
     } else {
         system::splat(samples, grid, level, shares, &mut [&mut rhs]);
     }
@@ -183,7 +173,7 @@ fn median(cells: &[Cell], field: &[f32], workspace: &mut Workspace) -> Option<f3
         sum >= half
     });
     let median = middle.map(|&key| from_ordered((key >> 32) as u32));
-    workspace.keep(keys);
+    workspace.recycle(keys);
     median
 }
 

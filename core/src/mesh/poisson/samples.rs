@@ -59,7 +59,7 @@ pub(super) fn collect(
         cell.sort_unstable_by_key(bits);
         samples.push(merged(cell, points, grid));
     }
-    workspace.keep(keyed);
+    workspace.recycle(keyed);
     step()?;
     Ok(samples)
 }
@@ -140,7 +140,7 @@ pub(super) fn weigh(
     let mut merged = Vec::new();
     for level in 1..levels {
         let next = coarser(if level == 1 { samples } else { &merged }, |_| true, workspace);
-        workspace.keep(core::mem::replace(&mut merged, next));
+        workspace.recycle(core::mem::replace(&mut merged, next));
         let scale = 1.0 / (1 << level) as f32;
         let grid = around(&merged, finest, level, 2.0);
         step()?;
@@ -169,7 +169,7 @@ pub(super) fn weigh(
             }
         }
         waiting.truncate(left);
-        workspace.keep(density);
+        workspace.recycle(density);
         step()?;
         if waiting.is_empty() {
             break;
@@ -179,9 +179,9 @@ pub(super) fn weigh(
         sample.area = area;
         sample.detail = detail;
     }
-    workspace.keep(waiting);
-    workspace.keep(shares);
-    workspace.keep(merged);
+    workspace.recycle(waiting);
+    workspace.recycle(shares);
+    workspace.recycle(merged);
     Ok(())
 }
 

@@ -3,7 +3,7 @@
 use alloc::vec::Vec;
 
 use crate::grid::{BLOCK, BLOCK_NODES, SparseGrid};
-use crate::mesh::neighbourhood::{Neighbourhood, SIDE};
+use crate::surface::neighbourhood::{Neighbourhood, SIDE};
 use crate::workspace::Workspace;
 
 /// How far a smoothed node sees, in voxels.
@@ -24,7 +24,7 @@ pub(super) fn smooth(
     for (twice, once) in twice.iter_mut().zip(&once) {
         *twice = 2.0 * once - *twice;
     }
-    workspace.keep(once);
+    workspace.recycle(once);
     twice
 }
 

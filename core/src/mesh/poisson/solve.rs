@@ -118,8 +118,8 @@ impl Operator<'_> {
                 *p = r * d + beta * *p;
             }
         }
-        workspace.keep(image);
-        workspace.keep(direction);
+        workspace.recycle(image);
+        workspace.recycle(direction);
         Ok(())
     }
 }

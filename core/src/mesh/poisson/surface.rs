@@ -5,10 +5,11 @@ use glam::Vec3;
 
 use super::level::Level;
 use super::profile::{SMOOTHED, SOLVED};
-use super::{MARGIN, Solution, smooth};
+use super::smooth;
+use super::solution::{MARGIN, Solution};
 use crate::math::{max, min};
-use crate::mesh::marching_cubes;
 use crate::point_cloud::Mesh;
+use crate::surface::{Unstored, marching_cubes};
 use crate::workspace::Workspace;
 
 /// How far outside the envelope the surface may lie, in voxels.
@@ -37,9 +38,9 @@ impl Solution {
                 *distance = min(envelope + TOLERANCE, *distance);
             }
         }
-        let mesh = marching_cubes(&grid, &distances, 0.0, [1.0, -1.0], workspace);
-        workspace.keep(distances);
-        envelope.into_iter().for_each(|envelope| workspace.keep(envelope));
+        let mesh = marching_cubes(&grid, &distances, 0.0, Unstored { inside: 1.0, outside: -1.0 }, workspace);
+        workspace.recycle(distances);
+        envelope.into_iter().for_each(|envelope| workspace.recycle(envelope));
         mesh
     }
 }
@@ -60,5 +61,5 @@ pub(in crate::mesh) fn smooth_normals(mesh: &mut Mesh, workspace: &mut Workspace
             *normal = *sum / length;
         }
     }
-    workspace.keep(sums);
+    workspace.recycle(sums);
 }

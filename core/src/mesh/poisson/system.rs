@@ -93,7 +93,7 @@ pub(super) fn cells(samples: &[Sample], grid: &SparseGrid, level: usize, workspa
     let scale = 1.0 / (1 << level) as f32;
     let mut index = workspace.filled(NONE, grid.blocks.len() * BLOCK_NODES);
     // Area; area times offset from the cell's first corner, and times normal; that corner.
-    let mut sums: Vec<([f32; 7], [i32; 3])> = workspace.growing();
+    let mut sums: Vec<([f32; 7], [i32; 3])> = workspace.take();
     for sample in samples {
         let at = sample.at * scale;
         let corner = [at.x, at.y, at.z].map(floor);
@@ -114,7 +114,7 @@ pub(super) fn cells(samples: &[Sample], grid: &SparseGrid, level: usize, workspa
             sum[4 + k] += area * sample.normal[k];
         }
     }
-    workspace.keep(index);
+    workspace.recycle(index);
     let mut cells = workspace.empty(sums.len());
     for &([area, x, y, z, normal @ ..], corner) in &sums {
         let nodes: [u32; 8] = cube::<2, 8>(grid, corner);
@@ -132,7 +132,7 @@ pub(super) fn cells(samples: &[Sample], grid: &SparseGrid, level: usize, workspa
         // A sample of a coarser level stands for more than this cell's surface.
         cells.push(Cell { nodes, shares, area: min(area, 1.0), chi });
     }
-    workspace.keep(sums);
+    workspace.recycle(sums);
     cells
 }
 

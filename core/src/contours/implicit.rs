@@ -8,14 +8,24 @@ use crate::{
 };
 use alloc::vec;
 
-/// A point this close to a contour, in pixels, lies on it.
-const CONTOUR_PIXELS: f32 = 1.5;
-/// A point this far behind the hull's front, in pixels of footprint, is hidden by it.
-const HIDDEN_FOOTPRINTS: f32 = 3.0;
+/// Implicit points of §4.4.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
+pub struct ImplicitParams {
+    /// A point at most this close to a contour, in pixels, lies on it.
+    pub contour_pixels: f32,
+    /// A point at least this far behind the hull's front, in pixels of footprint, is hidden by it.
+    pub hidden_pixels: f32,
+}
 
 /// The vertices of the hull's mesh that every view either does not see, because the hull hides them, or sees on its
 /// contour. They only keep the model complete. `tick` is called with the number of each view.
-pub fn implicit(hull: &Mesh, views: &[View], mut tick: impl FnMut(u32) -> Result<()>) -> Result<PointCloud> {
+pub fn implicit(
+    hull: &Mesh,
+    views: &[View],
+    params: &ImplicitParams,
+    mut tick: impl FnMut(u32) -> Result<()>,
+) -> Result<PointCloud> {
     let mut seen = vec![false; hull.positions.len()];
     let mut raster = Raster::default();
     for (i, view) in views.iter().enumerate() {
@@ -23,12 +33,12 @@ pub fn implicit(hull: &Mesh, views: &[View], mut tick: impl FnMut(u32) -> Result
         raster.render(hull, &view.camera);
         for (seen, &p) in seen.iter_mut().zip(&hull.positions) {
             let pixel = view.camera.project(p);
-            let tolerance = HIDDEN_FOOTPRINTS * view.camera.footprint(pixel.z);
+            let tolerance = params.hidden_pixels * view.camera.footprint(pixel.z);
             if *seen || !raster.sees(pixel, tolerance) {
                 continue;
             }
             *seen = match &view.silhouette {
-                Some(s) => s.sample(pixel.x, pixel.y).is_some_and(|d| d > CONTOUR_PIXELS),
+                Some(s) => s.sample(pixel.x, pixel.y).is_some_and(|d| d > params.contour_pixels),
                 None => true,
             };
         }

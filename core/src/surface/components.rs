@@ -30,8 +30,8 @@ pub fn drop_small_components(mesh: &mut Mesh, smallest: f32, workspace: &mut Wor
     let is_root = |&(v, &root): &(usize, &u32)| v as u32 == root;
     let dropped = roots.iter().enumerate().filter(is_root).filter(|&(_, &root)| !kept(root)).count() as u32;
     if dropped == 0 {
-        workspace.keep(roots);
-        workspace.keep(volumes);
+        workspace.recycle(roots);
+        workspace.recycle(volumes);
         return 0;
     }
 
@@ -52,9 +52,9 @@ pub fn drop_small_components(mesh: &mut Mesh, smallest: f32, workspace: &mut Wor
         *triangle = triangle.map(|v| renamed[v as usize]);
         triangle[0] != GONE
     });
-    workspace.keep(roots);
-    workspace.keep(volumes);
-    workspace.keep(renamed);
+    workspace.recycle(roots);
+    workspace.recycle(volumes);
+    workspace.recycle(renamed);
     dropped
 }
 

@@ -1,16 +1,18 @@
 //! What does not change between frames: the cameras and all that follows from them.
 
+mod neighbours;
+
 use crate::{
     camera::{Camera, Pinhole},
-    detect::neighbours,
     error::{Error, Result},
     undistort::Undistortion,
 };
 use alloc::{format, vec::Vec};
 use glam::{DMat3, DVec3, Vec3};
+use neighbours::neighbours;
 
 /// Fewest views from which anything can be made.
-pub const LEAST_VIEWS: u32 = 3;
+pub const MIN_VIEWS: u32 = 3;
 
 /// A calibrated set of cameras. Stages work in single precision relative to [`Rig::origin`].
 #[derive(Debug, Clone)]
@@ -31,8 +33,8 @@ impl Rig {
     /// # Errors
     /// [`Error::TooFewViews`], [`Error::Camera`] and [`Error::DuplicateCamera`].
     pub fn new(cameras: &[Camera]) -> Result<Self> {
-        if (cameras.len() as u32) < LEAST_VIEWS {
-            return Err(Error::TooFewViews { given: cameras.len() as u32, needed: LEAST_VIEWS });
+        if (cameras.len() as u32) < MIN_VIEWS {
+            return Err(Error::TooFewViews { given: cameras.len() as u32, needed: MIN_VIEWS });
         }
         for (i, camera) in cameras.iter().enumerate() {
             camera.check().map_err(|problem| Error::Camera { camera: i as u32, problem })?;
@@ -67,12 +69,9 @@ impl Rig {
         &self.order
     }
 
-    /// Place in [`Self::order`] of a camera given by its index.
-    ///
-    /// # Panics
-    /// If there is no such camera.
-    pub fn place(&self, camera: usize) -> usize {
-        self.order.iter().position(|&i| i as usize == camera).expect("the rig has such a camera")
+    /// Place in [`Self::order`] of a camera given by its index, if the rig has it.
+    pub fn place(&self, camera: usize) -> Option<usize> {
+        self.order.iter().position(|&i| i as usize == camera)
     }
 
     /// The views that a view is compared with, N(P) of eq. 1: nearest first, as places in [`Self::order`], as is `place`.

@@ -11,7 +11,7 @@ use glam::{Vec2, Vec3};
 
 /// Frontier points of §4.4.
 #[derive(Debug, Clone, Copy, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Deserialize), serde(deny_unknown_fields))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
 pub struct FrontierParams {
     /// τ: a contour pixel's ray may run this long inside the other views' hull, in pixels of footprint.
     pub longest_pixels: f32,
@@ -39,7 +39,7 @@ pub fn frontier(view: &View, hull: &VisualHull, params: &FrontierParams) -> Poin
             position,
             normal,
             fidelity: certainty,
-            weight: certainty,
+            weight: 0.0,
             view: view.index,
             rank: Rank::Frontier,
         });

@@ -1,10 +1,10 @@
-//! The space constraint as the paper has it (§6.2).
+//! The space constraint as the paper has it (§6.2): rectify the vertices, then solve again.
 
 use alloc::vec::Vec;
 use glam::Vec3;
 
-use super::Envelope;
 use crate::point_cloud::{Mesh, Point, Rank};
+use crate::surface::Envelope;
 
 /// Steps of bisection from one voxel.
 const BISECTIONS: u32 = 8;

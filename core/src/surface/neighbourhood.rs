@@ -5,25 +5,25 @@ use glam::Vec3;
 use crate::grid::{BLOCK, BLOCK_NODES, SparseGrid};
 
 /// Nodes along the edge of a [`Neighbourhood`]: one below the block, two above.
-pub(super) const SIDE: usize = BLOCK + 3;
+pub(crate) const SIDE: usize = BLOCK + 3;
 
 /// Values of a block's nodes, of the layer below and of the two layers above it; x fastest.
-pub(super) struct Neighbourhood(pub(super) [f32; SIDE * SIDE * SIDE]);
+pub(crate) struct Neighbourhood(pub(crate) [f32; SIDE * SIDE * SIDE]);
 
 impl Neighbourhood {
-    pub(super) fn new() -> Self {
+    pub(crate) fn new() -> Self {
         Self([0.0; SIDE * SIDE * SIDE])
     }
 
     /// Index of the block's node (x, y, z), each from -1 to 9.
     #[inline]
-    pub(super) fn index(x: i32, y: i32, z: i32) -> usize {
+    pub(crate) fn index(x: i32, y: i32, z: i32) -> usize {
         let side = SIDE as i32;
         (((z + 1) * side + y + 1) * side + x + 1) as usize
     }
 
     /// Loads the surroundings of a block, which need not be a stored one.
-    pub(super) fn load(&mut self, grid: &SparseGrid, values: &[f32], block: [i32; 3], inside: f32, outside: f32) {
+    pub(crate) fn load(&mut self, grid: &SparseGrid, values: &[f32], block: [i32; 3], inside: f32, outside: f32) {
         let last = BLOCK - 1;
         // Nodes taken from the block below, from this one and from the one above: first in it, first here, count.
         let parts = [(last, 0, 1), (0, 1, BLOCK), (0, BLOCK + 1, 2)];
@@ -49,7 +49,7 @@ impl Neighbourhood {
 
     /// Gradient of the values, smoothed by a quadratic B-spline, at a point given from the block's first node. It is
     /// taken at the point itself: between nodes the gradient of a steep profile turns.
-    pub(super) fn gradient(&self, at: Vec3) -> Vec3 {
+    pub(crate) fn gradient(&self, at: Vec3) -> Vec3 {
         let (wx, dx, x) = spline(at.x);
         let (wy, dy, y) = spline(at.y);
         let (wz, dz, z) = spline(at.z);

@@ -16,8 +16,17 @@ const NEAREST: f32 = 0.02;
 
 const NO_BLOCK: u32 = u32::MAX;
 
-/// The surface where the field passes `iso`; nodes with a greater value are inside the object. `values` are those of the
-/// grid's stored blocks, `inside` (greater than `iso`) and `outside` (not greater) those of the blocks that are not.
+/// The field's value throughout the blocks that a grid does not store.
+#[derive(Debug, Clone, Copy)]
+pub struct Unstored {
+    /// In blocks inside the object: greater than the iso value.
+    pub inside: f32,
+    /// In blocks outside the object: not greater than the iso value.
+    pub outside: f32,
+}
+
+/// The surface where the field passes `iso`. Nodes with a greater value are inside the object. `values` are those of the
+/// grid's stored blocks.
 ///
 /// Whatever the values are, the mesh is closed, each edge has two triangles, each vertex one fan of triangles, and
 /// triangles are counter-clockwise seen from outside, with area. Normals follow the field's gradient.
@@ -25,16 +34,16 @@ pub fn marching_cubes(
     grid: &SparseGrid,
     values: &[f32],
     iso: f32,
-    [inside, outside]: [f32; 2],
+    unstored: Unstored,
     workspace: &mut Workspace,
 ) -> Mesh {
-    let mut extractor = Extractor::new(grid, values, iso, [inside, outside], workspace);
+    let mut extractor = Extractor::new(grid, values, iso, unstored, workspace);
     extractor.vertices();
     extractor.triangles();
     let Extractor { mut mesh, active, table, nodes, .. } = extractor;
-    workspace.keep(active);
-    workspace.keep(table);
-    workspace.keep(nodes);
+    workspace.recycle(active);
+    workspace.recycle(table);
+    workspace.recycle(nodes);
     complete_normals(&mut mesh);
     mesh
 }
@@ -44,8 +53,7 @@ struct Extractor<'a> {
     grid: &'a SparseGrid,
     values: &'a [f32],
     iso: f32,
-    inside: f32,
-    outside: f32,
+    unstored: Unstored,
     active: Vec<[i32; 3]>,
     /// Index into `active`, of a grid of blocks that starts one below.
     table: Vec<u32>,
@@ -55,15 +63,9 @@ struct Extractor<'a> {
 }
 
 impl<'a> Extractor<'a> {
-    fn new(
-        grid: &'a SparseGrid,
-        values: &'a [f32],
-        iso: f32,
-        [inside, outside]: [f32; 2],
-        workspace: &mut Workspace,
-    ) -> Self {
+    fn new(grid: &'a SparseGrid, values: &'a [f32], iso: f32, unstored: Unstored, workspace: &mut Workspace) -> Self {
         let [w, h, d] = grid.dims.map(|v| v as i32);
-        let mut active = workspace.growing();
+        let mut active = workspace.take();
         let mut table = workspace.empty(((w + 1) * (h + 1) * (d + 1)) as usize);
         for z in -1..d {
             for y in -1..h {
@@ -80,12 +82,12 @@ impl<'a> Extractor<'a> {
             }
         }
         let nodes = workspace.filled(0, active.len() * BLOCK_NODES);
-        let mesh = Mesh::in_memory(workspace);
-        Self { grid, values, iso, inside, outside, active, table, nodes, mesh }
+        let mesh = Mesh::with_workspace(workspace);
+        Self { grid, values, iso, unstored, active, table, nodes, mesh }
     }
 
     fn load(&self, block: [i32; 3], around: &mut Neighbourhood) {
-        around.load(self.grid, self.values, block, self.inside, self.outside);
+        around.load(self.grid, self.values, block, self.unstored.inside, self.unstored.outside);
     }
 
     /// Bit x of row (z, y) of the block's 9 x 9 rows of 9 nodes says that the node is inside.

@@ -1,0 +1,58 @@
+//! The coarse pass: detection (§4) and meshing (§6) at a lower resolution, whose mesh guides the detection that follows.
+//!
+//! Not in the paper, which searches the whole hull at full resolution.
+
+use crate::{
+    context::Context,
+    detect::{DetectionParams, Guide, Level, Scratch, detect_view},
+    error::Result,
+    executor::Executor,
+    mesh::{self, MeshingParams, weigh},
+    point_cloud::{Mesh, Point, concat},
+    progress::Part,
+    stage::Stage,
+    workspace::Workspace,
+};
+use alloc::vec::Vec;
+use core::iter::once;
+
+/// A pass of detection and meshing whose result guides the next.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
+pub struct CoarseParams {
+    /// How it detects.
+    pub detection: DetectionParams,
+    /// Distance of its mesh's grid nodes in pixels of footprint.
+    pub voxel_pixels: f32,
+}
+
+/// The mesh of the coarse pass. `hull_mesh` is the hull's own mesh, `frontier` the weighted frontier points. `scratch` holds
+/// buffers for pieces of work; the executor adds more if more pieces run at the same time.
+///
+/// # Errors
+/// [`crate::Error::NoSurface`] and [`crate::Error::Cancelled`].
+pub fn coarse(
+    context: Context,
+    hull_mesh: &Mesh,
+    frontier: &[Point],
+    (params, meshing): (&CoarseParams, &MeshingParams),
+    executor: &impl Executor,
+    scratch: &mut Vec<Scratch>,
+    workspace: &mut Workspace,
+) -> Result<Mesh> {
+    let Context { views, hull, progress, .. } = context;
+    let made = executor.map(views.len(), |i| Level::made(&views[i], params.detection.octave));
+    let level = |i: usize| Level::new(&views[i], made[i].as_ref());
+    let detecting = Part { of: progress, stage: Stage::Coarse, part: 0, parts: 2 };
+    let inner = context.reporting_to(&detecting);
+    let guide = Guide::Hull(hull_mesh);
+    let found = executor
+        .map_with(scratch, views.len(), |scratch, i| detect_view(inner, i, level, guide, &params.detection, scratch));
+    let mut clouds = found.into_iter().map(|found| found.map(|(cloud, _)| cloud)).collect::<Result<Vec<_>>>()?;
+    clouds.iter_mut().for_each(|cloud| weigh(cloud, meshing.weights.as_ref()));
+    let cloud = concat(once(frontier).chain(clouds.iter().map(|cloud| &cloud[..])), workspace);
+    let voxel = params.voxel_pixels * hull.footprint();
+    let mesh = mesh::mesh(&cloud, hull, voxel, meshing, workspace, &Part { part: 1, ..detecting })?.mesh;
+    workspace.recycle(cloud);
+    Ok(mesh)
+}

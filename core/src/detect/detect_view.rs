@@ -1,0 +1,96 @@
+//! Detection of one view: its depth map (§4.1), the hull's points where stereo has failed (§4.2), cleaning (§4.3).
+
+use super::{
+    clean::{self, CleanParams},
+    depth::{self, DepthMap, SearchParams},
+    level::Level,
+    range::SearchRange,
+    substitute::{SubstitutionParams, substitute},
+};
+use crate::{
+    context::Context,
+    error::Result,
+    point_cloud::{Mesh, PointCloud, Rank},
+    progress,
+    raster::{Crossings, Raster},
+    report::Counts,
+    stage::Stage,
+};
+use alloc::vec::Vec;
+
+/// Point cloud detection (§4).
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
+pub struct DetectionParams {
+    /// Level of the image pyramid: 0 is full resolution, 1 half of it.
+    pub octave: u32,
+    /// §4.1.
+    pub search: SearchParams,
+    /// Half width of the search around a guiding surface, in pixels of footprint along the ray.
+    pub band_pixels: f32,
+    /// §4.2. Without it, pixels where stereo has failed give no point.
+    pub substitution: Option<SubstitutionParams>,
+    /// §4.3.
+    pub clean: CleanParams,
+}
+
+/// The surface that a search starts from.
+#[derive(Clone, Copy)]
+pub enum Guide<'a> {
+    /// The hull's mesh: the search runs through all of the hull.
+    Hull(&'a Mesh),
+    /// A mesh found before: the search stays near it.
+    Surface(&'a Mesh),
+}
+
+/// Buffers for the detection of one view after another. Their content does not matter between views.
+#[derive(Default)]
+pub struct Scratch {
+    raster: Raster,
+    crossings: Crossings,
+    range: SearchRange,
+    depth: depth::Scratch,
+    map: DepthMap,
+    rank: Vec<Rank>,
+    clean: clean::Scratch,
+}
+
+/// Detects the points of one view (§4.1 to §4.3). Their weights are left to meshing.
+///
+/// `view` is a place in the rig's order; `level` gives the view of a place at the octave of `params`. Progress is reported
+/// once per row of tiles.
+///
+/// # Errors
+/// [`crate::Error::Cancelled`].
+pub fn detect_view<'l>(
+    context: Context,
+    view: usize,
+    level: impl Fn(usize) -> Level<'l>,
+    guide: Guide,
+    params: &DetectionParams,
+    scratch: &mut Scratch,
+) -> Result<(PointCloud, Counts)> {
+    let Context { rig, views, hull, progress } = context;
+    let Scratch { raster, crossings, range, depth, map, rank, clean } = scratch;
+    let neighbours = rig.neighbours(view, params.search.neighbours);
+    let neighbours: Vec<Level> = neighbours.iter().map(|&j| level(j as usize)).collect();
+    let neighbours: Vec<&Level> = neighbours.iter().collect();
+    let level = &level(view);
+    match guide {
+        Guide::Hull(mesh) => {
+            crossings.find(mesh, &level.camera);
+            range.set_in_hull(level, crossings);
+        }
+        Guide::Surface(mesh) => {
+            raster.render(mesh, &level.camera);
+            range.set_around_surface(level, raster, params.band_pixels * hull.footprint());
+        }
+    }
+    let tick = |_, _| progress::step(progress, Stage::Detect, view as u32, views.len() as u32);
+    depth::depth_map(level, &neighbours, range, &params.search, depth, map, tick)?;
+
+    let mut counts = Counts::default();
+    substitute(map, &range.guide, params.search.neighbours, params.substitution.as_ref(), rank, &mut counts);
+    let cloud = clean::clean(level, map, rank, view as u16, &params.clean, clean, &mut counts);
+    Ok((cloud, counts))
+}

@@ -1,0 +1,156 @@
+//! The order of the stages, and the way from one to the next.
+
+use super::state::Frame;
+use crate::{
+    error::{Error, Result},
+    executor::Executor,
+    memory,
+    params::Method,
+    point_cloud,
+    progress::Progress,
+    rig::Rig,
+    stage::Stage,
+    view::ViewInput,
+};
+use alloc::format;
+use core::ops::Deref;
+
+/// The order in which the stages run.
+pub const ORDER: [Stage; 8] = [
+    Stage::Views,
+    Stage::Hull,
+    Stage::Contours,
+    Stage::Coarse,
+    Stage::Detect,
+    Stage::Merge,
+    Stage::Mesh,
+    Stage::Colour,
+];
+
+/// Place of a stage in [`ORDER`].
+pub fn position(stage: Stage) -> usize {
+    ORDER.iter().position(|&s| s == stage).expect("every stage is in the order")
+}
+
+/// The stage before another.
+fn before(stage: Stage) -> Option<Stage> {
+    position(stage).checked_sub(1).map(|i| ORDER[i])
+}
+
+impl<R: Deref<Target = Rig> + Sync> Frame<R> {
+    /// Does the work of one stage.
+    fn run(&mut self, stage: Stage, executor: &impl Executor, progress: &dyn Progress) -> Result<()> {
+        match stage {
+            Stage::Views => self.collect_views(),
+            Stage::Hull => self.carve_hull(progress),
+            Stage::Contours => self.find_contours(executor, progress),
+            Stage::Coarse => self.make_guide(executor, progress),
+            Stage::Detect => self.detect_missing(executor, progress),
+            Stage::Merge => self.merge_points(progress),
+            Stage::Mesh => self.mesh_points(progress),
+            Stage::Colour => self.colour_mesh(progress),
+        }
+    }
+
+    /// Whether this frame's parameters need a stage.
+    fn needs(&self, stage: Stage) -> bool {
+        match stage {
+            Stage::Contours | Stage::Detect | Stage::Merge => self.params.method == Method::Pcmvs,
+            Stage::Coarse => self.params.method == Method::Pcmvs && self.params.coarse.is_some(),
+            _ => true,
+        }
+    }
+
+    /// A 64-bit hash of a stage's output.
+    fn hash(&self, stage: Stage) -> u64 {
+        let of = &self.intermediates;
+        match stage {
+            Stage::Views => crate::view::hash(&self.views),
+            Stage::Hull => of.hull.hash(),
+            Stage::Contours => point_cloud::hash(of.frontier.iter().chain(&of.implicit)),
+            Stage::Coarse => of.coarse.hash(),
+            Stage::Detect => point_cloud::hash(of.detected.iter().flatten()),
+            Stage::Merge => point_cloud::hash(&of.merged),
+            Stage::Mesh => self.mesh.uncoloured_hash(),
+            Stage::Colour => self.mesh.hash(),
+        }
+    }
+
+    /// Runs one stage. For [`Stage::Views`] every camera must have its view ([`Frame::view`]); [`Stage::Detect`] detects
+    /// the views for which [`Frame::detect`] has not been called. Those two also complete by themselves when the stage after
+    /// them is asked for and every camera's part is there.
+    ///
+    /// # Errors
+    /// [`Error::WrongOrder`] if the stage before is not complete, and the errors of the stage itself.
+    pub fn step(&mut self, stage: Stage, executor: &impl Executor, progress: &dyn Progress) -> Result<()> {
+        let previous = before(stage);
+        match previous {
+            Some(Stage::Views) if self.reached.is_none() => self.step(Stage::Views, executor, progress)?,
+            Some(Stage::Detect) if self.is_detecting() => {
+                self.collect_points()?;
+                self.complete(Stage::Detect);
+            }
+            _ => {}
+        }
+        if let Some(previous) = previous {
+            self.require(previous)?;
+        }
+        self.reached = previous;
+        let needed = self.needs(stage);
+        if needed {
+            progress.on_stage_start(stage);
+        }
+        let result = self.run(stage, executor, progress);
+        if needed {
+            progress.on_stage_end(stage);
+        }
+        if result.is_err() && position(stage) <= position(Stage::Hull) {
+            self.reopen_views();
+        }
+        result?;
+        self.complete(stage);
+        Ok(())
+    }
+
+    /// The whole job: reads the views, then runs all stages. `inputs` are in the order of the cameras as given.
+    ///
+    /// # Errors
+    /// [`Error::ViewCount`] and the errors of every stage.
+    pub fn run_all(&mut self, inputs: &[ViewInput], executor: &impl Executor, progress: &dyn Progress) -> Result<()> {
+        if inputs.len() != self.cameras() {
+            return Err(Error::ViewCount { given: inputs.len() as u32, cameras: self.cameras() as u32 });
+        }
+        memory::check_rig(self.rig(), self.memory.limit())?;
+        progress.on_stage_start(Stage::Views);
+        let read = executor.map(inputs.len(), |camera| self.read_view(camera, &inputs[camera], progress));
+        let read = read.into_iter().collect::<Result<()>>();
+        progress.on_stage_end(Stage::Views);
+        read?;
+        ORDER.into_iter().skip(1).try_for_each(|stage| self.step(stage, executor, progress))
+    }
+
+    fn complete(&mut self, stage: Stage) {
+        self.reached = Some(stage);
+        self.hashes.retain(|&(done, _)| position(done) < position(stage));
+        self.hashes.push((stage, self.hash(stage)));
+    }
+}
+
+impl<R: Deref<Target = Rig>> Frame<R> {
+    /// Checks that a stage is complete.
+    ///
+    /// # Errors
+    /// [`Error::WrongOrder`].
+    pub fn require(&self, stage: Stage) -> Result<()> {
+        if self.reached.is_some_and(|reached| position(reached) >= position(stage)) {
+            return Ok(());
+        }
+        let problem = format!("this needs the stage `{}`, which has not run yet", stage.name());
+        Err(Error::WrongOrder { camera: None, problem })
+    }
+
+    /// Whether the stage before detection is the last one that is complete.
+    pub(super) fn is_detecting(&self) -> bool {
+        self.reached == before(Stage::Detect)
+    }
+}

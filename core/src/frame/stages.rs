@@ -1,0 +1,144 @@
+//! What a frame does in each stage: it reads what the stages before have left, calls the stage, and keeps the result.
+
+use super::state::Frame;
+use crate::{
+    coarse::coarse,
+    colour,
+    contours::{Contours, contours},
+    error::Result,
+    executor::Executor,
+    hull::VisualHull,
+    memory, merge, mesh,
+    mesh::weigh,
+    params::Method,
+    point_cloud::{Mesh, concat},
+    progress::Progress,
+    report::Counts,
+    rig::Rig,
+    surface::drop_small_components,
+};
+use core::{iter::once, mem::take, ops::Deref};
+
+impl<R: Deref<Target = Rig> + Sync> Frame<R> {
+    /// §0: the hull and its own mesh without stray components.
+    pub(super) fn carve_hull(&mut self, progress: &dyn Progress) -> Result<()> {
+        let limit = self.memory.limit();
+        let workspace = &mut self.memory.workspace;
+        if let Some(old) = self.hull.take() {
+            old.recycle_into(workspace);
+        }
+        let hull = VisualHull::with_workspace(&self.views, &self.params.hull, workspace, progress)?;
+        memory::check_hull(&self.views, &hull, limit)?;
+        let mut mesh = hull.mesh(workspace);
+        self.counts.components_dropped =
+            drop_small_components(&mut mesh, self.params.meshing.smallest_component, workspace);
+        memory::check(&self.views, &hull, &mesh, &self.params, limit)?;
+        (self.hull, self.intermediates.hull) = (Some(hull), mesh);
+        self.memory.views_are_made();
+        Ok(())
+    }
+
+    /// §4.4: frontier and implicit points.
+    pub(super) fn find_contours(&mut self, executor: &impl Executor, progress: &dyn Progress) -> Result<()> {
+        if self.params.method == Method::Hull {
+            return Ok(());
+        }
+        let (frontier, implicit) = (self.params.frontier.as_ref(), self.params.implicit.as_ref());
+        let found = contours(self.context(progress)?, &self.intermediates.hull, frontier, implicit, executor)?;
+        let Contours { mut frontier, mut implicit } = found;
+        for cloud in [&mut frontier, &mut implicit] {
+            weigh(cloud, self.params.meshing.weights.as_ref());
+        }
+        (self.counts.frontier, self.counts.implicit) = (frontier.len() as u32, implicit.len() as u32);
+        (self.intermediates.frontier, self.intermediates.implicit) = (frontier, implicit);
+        Ok(())
+    }
+
+    /// The surface that guides detection: the prior's, or that of a coarse pass, if there is either.
+    pub(super) fn make_guide(&mut self, executor: &impl Executor, progress: &dyn Progress) -> Result<()> {
+        take(&mut self.intermediates.coarse).recycle_into(&mut self.memory.workspace);
+        self.forget_points();
+        if self.params.method == Method::Hull {
+            return Ok(());
+        }
+        if let Some(prior) = &self.prior {
+            self.intermediates.coarse = Mesh::clone(&prior.surface);
+        } else if let Some(params) = &self.params.coarse {
+            let mut scratch = take(self.memory.detection.spare());
+            let mut workspace = take(&mut self.memory.workspace);
+            let made = coarse(
+                self.context(progress)?,
+                &self.intermediates.hull,
+                &self.intermediates.frontier,
+                (params, &self.params.meshing),
+                executor,
+                &mut scratch,
+                &mut workspace,
+            );
+            *self.memory.detection.spare() = scratch;
+            self.memory.workspace = workspace;
+            self.intermediates.coarse = made?;
+        }
+        Ok(())
+    }
+
+    /// §4.1 to §4.3 for all views that have not been detected yet.
+    pub(super) fn detect_missing(&mut self, executor: &impl Executor, progress: &dyn Progress) -> Result<()> {
+        let missing = self.undetected();
+        let frame = &*self;
+        let done = executor.map(missing.len(), |i| frame.detect_place(missing[i], progress));
+        done.into_iter().collect::<Result<()>>()?;
+        self.collect_points()
+    }
+
+    /// §5: all points as one cloud.
+    pub(super) fn merge_points(&mut self, progress: &dyn Progress) -> Result<()> {
+        if self.params.method == Method::Hull {
+            return Ok(());
+        }
+        let of = &self.intermediates;
+        let clouds = once(&of.frontier).chain(&of.detected).chain(once(&of.implicit)).map(|cloud| &cloud[..]);
+        let all = concat(clouds, &mut self.memory.workspace);
+        let mut counts = Counts::default();
+        let neighbours = self.params.detection.search.neighbours;
+        let merged = merge::merge(self.context(progress)?, all, neighbours, &self.params.merging, &mut counts)?;
+        self.counts.set_merging(&counts);
+        self.intermediates.merged = merged;
+        Ok(())
+    }
+
+    /// §6: the merged cloud's mesh.
+    pub(super) fn mesh_points(&mut self, progress: &dyn Progress) -> Result<()> {
+        if self.params.method == Method::Hull {
+            self.mesh = self.intermediates.hull.clone();
+            return Ok(());
+        }
+        let mut workspace = take(&mut self.memory.workspace);
+        take(&mut self.mesh).recycle_into(&mut workspace);
+        let hull = self.context(progress)?.hull;
+        let params = &self.params.meshing;
+        let voxel = params.voxel_pixels * hull.footprint();
+        let meshed = mesh::mesh(&self.intermediates.merged, hull, voxel, params, &mut workspace, progress);
+        self.memory.workspace = workspace;
+        let meshed = meshed?;
+        (self.mesh, self.counts.components_dropped) = (meshed.mesh, meshed.components_dropped);
+        Ok(())
+    }
+
+    /// §7: the mesh's colours.
+    pub(super) fn colour_mesh(&mut self, progress: &dyn Progress) -> Result<()> {
+        self.mesh.colours.clear();
+        let gains = colour::colour(
+            &mut self.mesh,
+            &self.views,
+            self.rig.gains(),
+            &self.params.colour,
+            &mut self.memory.workspace,
+            progress,
+        )?;
+        self.gains = self.rig.as_given(&gains);
+        (self.counts.vertices, self.counts.faces) =
+            (self.mesh.positions.len() as u32, self.mesh.triangles.len() as u32);
+        Ok(())
+    }
+}

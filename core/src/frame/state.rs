@@ -1,0 +1,296 @@
+//! A frame as far as it has been made.
+
+use super::{intermediates::Intermediates, memory::Memory, prior::Prior, reconstruction::Reconstruction};
+use crate::{
+    context::Context,
+    detect::{Guide, Level, detect_view},
+    error::{Error, Result},
+    hull::VisualHull,
+    memory,
+    params::{Method, Params},
+    point_cloud::{Mesh, PointCloud},
+    progress::{self, Progress},
+    report::Counts,
+    rig::Rig,
+    stage::Stage,
+    view::{Buffers, View, ViewInput},
+};
+use alloc::{format, vec::Vec};
+use core::ops::Deref;
+use spin::{Mutex, Once};
+
+/// One frame from pictures to a coloured mesh. `R` is a reference to the rig, such as `&Rig` or `Arc<Rig>`.
+///
+/// Either [`Frame::run_all`] does the whole job, or the host runs stage after stage: [`Frame::view`] for every camera, then
+/// [`Frame::step`] for each stage of [`super::ORDER`]. Work of single views ([`Frame::view`], [`Frame::detect`]) borrows the
+/// frame shared, so that a host may do it on several threads; the results do not depend on threads or order.
+///
+/// A stage that fails leaves the frame as it was after the stage before, so that it can be run again. Running an
+/// earlier stage again voids what came after it.
+pub struct Frame<R> {
+    pub(super) rig: R,
+    pub(super) params: Params,
+    pub(super) prior: Option<Prior>,
+    pub(super) memory: Memory,
+    /// The last stage that is complete.
+    pub(super) reached: Option<Stage>,
+    /// Views in the rig's order, until all are there.
+    pub(super) incoming: Vec<Mutex<Option<View>>>,
+    pub(super) views: Vec<View>,
+    pub(super) hull: Option<VisualHull>,
+    /// The views at the octave of detection where that is not the view itself: each is made by the first that needs it.
+    octaves: Vec<Once<Option<Level<'static>>>>,
+    /// Points of each view, until all are there.
+    pub(super) found: Vec<Mutex<Option<(PointCloud, Counts)>>>,
+    pub(super) intermediates: Intermediates,
+    pub(super) mesh: Mesh,
+    pub(super) gains: Vec<[f32; 3]>,
+    pub(super) counts: Counts,
+    pub(super) hashes: Vec<(Stage, u64)>,
+}
+
+fn slots<T>(count: usize) -> Vec<Mutex<Option<T>>> {
+    (0..count).map(|_| Mutex::new(None)).collect()
+}
+
+impl<R: Deref<Target = Rig>> Frame<R> {
+    /// A frame without any view, with working memory to use.
+    pub fn new(rig: R, params: Params, memory: Memory) -> Self {
+        let count = rig.cameras().len();
+        Self {
+            rig,
+            params,
+            prior: None,
+            memory,
+            reached: None,
+            incoming: slots(count),
+            views: Vec::new(),
+            hull: None,
+            octaves: (0..count).map(|_| Once::new()).collect(),
+            found: slots(count),
+            intermediates: Intermediates::default(),
+            mesh: Mesh::default(),
+            gains: Vec::new(),
+            counts: Counts::default(),
+            hashes: Vec::new(),
+        }
+    }
+
+    /// Takes what is known from a neighbouring frame.
+    pub fn set_prior(&mut self, prior: Prior) {
+        self.prior = Some(prior);
+    }
+
+    /// The rig.
+    pub fn rig(&self) -> &R {
+        &self.rig
+    }
+
+    /// The parameters.
+    pub fn params(&self) -> &Params {
+        &self.params
+    }
+
+    /// Number of cameras.
+    pub fn cameras(&self) -> usize {
+        self.incoming.len()
+    }
+
+    /// Place in the rig's order of a camera that is numbered as given.
+    ///
+    /// # Errors
+    /// [`Error::NoSuchCamera`].
+    pub fn place(&self, camera: usize) -> Result<usize> {
+        let cameras = self.cameras() as u32;
+        self.rig.place(camera).ok_or(Error::NoSuchCamera { camera: camera as u32, cameras })
+    }
+
+    /// Reads the picture and silhouette of a camera, numbered as given. A later call for the same camera replaces them.
+    ///
+    /// # Errors
+    /// [`Error::NoSuchCamera`], [`Error::Image`], [`Error::Silhouette`], [`Error::OutOfMemory`], [`Error::Cancelled`], and
+    /// [`Error::WrongOrder`] once the hull has been carved.
+    pub fn view(&self, camera: usize, input: &ViewInput, progress: &dyn Progress) -> Result<()> {
+        progress.on_stage_start(Stage::Views);
+        let result = self.read_view(camera, input, progress);
+        progress.on_stage_end(Stage::Views);
+        result
+    }
+
+    pub(super) fn read_view(&self, camera: usize, input: &ViewInput, progress: &dyn Progress) -> Result<()> {
+        let place = self.place(camera)?;
+        if self.reached.is_some() {
+            return Err(Error::WrongOrder {
+                camera: Some(camera as u32),
+                problem: "the hull has been made of all views: begin a new frame".into(),
+            });
+        }
+        memory::check_rig(&self.rig, self.memory.limit())?;
+        progress::step(progress, Stage::Views, camera as u32, self.cameras() as u32)?;
+        let buffers = self.memory.buffers.take();
+        let make = |scratch: &mut _| View::with_buffers(&self.rig, camera, input, scratch, buffers);
+        let view = self.memory.view_scratch.with(make)?;
+        *self.incoming[place].lock() = Some(view);
+        Ok(())
+    }
+
+    /// Detects the points of one view (§4.1 to §4.3); `camera` is numbered as given.
+    ///
+    /// # Errors
+    /// [`Error::NoSuchCamera`], [`Error::Cancelled`], and [`Error::WrongOrder`] before the stage ahead of detection is
+    /// complete or after the points have been merged.
+    pub fn detect(&self, camera: usize, progress: &dyn Progress) -> Result<()> {
+        progress.on_stage_start(Stage::Detect);
+        let result = self.place(camera).and_then(|place| self.detect_place(place, progress));
+        progress.on_stage_end(Stage::Detect);
+        result
+    }
+
+    pub(super) fn detect_place(&self, place: usize, progress: &dyn Progress) -> Result<()> {
+        if !self.is_detecting() {
+            let problem = match self.require(Stage::Detect) {
+                Ok(()) => "the points of all views have been merged already",
+                Err(_) => "the stages before detection have not all run yet",
+            };
+            return Err(Error::WrongOrder { camera: Some(self.rig.order()[place]), problem: problem.into() });
+        }
+        let found = if self.params.method == Method::Hull {
+            (PointCloud::new(), Counts::default())
+        } else {
+            let Intermediates { hull, coarse, .. } = &self.intermediates;
+            let guide = if coarse.triangles.is_empty() { Guide::Hull(hull) } else { Guide::Surface(coarse) };
+            let params = &self.params.detection;
+            let context = self.context(progress)?;
+            let level = |place| self.level(place);
+            self.memory.detection.with(|scratch| detect_view(context, place, level, guide, params, scratch))?
+        };
+        *self.found[place].lock() = Some(found);
+        Ok(())
+    }
+
+    /// A view at the octave of detection.
+    fn level(&self, place: usize) -> Level<'_> {
+        let view = &self.views[place];
+        let made = self.octaves[place].call_once(|| Level::made(view, self.params.detection.octave));
+        Level::new(view, made.as_ref())
+    }
+
+    /// Views, as places in the rig's order, whose points are not there.
+    pub(super) fn undetected(&mut self) -> Vec<usize> {
+        let slots = self.found.iter_mut().enumerate();
+        slots.filter_map(|(place, slot)| slot.get_mut().is_none().then_some(place)).collect()
+    }
+
+    /// Drops what [`Frame::detect`] has found so far.
+    pub(super) fn forget_points(&mut self) {
+        self.found.iter_mut().for_each(|slot| *slot.get_mut() = None);
+    }
+
+    /// What every stage after the hull reads.
+    pub(super) fn context<'a>(&'a self, progress: &'a dyn Progress) -> Result<Context<'a>> {
+        let hull = self.hull.as_ref().ok_or_else(no_hull)?;
+        Ok(Context { rig: &self.rig, views: &self.views, hull, progress })
+    }
+
+    /// Moves the views out of their slots, in the rig's order.
+    pub(super) fn collect_views(&mut self) -> Result<()> {
+        if let Some(camera) = first_missing(&self.rig, &mut self.incoming) {
+            let problem = format!("camera {camera} has no view yet: give every camera one");
+            return Err(Error::WrongOrder { camera: Some(camera), problem });
+        }
+        self.views = self.incoming.iter_mut().filter_map(|slot| slot.get_mut().take()).collect();
+        Ok(())
+    }
+
+    /// Puts the views back into their slots, so that each can be replaced.
+    pub(super) fn reopen_views(&mut self) {
+        for (slot, view) in self.incoming.iter_mut().zip(self.views.drain(..)) {
+            *slot.get_mut() = Some(view);
+        }
+        self.reached = None;
+    }
+
+    /// Moves the points out of their slots, in the rig's order.
+    pub(super) fn collect_points(&mut self) -> Result<()> {
+        if let Some(camera) = first_missing(&self.rig, &mut self.found) {
+            let problem = format!("camera {camera} has no detected points yet: detect every camera's");
+            return Err(Error::WrongOrder { camera: Some(camera), problem });
+        }
+        self.intermediates.detected.clear();
+        let mut counts = Counts::default();
+        for slot in &mut self.found {
+            let (cloud, found) = slot.get_mut().take().unwrap_or_default();
+            self.intermediates.detected.push(cloud);
+            counts.add_detection(&found);
+        }
+        self.counts.set_detection(&counts);
+        self.octaves.iter_mut().for_each(|octave| *octave = Once::new());
+        self.memory.detection_is_over();
+        Ok(())
+    }
+
+    /// Undistorted pictures and silhouettes in the rig's order; empty before the hull has been carved.
+    pub fn views(&self) -> &[View] {
+        &self.views
+    }
+
+    /// The visual hull, once it has been carved.
+    pub fn hull(&self) -> Option<&VisualHull> {
+        self.hull.as_ref()
+    }
+
+    /// Results of the stages that are complete; others may be empty or left over ([`Frame::require`]).
+    pub fn intermediates(&self) -> &Intermediates {
+        &self.intermediates
+    }
+
+    /// The final mesh, uncoloured after [`Stage::Mesh`] and coloured after [`Stage::Colour`].
+    pub fn mesh(&self) -> &Mesh {
+        &self.mesh
+    }
+
+    /// What each camera's red, green and blue were multiplied by, in the order of the cameras as given; after
+    /// [`Stage::Colour`].
+    pub fn gains(&self) -> &[[f32; 3]] {
+        &self.gains
+    }
+
+    /// What the stages that are complete have counted.
+    pub fn counts(&self) -> &Counts {
+        &self.counts
+    }
+
+    /// A 64-bit hash of the output of each stage that is complete, in order.
+    pub fn hashes(&self) -> &[(Stage, u64)] {
+        &self.hashes
+    }
+
+    /// The working memory, for a next frame. Everything else is dropped.
+    pub fn recycle(mut self) -> Memory {
+        let workspace = &mut self.memory.workspace;
+        if let Some(hull) = self.hull.take() {
+            hull.recycle_into(workspace);
+        }
+        self.intermediates.recycle_into(workspace);
+        self.mesh.recycle_into(workspace);
+        let views = self.views.into_iter().chain(self.incoming.into_iter().filter_map(Mutex::into_inner));
+        self.memory.buffers.spare().extend(views.map(Buffers::from));
+        self.memory
+    }
+
+    /// The result, once all stages are complete.
+    pub fn into_reconstruction(self) -> Reconstruction {
+        let Self { mesh, gains, counts, hashes, intermediates, .. } = self;
+        Reconstruction { mesh, gains, counts, hashes, intermediates }
+    }
+}
+
+pub(super) fn no_hull() -> Error {
+    Error::WrongOrder { camera: None, problem: "there is no hull yet".into() }
+}
+
+/// The first camera, numbered as given, whose slot is empty.
+fn first_missing<T>(rig: &Rig, slots: &mut [Mutex<Option<T>>]) -> Option<u32> {
+    let slots = slots.iter_mut().zip(rig.order());
+    slots.filter_map(|(slot, &camera)| slot.get_mut().is_none().then_some(camera)).min()
+}

@@ -1,0 +1,58 @@
+//! A view that carves.
+
+use crate::{camera::Pinhole, math::min, silhouette::Silhouette, view::View};
+use alloc::sync::Arc;
+use glam::Vec3;
+
+/// Signed distances are clamped to this many voxels. Beyond, only the sign matters.
+const FAR: f32 = 64.0;
+
+/// A view with a silhouette.
+#[derive(Clone)]
+pub(super) struct Carver {
+    pub(super) camera: Pinhole,
+    pub(super) silhouette: Arc<Silhouette>,
+    /// Index of the view in the rig's order.
+    pub(super) index: u16,
+}
+
+impl Carver {
+    /// `None` if the view has no silhouette.
+    pub(super) fn new(view: &View) -> Option<Self> {
+        let silhouette = Arc::clone(view.silhouette.as_ref()?);
+        Some(Self { camera: view.camera, silhouette, index: view.index })
+    }
+
+    /// Distance in scene units from a point's projection to the contour, positive inside; `None` if unseen.
+    #[inline]
+    pub(super) fn distance(&self, p: Vec3) -> Option<f32> {
+        let q = self.camera.project(p);
+        if q.z <= 0.0 {
+            return None;
+        }
+        self.silhouette.sample(q.x, q.y).map(|d| d * self.camera.footprint(q.z))
+    }
+}
+
+/// The smallest distance over some views and the view it comes from. A point that fewer than `needed` of them see is
+/// outside. The view with index `without` is left out.
+pub(super) fn smallest_distance<'c>(
+    carvers: impl Iterator<Item = &'c Carver>,
+    p: Vec3,
+    without: u16,
+    voxel: f32,
+    needed: u32,
+) -> (f32, Option<&'c Carver>) {
+    let (mut nearest, mut from, mut seen) = (FAR * voxel, None, 0);
+    for carver in carvers {
+        if carver.index != without
+            && let Some(d) = carver.distance(p)
+        {
+            if d < nearest {
+                (nearest, from) = (d, Some(carver));
+            }
+            seen += 1;
+        }
+    }
+    (if seen < needed { min(nearest, -voxel) } else { nearest }, from)
+}

@@ -1,0 +1,66 @@
+//! Judges a ball of space against all silhouettes at once.
+
+use super::carver::Carver;
+use crate::surface::SLOPE;
+use alloc::vec::Vec;
+use glam::Vec3;
+
+/// What the silhouettes say about a ball.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub(super) enum Verdict {
+    Outside,
+    Inside,
+    Boundary,
+}
+
+/// Judges a ball against all views; indices of those that may carve a part of it go to `crossing`. The second value
+/// is how many silhouettes see the whole ball as theirs, the third how many may see some of it so.
+pub(super) fn judge(
+    carvers: &[Carver],
+    centre: Vec3,
+    radius: f32,
+    needed: u32,
+    crossing: &mut Vec<u16>,
+) -> (Verdict, u32, u32) {
+    crossing.clear();
+    let (mut containing, mut supporting) = (0, 0);
+    for (i, carver) in carvers.iter().enumerate() {
+        let q = carver.camera.project(centre);
+        let nearest = q.z - radius;
+        if q.z <= -radius {
+            continue;
+        }
+        let (w, h) = (carver.camera.width as f32, carver.camera.height as f32);
+        if nearest <= 0.0 {
+            crossing.push(i as u16);
+            supporting += 1;
+            continue;
+        }
+        let r = radius * carver.camera.focal / nearest * SLOPE;
+        if q.x + r < 0.0 || q.y + r < 0.0 || q.x - r > w - 1.0 || q.y - r > h - 1.0 {
+            continue;
+        }
+        let whole = q.x >= r && q.y >= r && q.x + r <= w - 1.0 && q.y + r <= h - 1.0;
+        let corner = |dx: f32, dy: f32| carver.silhouette.sample(q.x + dx * r, q.y + dy * r).is_some();
+        let whole = whole && corner(-1.0, -1.0) && corner(1.0, -1.0) && corner(-1.0, 1.0) && corner(1.0, 1.0);
+        match carver.silhouette.sample(q.x.clamp(0.0, w - 1.0), q.y.clamp(0.0, h - 1.0)) {
+            Some(d) if whole && d < -r => return (Verdict::Outside, 0, 0),
+            Some(d) if whole && d > r => containing += 1,
+            // At the picture's edge: what this view sees of the ball is background, of the rest it knows nothing.
+            Some(d) if d < -2.0 * r => crossing.push(i as u16),
+            _ => {
+                crossing.push(i as u16);
+                supporting += 1;
+            }
+        }
+    }
+    supporting += containing;
+    let verdict = if supporting < needed {
+        Verdict::Outside
+    } else if crossing.is_empty() {
+        Verdict::Inside
+    } else {
+        Verdict::Boundary
+    };
+    (verdict, containing, supporting)
+}

@@ -1,0 +1,123 @@
+//! The hull and its signed distance.
+
+use super::carver::{Carver, smallest_distance};
+use crate::{
+    grid::{BLOCK, SparseGrid},
+    math::{floor, max, min},
+    point_cloud::Mesh,
+    surface::{Envelope, Unstored, marching_cubes},
+    workspace::Workspace,
+};
+use alloc::vec::Vec;
+use glam::Vec3;
+
+/// The visual hull of one frame.
+pub struct VisualHull {
+    pub(super) carvers: Vec<Carver>,
+    pub(super) grid: SparseGrid,
+    pub(super) values: Vec<f32>,
+    /// For each stored block where its carvers start in `carver_lists`, then one end.
+    pub(super) list_starts: Vec<u32>,
+    /// For each stored block how many of its carvers must see a point for it to be the object's.
+    pub(super) needed: Vec<u32>,
+    /// Indices into `carvers` of those whose contour passes a block.
+    pub(super) carver_lists: Vec<u16>,
+    pub(super) min_silhouettes: u32,
+    pub(super) lower: Vec3,
+    pub(super) upper: Vec3,
+    pub(super) footprint: f32,
+}
+
+impl VisualHull {
+    /// Hands its memory to a workspace.
+    pub fn recycle_into(self, workspace: &mut Workspace) {
+        workspace.recycle(self.values);
+        workspace.recycle(self.list_starts);
+        workspace.recycle(self.needed);
+        workspace.recycle(self.carver_lists);
+    }
+
+    /// Signed distance to the hull's surface in scene units, positive inside: exact in sign, a lower bound inside.
+    pub fn signed_distance(&self, p: Vec3) -> f32 {
+        self.signed_distance_without(p, u16::MAX)
+    }
+
+    /// As [`Self::signed_distance`], over all views but one.
+    pub fn signed_distance_without(&self, p: Vec3, view: u16) -> f32 {
+        self.nearest_contour(p, view).0
+    }
+
+    /// [`Self::signed_distance_without`], and the view that it comes from.
+    pub(super) fn nearest_contour(&self, p: Vec3, view: u16) -> (f32, Option<&Carver>) {
+        let slot = self.slot(p);
+        if slot < SparseGrid::INSIDE {
+            let list = self.block_carvers(slot as usize);
+            smallest_distance(
+                list.iter().map(|&c| &self.carvers[c as usize]),
+                p,
+                view,
+                self.grid.voxel,
+                self.needed[slot as usize],
+            )
+        } else {
+            // Whatever single views say, the block as a whole was judged.
+            let (d, from) = smallest_distance(self.carvers.iter(), p, view, self.grid.voxel, self.min_silhouettes);
+            (if slot == SparseGrid::INSIDE { max(d, self.grid.voxel) } else { min(d, -self.grid.voxel) }, from)
+        }
+    }
+
+    /// Outward unit normal of the hull's surface near a point.
+    pub fn normal(&self, p: Vec3) -> Vec3 {
+        let h = 0.5 * self.footprint;
+        let d = |axis: Vec3| self.signed_distance(p - axis * h) - self.signed_distance(p + axis * h);
+        Vec3::new(d(Vec3::X), d(Vec3::Y), d(Vec3::Z)).normalize_or_zero()
+    }
+
+    /// Corners of the hull's bounding box.
+    pub fn bounds(&self) -> (Vec3, Vec3) {
+        (self.lower, self.upper)
+    }
+
+    /// Median over the views of a pixel's size at the object.
+    pub fn footprint(&self) -> f32 {
+        self.footprint
+    }
+
+    /// The grid and the signed distance at its nodes.
+    pub fn field(&self) -> (&SparseGrid, &[f32]) {
+        (&self.grid, &self.values)
+    }
+
+    /// The hull's surface as a closed mesh.
+    pub fn mesh(&self, workspace: &mut Workspace) -> Mesh {
+        let unstored = Unstored { inside: self.grid.voxel, outside: -self.grid.voxel };
+        marching_cubes(&self.grid, &self.values, 0.0, unstored, workspace)
+    }
+
+    /// The grid's block at a point.
+    fn slot(&self, p: Vec3) -> u32 {
+        let q = (p - self.grid.origin) / (self.grid.voxel * BLOCK as f32);
+        self.grid.slot(floor(q.x), floor(q.y), floor(q.z))
+    }
+
+    pub(super) fn block_carvers(&self, slot: usize) -> &[u16] {
+        &self.carver_lists[self.list_starts[slot] as usize..self.list_starts[slot + 1] as usize]
+    }
+
+    /// Signed distance from the grid, trilinear: fast, for searching.
+    #[inline]
+    pub(crate) fn coarse(&self, p: Vec3) -> f32 {
+        self.grid.interpolate(&self.values, p, -self.grid.voxel, self.grid.voxel)
+    }
+}
+
+impl Envelope for VisualHull {
+    fn bounds(&self) -> (Vec3, Vec3) {
+        self.bounds()
+    }
+
+    /// From the grid near the surface: meshing asks for it at every node.
+    fn signed_distance(&self, p: Vec3) -> f32 {
+        if self.slot(p) < SparseGrid::INSIDE { self.coarse(p) } else { self.signed_distance(p) }
+    }
+}

@@ -1,0 +1,21 @@
+//! Progress of meshing.
+
+use crate::{
+    error::Result,
+    progress::{self, Progress},
+    stage::Stage,
+};
+
+/// Reports the meshing's progress.
+pub(super) struct Steps<'a> {
+    pub progress: &'a dyn Progress,
+    pub done: u32,
+    pub total: u32,
+}
+
+impl Steps<'_> {
+    pub fn step(&mut self) -> Result<()> {
+        self.done = (self.done + 1).min(self.total);
+        progress::step(self.progress, Stage::Mesh, self.done, self.total)
+    }
+}

@@ -1,0 +1,18 @@
+//! Seconds of each stage, over all threads.
+
+use pcmvs_core::{Stage, frame::ORDER, frame::position};
+use std::sync::{Mutex, PoisonError};
+
+/// Adds up the time of each stage of a frame.
+#[derive(Debug, Default)]
+pub(crate) struct Clock(Mutex<[f64; ORDER.len()]>);
+
+impl Clock {
+    pub fn add(&self, stage: Stage, seconds: f64) {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner)[position(stage)] += seconds;
+    }
+
+    pub fn seconds(&self, stage: Stage) -> f64 {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner)[position(stage)]
+    }
+}
