@@ -7,6 +7,7 @@ use crate::{
     error::{Error, Result},
     hull::VisualHull,
     memory,
+    mesh::weigh,
     params::{Method, Params},
     point_cloud::{Mesh, PointCloud},
     progress::{self, Progress},
@@ -219,7 +220,8 @@ impl<R: Deref<Target = Rig>> Frame<R> {
         self.intermediates.detected.clear();
         let mut counts = Counts::default();
         for slot in &mut self.found {
-            let (cloud, found) = slot.get_mut().take().unwrap_or_default();
+            let (mut cloud, found) = slot.get_mut().take().unwrap_or_default();
+            weigh(&mut cloud, self.params.meshing.weights.as_ref());
             self.intermediates.detected.push(cloud);
             counts.add_detection(&found);
         }
