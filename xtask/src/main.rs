@@ -11,6 +11,7 @@ mod golden;
 mod instructions;
 mod measure;
 mod no_std;
+mod oldest_compiler;
 mod players;
 mod process;
 mod sample;

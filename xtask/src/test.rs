@@ -1,7 +1,7 @@
 //! `cargo xtask test`: all checks, the quick ones first.
 
 use crate::{
-    Result, abi_check, captured, golden, no_std, players,
+    Result, abi_check, captured, golden, no_std, oldest_compiler, players,
     process::{cargo, program, root, run as run_program, target},
     setup,
     steps::{Outcome, Steps, passed},
@@ -18,6 +18,7 @@ pub fn run(all: bool) -> Result<()> {
         run_program(&mut cargo("clippy --quiet --workspace --all-targets --all-features -- -D warnings")).map(passed)
     })?;
     steps.step("core without std", || no_std::check().map(Outcome::Passed))?;
+    steps.step("oldest compiler", oldest_compiler::check)?;
     steps.step("tests", || tests().map(Outcome::Passed))?;
     golden::check(&mut steps, all)?;
     steps.step("documentation", || {
