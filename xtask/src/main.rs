@@ -6,6 +6,7 @@ mod bench;
 mod browser;
 mod captured;
 mod compiler;
+mod cycles;
 mod demo;
 mod golden;
 mod instructions;
@@ -14,6 +15,7 @@ mod no_std;
 mod oldest_compiler;
 mod players;
 mod process;
+mod result;
 mod sample;
 mod serve;
 mod setup;
@@ -23,11 +25,10 @@ mod tables;
 mod test;
 mod web;
 
+pub use result::Result;
+
 use clap::{Parser, Subcommand};
 use std::process::ExitCode;
-
-/// Why a task ended early, for a person.
-type Result<T> = std::result::Result<T, String>;
 
 #[derive(Debug, Parser)]
 #[command(name = "cargo xtask")]
@@ -57,6 +58,8 @@ enum Task {
         #[arg(long)]
         renew: bool,
     },
+    /// Check that no crate has an import cycle between its modules
+    Cycles,
     /// Build the page and serve it on this machine
     Web {
         /// Only build the static site, in web/dist
@@ -102,6 +105,7 @@ fn main() -> ExitCode {
         Task::Test { all } => test::run(all),
         Task::Golden { renew: true } => golden::renew(),
         Task::Golden { .. } => golden::all(),
+        Task::Cycles => cycles::check().map(|counted| println!("{counted}")),
         Task::Web { dist: true, .. } => web::dist().map(|sizes| println!("{sizes}")),
         Task::Web { test: true, .. } => web::test(),
         Task::Web { bench: true, .. } => web::bench(),
