@@ -3,7 +3,7 @@
 use crate::{
     material::Material::{self, Black, Denim, Face, Hair, Leather, Print, Rubber, Skin},
     part::{Frame, Part, RoundCone, Shape},
-    scene::turn,
+    rotation::turn,
 };
 use core::f64::consts::TAU;
 use glam::{DMat3, DVec3};

@@ -5,6 +5,7 @@ use crate::{
     material::Material,
     noise::Random,
     part::{Frame, Part, Shape},
+    rotation::turn,
 };
 use glam::{DMat3, DVec3};
 
@@ -65,15 +66,6 @@ impl Subject {
         };
         Scene::new(parts)
     }
-}
-
-/// Rotation about x, then y, then z (radians).
-pub(crate) fn turn(x: f64, y: f64, z: f64) -> DMat3 {
-    let ((sx, cx), (sy, cy), (sz, cz)) = (libm::sincos(x), libm::sincos(y), libm::sincos(z));
-    let about_x = DMat3::from_cols_array(&[1.0, 0.0, 0.0, 0.0, cx, sx, 0.0, -sx, cx]);
-    let about_y = DMat3::from_cols_array(&[cy, 0.0, -sy, 0.0, 1.0, 0.0, sy, 0.0, cy]);
-    let about_z = DMat3::from_cols_array(&[cz, sz, 0.0, -sz, cz, 0.0, 0.0, 0.0, 1.0]);
-    about_z * about_y * about_x
 }
 
 /// The smaller of two distances, rounded where they differ by less than `width`. Its gradient is a mean of theirs, so
