@@ -45,12 +45,15 @@ enum Task {
         #[arg(long)]
         no_serve: bool,
     },
-    /// Set up what is missing and check everything
+    /// Check everything; first print what is missing on this machine and will be installed
     Test {
         /// Also the long checks of the C library (which install compilers and tools) and the captured scenes:
         /// PCMVS_DATA names their folder, PCMVS_SCORE the tool that scores them
         #[arg(long)]
         all: bool,
+        /// Install nothing: skip the checks that need something missing
+        #[arg(long)]
+        no_install: bool,
     },
     /// Check that results are the golden ones, in all builds and on all machines that can be had here
     Golden {
@@ -102,7 +105,7 @@ enum Task {
 fn main() -> ExitCode {
     let result = match Arguments::parse().task {
         Task::Demo { no_serve } => demo::run(no_serve),
-        Task::Test { all } => test::run(all),
+        Task::Test { all, no_install } => test::run(all, !no_install),
         Task::Golden { renew: true } => golden::renew(),
         Task::Golden { .. } => golden::all(),
         Task::Cycles => cycles::check().map(|counted| println!("{counted}")),

@@ -3,22 +3,19 @@
 use crate::{
     Result,
     process::{cargo_environment, program, run},
+    setup::Need,
     steps::Outcome,
 };
 
 /// The claim.
 const VERSION: &str = env!("CARGO_PKG_RUST_VERSION");
 
-/// Checks the published crates with that compiler, which is installed if rustup can.
+pub const NEEDS: [Need; 1] = [Need::Toolchain(VERSION)];
+
+/// Checks the published crates with that compiler; skipped where rustup cannot install it.
 pub fn check() -> Result<Outcome> {
-    if run(&mut program("rustup", "--version")).is_err() {
-        return Ok(Outcome::Skipped(String::from("needs rustup")));
-    }
-    let arguments = format!("toolchain install {VERSION} --profile minimal --no-self-update");
-    if run(&mut program("rustup", &format!("run {VERSION} cargo --version"))).is_err()
-        && run(&mut program("rustup", &arguments)).is_err()
-    {
-        return Ok(Outcome::Skipped(format!("needs Rust {VERSION}: `rustup {arguments}` failed")));
+    if let Err(why) = NEEDS[0].install() {
+        return Ok(Outcome::Skipped(format!("needs Rust {VERSION}: {why}")));
     }
     let crates = "-p pcmvs-core -p pcmvs-ffi -p pcmvs-scene -p pcmvs-cli";
     let mut check = program("rustup", &format!("run {VERSION} cargo check --quiet {crates} --all-features"));
