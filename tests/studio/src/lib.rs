@@ -19,13 +19,15 @@ pub mod polygonise;
 pub mod render;
 pub mod ring;
 mod rotation;
-pub mod scene;
 pub mod score;
+pub mod solid;
+pub mod subject;
 pub mod write;
 
-pub use capture::{Capture, Frame};
+pub use capture::{Capture, CapturedFrame};
 pub use faults::Faults;
 pub use mesh::TriangleMesh;
 pub use picture::Picture;
 pub use ring::{Ring, dome, pairs};
-pub use scene::{Scene, Subject};
+pub use solid::Solid;
+pub use subject::Subject;
