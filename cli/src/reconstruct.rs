@@ -45,6 +45,7 @@ pub fn run(options: &Reconstruct, cancelled: &AtomicBool) -> Result<(), Failure>
         Some(threads) => threads,
         None => thread::available_parallelism().unwrap_or(NonZeroUsize::MIN),
     };
+    let pool = Threads::new(threads)?;
     let settings_text = settings.clone().finish();
     let earlier = earlier_frames(&options.output, &settings_text);
     let console = Console::new(cancelled);
@@ -57,7 +58,7 @@ pub fn run(options: &Reconstruct, cancelled: &AtomicBool) -> Result<(), Failure>
         format: options.format,
         stages: options.stages,
         folder: &options.output,
-        threads: &Threads::new(threads),
+        threads: &pool,
         console: &console,
         settings: &settings,
         earlier: &earlier,

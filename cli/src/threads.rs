@@ -1,87 +1,63 @@
-//! The core's independent pieces of work on the host's threads.
+//! The core's independent pieces of work on a pool of threads.
 
 use pcmvs_core::Executor;
+use pcmvs_scene::Failure;
+use rayon::{Scope, ThreadPool, ThreadPoolBuilder, prelude::*};
 use std::{
     num::NonZeroUsize,
-    panic::resume_unwind,
     sync::{
-        Mutex, PoisonError,
+        Mutex, MutexGuard, PoisonError,
         atomic::{AtomicUsize, Ordering},
     },
-    thread,
 };
 
-/// Runs work on at most a fixed number of threads, counting the caller's. Calls may nest (views within frames): an inner
-/// call takes the threads that outer ones leave idle.
+/// Bytes of a thread's stack. A thread that waits for a frame's last views may start another frame on top of it.
+const STACK: usize = 8 << 20;
+
+/// A fixed number of threads. Calls may nest (views within frames).
 #[derive(Debug)]
 pub struct Threads {
-    idle: AtomicUsize,
+    pool: ThreadPool,
 }
 
-/// A thread taken from the idle ones until dropped.
-struct Taken<'a>(&'a AtomicUsize);
-
-impl Drop for Taken<'_> {
-    fn drop(&mut self) {
-        self.0.fetch_add(1, Ordering::Relaxed);
-    }
+/// What the tasks of [`Threads::map_at_most`] share.
+struct Queue<J, T> {
+    job: J,
+    count: usize,
+    next: AtomicUsize,
+    done: Mutex<Vec<(usize, T)>>,
 }
 
 impl Threads {
-    pub fn new(count: NonZeroUsize) -> Self {
-        Self { idle: AtomicUsize::new(count.get() - 1) }
+    pub fn new(count: NonZeroUsize) -> Result<Self, Failure> {
+        let pool = ThreadPoolBuilder::new().num_threads(count.get()).stack_size(STACK).build();
+        let pool = pool.map_err(|e| Failure::Other(format!("{count} threads cannot be started ({e}): try fewer")))?;
+        Ok(Self { pool })
     }
 
-    fn take(&self) -> Option<Taken<'_>> {
-        let less = |idle: usize| idle.checked_sub(1);
-        self.idle.fetch_update(Ordering::Relaxed, Ordering::Relaxed, less).ok().map(|_| Taken(&self.idle))
-    }
-
-    /// [`Executor::map`] with at most `most` pieces at a time.
+    /// `(0..count).map(job)` with at most `most` pieces at a time, and no more than there are threads.
     pub fn map_at_most<T: Send>(&self, most: usize, count: usize, job: impl Fn(usize) -> T + Sync) -> Vec<T> {
-        self.map_at_most_with(most, &mut Vec::<()>::new(), count, |(), i| job(i))
+        let queue = Queue { job, count, next: AtomicUsize::new(0), done: Mutex::default() };
+        let tasks = count.min(most).min(self.pool.current_num_threads());
+        self.pool.scope(|scope| (0..tasks).for_each(|_| queue.spawn(scope)));
+        let mut done = queue.done.into_inner().unwrap_or_else(PoisonError::into_inner);
+        done.sort_unstable_by_key(|&(i, _)| i);
+        done.into_iter().map(|(_, result)| result).collect()
     }
+}
 
-    /// [`Executor::map_with`] with at most `most` pieces at a time.
-    fn map_at_most_with<S: Default + Send, T: Send>(
-        &self,
-        most: usize,
-        spare: &mut Vec<S>,
-        count: usize,
-        job: impl Fn(&mut S, usize) -> T + Sync,
-    ) -> Vec<T> {
-        let next = AtomicUsize::new(0);
-        let spare = Mutex::new(spare);
-        let spare = || spare.lock().unwrap_or_else(PoisonError::into_inner);
-        let work = || {
-            let mut scratch = spare().pop().unwrap_or_default();
-            let mut done = Vec::new();
-            loop {
-                let i = next.fetch_add(1, Ordering::Relaxed);
-                if i >= count {
-                    spare().push(scratch);
-                    return done;
-                }
-                done.push((i, job(&mut scratch, i)));
-            }
-        };
-        let helpers: Vec<_> = (1..count.min(most)).map_while(|_| self.take()).collect();
-        let mut results = thread::scope(|scope| {
-            let run = |taken| {
-                scope.spawn(|| {
-                    let _taken: Taken = taken;
-                    work()
-                })
-            };
-            let handles: Vec<_> = helpers.into_iter().map(run).collect();
-            let mut results = work();
-            for handle in handles {
-                results.extend(handle.join().unwrap_or_else(|panic| resume_unwind(panic)));
-            }
-            results
-        });
-        results.sort_unstable_by_key(|&(i, _)| i);
-        results.into_iter().map(|(_, result)| result).collect()
+impl<J: Fn(usize) -> T + Sync, T: Send> Queue<J, T> {
+    /// Spawns the next piece; it spawns its successor. (Not a loop: it would keep a frame waiting if the thread that works
+    /// on that frame took up the loop in the meantime.)
+    fn spawn<'scope>(&'scope self, scope: &Scope<'scope>) {
+        let i = self.next.fetch_add(1, Ordering::Relaxed);
+        if i < self.count {
+            scope.spawn(move |scope| {
+                let result = (self.job)(i);
+                lock(&self.done).push((i, result));
+                self.spawn(scope);
+            });
+        }
     }
 }
 
@@ -92,8 +68,20 @@ impl Executor for Threads {
         count: usize,
         job: impl Fn(&mut S, usize) -> T + Sync,
     ) -> Vec<T> {
-        self.map_at_most_with(usize::MAX, spare, count, job)
+        let spare = Mutex::new(spare);
+        let piece = |i| {
+            let mut scratch = lock(&spare).pop().unwrap_or_default();
+            let result = job(&mut scratch, i);
+            lock(&spare).push(scratch);
+            result
+        };
+        self.pool.install(|| (0..count).into_par_iter().with_max_len(1).map(piece).collect())
     }
+}
+
+/// A job that panics ends its frame or the program, not the others' access.
+fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
+    mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
 #[cfg(test)]
@@ -101,22 +89,49 @@ mod tests {
     use super::*;
 
     #[test]
-    fn results_come_in_order_and_no_more_threads_run_than_given() {
+    fn results_come_in_order_and_no_more_jobs_run_than_allowed() {
         for count in 1..5 {
-            let threads = Threads::new(NonZeroUsize::new(count).unwrap());
-            let (running, most) = (AtomicUsize::new(0), AtomicUsize::new(0));
-            let result = threads.map(6, |i| {
-                threads.map(7, |j| {
-                    most.fetch_max(running.fetch_add(1, Ordering::SeqCst) + 1, Ordering::SeqCst);
-                    thread::sleep(std::time::Duration::from_millis(1));
-                    running.fetch_sub(1, Ordering::SeqCst);
-                    10 * i + j
+            let threads = Threads::new(NonZeroUsize::new(count).unwrap()).unwrap();
+            let [outer, inner] = [(); 2].map(|()| Peak::default());
+            let result = threads.map_at_most(3, 9, |i| {
+                outer.during(|| {
+                    threads.map(7, |j| {
+                        inner.during(|| std::thread::sleep(std::time::Duration::from_millis(1)));
+                        10 * i + j
+                    })
                 })
             });
-            let expected: Vec<Vec<_>> = (0..6).map(|i| (0..7).map(|j| 10 * i + j).collect()).collect();
+            let expected: Vec<Vec<_>> = (0..9).map(|i| (0..7).map(|j| 10 * i + j).collect()).collect();
             assert_eq!(result, expected);
-            assert!(most.into_inner() <= count);
-            assert_eq!(threads.idle.into_inner(), count - 1);
+            assert!(outer.most.into_inner() <= count.min(3));
+            assert!(inner.most.into_inner() <= count);
+        }
+    }
+
+    #[test]
+    fn no_more_scratch_is_made_than_jobs_run_at_a_time() {
+        let threads = Threads::new(NonZeroUsize::new(2).unwrap()).unwrap();
+        let mut spare: Vec<Vec<usize>> = Vec::new();
+        for _ in 0..3 {
+            threads.map_with(&mut spare, 20, |scratch, i| scratch.push(i));
+        }
+        assert!(spare.len() <= 2);
+        assert_eq!(spare.iter().map(Vec::len).sum::<usize>(), 60);
+    }
+
+    /// The largest number of jobs that ran at a time.
+    #[derive(Default)]
+    struct Peak {
+        running: AtomicUsize,
+        most: AtomicUsize,
+    }
+
+    impl Peak {
+        fn during<T>(&self, work: impl FnOnce() -> T) -> T {
+            self.most.fetch_max(self.running.fetch_add(1, Ordering::SeqCst) + 1, Ordering::SeqCst);
+            let result = work();
+            self.running.fetch_sub(1, Ordering::SeqCst);
+            result
         }
     }
 }

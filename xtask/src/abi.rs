@@ -5,8 +5,8 @@ use crate::{
     process::{cargo, root, run, target},
 };
 use std::{
-    fs,
-    os::unix::fs::symlink,
+    env::consts::{DLL_PREFIX, DLL_SUFFIX},
+    fs, io,
     path::{Path, PathBuf},
 };
 
@@ -22,7 +22,15 @@ fn abi() -> String {
     }
 }
 
-/// Says which file an error is about.
+/// Name of the static library.
+const STATIC: &str = if cfg!(target_env = "msvc") { "pcmvs.lib" } else { "libpcmvs.a" };
+
+/// Name of the shared library as it is built.
+fn shared() -> String {
+    format!("{DLL_PREFIX}pcmvs{DLL_SUFFIX}")
+}
+
+/// Adds the file's name to an error.
 pub fn problem(path: &Path) -> impl Fn(std::io::Error) -> String + '_ {
     move |error| format!("{}: {error}", path.display())
 }
@@ -46,15 +54,17 @@ pub fn install(prefix: &Path) -> Result<()> {
         copy(root().join("include").join(header), include.join(header))?;
     }
     let built = target().join("release");
-    let shared = format!("libpcmvs.so.{VERSION}");
-    copy(built.join("libpcmvs.a"), lib.join("libpcmvs.a"))?;
-    copy(built.join("libpcmvs.so"), lib.join(&shared))?;
-    for name in [format!("libpcmvs.so.{}", abi()), "libpcmvs.so".to_owned()] {
+    // Only ELF libraries have their version in their names.
+    let versioned = if cfg!(target_os = "linux") { format!("{}.{VERSION}", shared()) } else { shared() };
+    copy(built.join(STATIC), lib.join(STATIC))?;
+    copy(built.join(shared()), lib.join(&versioned))?;
+    let links = if cfg!(target_os = "linux") { vec![format!("{}.{}", shared(), abi()), shared()] } else { vec![] };
+    for name in links {
         let link = lib.join(name);
         if link.symlink_metadata().is_ok() {
             fs::remove_file(&link).map_err(problem(&link))?;
         }
-        symlink(&shared, &link).map_err(problem(&link))?;
+        symlink(&versioned, &link).map_err(problem(&link))?;
     }
     let configure = |folder: &Path, name: &str| {
         let template = root().join("ffi/install").join(format!("{name}.in"));
@@ -66,4 +76,14 @@ pub fn install(prefix: &Path) -> Result<()> {
     configure(&pkgconfig, "pcmvs.pc")?;
     configure(&cmake, "pcmvs-config.cmake")?;
     configure(&cmake, "pcmvs-config-version.cmake")
+}
+
+#[cfg(unix)]
+fn symlink(original: &str, link: &Path) -> io::Result<()> {
+    std::os::unix::fs::symlink(original, link)
+}
+
+#[cfg(not(unix))]
+fn symlink(original: &str, link: &Path) -> io::Result<()> {
+    fs::copy(link.with_file_name(original), link).map(drop)
 }

@@ -7,7 +7,7 @@ use crate::{
     Result,
     abi::{install, problem},
     process::{cargo, program, root, run, target},
-    setup::{self, Package},
+    setup::Need,
     steps::{Outcome, Steps, passed},
 };
 use std::{
@@ -16,24 +16,24 @@ use std::{
 };
 
 /// What the checks need; OpenCV, which is large, only for its example.
-const PACKAGES: [Package; 7] = [
-    ("gcc g++", "/usr/bin/g++"),
-    ("clang", "/usr/bin/clang"),
-    ("cmake", "/usr/bin/cmake"),
-    ("pkg-config", "/usr/bin/pkg-config"),
-    ("valgrind", "/usr/bin/valgrind"),
-    ("abigail-tools", "/usr/bin/abidiff"),
-    ("libopencv-dev", "/usr/include/opencv4/opencv2/opencv.hpp"),
+pub const NEEDS: [Need; 7] = [
+    Need::Debian(("gcc g++", "/usr/bin/g++")),
+    Need::Debian(("clang", "/usr/bin/clang")),
+    Need::Debian(("cmake", "/usr/bin/cmake")),
+    Need::Debian(("pkg-config", "/usr/bin/pkg-config")),
+    Need::Debian(("valgrind", "/usr/bin/valgrind")),
+    Need::Debian(("abigail-tools", "/usr/bin/abidiff")),
+    Need::Debian(("libopencv-dev", "/usr/include/opencv4/opencv2/opencv.hpp")),
 ];
 
 /// All checks of the C library.
 pub fn check(steps: &mut Steps) -> Result<()> {
-    steps.step("C: tools", || setup::debian(&PACKAGES).map(passed))?;
-    steps.step("C: tests, the long ones too", || {
+    steps.step_with(&NEEDS, "C: tools", || NEEDS.iter().try_for_each(|need| need.install()).map(passed))?;
+    steps.step_with(&NEEDS, "C: tests, the long ones too", || {
         run(cargo("test --quiet -p pcmvs-ffi -- --include-ignored").env("PCMVS_ALL_TOOLS", "1")).map(passed)
     })?;
-    steps.step("C: installed, moved and linked", || consumers().map(Outcome::Passed))?;
-    steps.step("C: ThreadSanitizer", threads)?;
+    steps.step_with(&NEEDS[..4], "C: installed, moved and linked", || consumers().map(Outcome::Passed))?;
+    steps.step_with(&NEEDS[..1], "C: ThreadSanitizer", threads)?;
     steps.step("progress at least every 50 ms", || {
         let printed = run(&mut cargo("run --quiet --release -p facts --example gaps"))?;
         Ok(Outcome::Passed(printed.split_whitespace().collect::<Vec<_>>().join(" ").replace(" ms", " ms,")))

@@ -3,7 +3,7 @@
 use crate::{
     Result,
     process::{cargo, program, run, target},
-    setup,
+    setup::{DEBIAN_COMPILER, Need, debian},
 };
 use std::{path::Path, process::Command};
 
@@ -18,11 +18,11 @@ pub enum Compiler {
 
 impl Compiler {
     /// Installs what compiling for the targets needs.
-    pub fn install(targets: &[&str]) -> Result<Self> {
-        if setup::rust_targets(targets).is_ok() {
+    pub fn install(targets: &[&'static str]) -> Result<Self> {
+        if targets.iter().all(|triple| Need::Target(triple).install().is_ok()) {
             return Ok(Self::Rustup);
         }
-        setup::debian(&[("rustc-web cargo-web rust-web-src", "/usr/lib/rustlib/src/rust/library")])?;
+        debian(&[DEBIAN_COMPILER])?;
         Ok(Self::Debian)
     }
 

@@ -3,7 +3,7 @@
 use crate::{
     Result,
     process::{cargo, program, root, run, target},
-    setup::{self, Package},
+    setup::{CHROMIUM, Need},
     steps::{Outcome, Steps},
 };
 use ::golden::{
@@ -66,11 +66,22 @@ const BUILDS: [Build; 10] = [
     Build { name: "AArch64", machine: Machine::Aarch64, ..BASELINE },
 ];
 
-const EMULATOR: Package = ("qemu-user", "/usr/bin/qemu-aarch64");
-const LINKER: [Package; 2] = [
-    ("gcc-aarch64-linux-gnu", "/usr/bin/aarch64-linux-gnu-gcc"),
-    ("libc6-dev-arm64-cross", "/usr/aarch64-linux-gnu/lib/libc.so.6"),
+const WASI: &str = "wasm32-wasip1";
+const AARCH64: &str = "aarch64-unknown-linux-gnu";
+
+const EMULATOR: Need = Need::Debian(("qemu-user", "/usr/bin/qemu-aarch64"));
+const LINKER: [Need; 2] = [
+    Need::Debian(("gcc-aarch64-linux-gnu", "/usr/bin/aarch64-linux-gnu-gcc")),
+    Need::Debian(("libc6-dev-arm64-cross", "/usr/aarch64-linux-gnu/lib/libc.so.6")),
 ];
+/// Of the scripts that run WebAssembly.
+const SCRIPTS: [Need; 2] = [Need::Npm("tests/web"), Need::Npm("tests/golden")];
+
+/// What the checks need.
+pub fn needs(all: bool) -> Vec<Need> {
+    let builds = BUILDS.iter().filter(|build| (all || !build.slow) && build.impossible().is_none());
+    builds.flat_map(|build| build.machine.needs()).collect()
+}
 
 /// One check a build; with `all` the slow builds and the large capture as well.
 pub fn check(steps: &mut Steps, all: bool) -> Result<()> {
@@ -84,8 +95,13 @@ pub fn check(steps: &mut Steps, all: bool) -> Result<()> {
         Ok(Outcome::Passed(counts(&baseline)))
     })?;
     for build in BUILDS.iter().filter(|build| all || !build.slow) {
-        steps.step(&format!("golden: {}", build.name), || {
-            if let Some(why) = build.missing() {
+        if let Some(why) = build.impossible() {
+            steps.step(&format!("golden: {}", build.name), || Ok(Outcome::Skipped(why)))?;
+            continue;
+        }
+        let needs = build.machine.needs();
+        steps.step_with(&needs, &format!("golden: {}", build.name), || {
+            if let Err(why) = needs.iter().try_for_each(|need| need.install()) {
                 return Ok(Outcome::Skipped(why));
             }
             let golden = build.compile()?;
@@ -112,6 +128,7 @@ fn detail(case: &Case) -> &'static str {
 /// All of it.
 pub fn all() -> Result<()> {
     let mut steps = Steps::default();
+    steps.announce(&needs(true));
     check(&mut steps, true)?;
     steps.finish();
     Ok(())
@@ -173,8 +190,8 @@ impl Build {
         self.setting.is_none() && !matches!(self.machine, Machine::OldX86 | Machine::Aarch64)
     }
 
-    /// Installs what the build needs; says why it cannot be made here, if so.
-    fn missing(&self) -> Option<String> {
+    /// Why this processor cannot run the build, if it cannot.
+    fn impossible(&self) -> Option<String> {
         if (self.flags == AVX2.flags || self.machine == Machine::OldX86) && !has_avx2() {
             return Some("this processor has no AVX2".to_owned());
         }
@@ -184,7 +201,7 @@ impl Build {
         if self.machine == Machine::Aarch64 && cfg!(target_arch = "aarch64") {
             return Some("it is this machine".to_owned());
         }
-        self.machine.set_up().err()
+        None
     }
 
     /// Compiles the program and returns its path; the next build for the same machine takes its place.
@@ -234,24 +251,20 @@ impl Machine {
     fn triple(self) -> Result<String> {
         Ok(match self {
             Self::This | Self::OldX86 => run(&mut program("rustc", "--print host-tuple"))?.trim().to_owned(),
-            Self::Wasi | Self::Chromium => "wasm32-wasip1".to_owned(),
-            Self::Aarch64 => "aarch64-unknown-linux-gnu".to_owned(),
+            Self::Wasi | Self::Chromium => WASI.to_owned(),
+            Self::Aarch64 => AARCH64.to_owned(),
         })
     }
 
-    /// Installs the standard library for it, a linker and an emulator.
-    fn set_up(self) -> Result<()> {
-        let packages = match self {
-            Self::This | Self::Wasi => vec![],
+    /// The standard library for it, a linker and an emulator.
+    fn needs(self) -> Vec<Need> {
+        match self {
+            Self::This => vec![],
             Self::OldX86 => vec![EMULATOR],
-            Self::Aarch64 => vec![LINKER[0], LINKER[1], EMULATOR],
-            Self::Chromium => vec![setup::CHROMIUM],
-        };
-        if matches!(self, Self::Wasi | Self::Chromium) {
-            ["tests/web", "tests/golden"].iter().try_for_each(|folder| setup::node_packages(&root().join(folder)))?;
+            Self::Aarch64 => vec![LINKER[0], LINKER[1], EMULATOR, Need::Target(AARCH64)],
+            Self::Wasi => vec![SCRIPTS[0], SCRIPTS[1], Need::Target(WASI)],
+            Self::Chromium => vec![SCRIPTS[0], SCRIPTS[1], Need::Debian(CHROMIUM), Need::Target(WASI)],
         }
-        setup::debian(&packages)?;
-        setup::rust_targets(&[&self.triple()?])
     }
 
     /// What runs a program for it; the program sees the folder in which this is started.

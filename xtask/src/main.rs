@@ -6,13 +6,16 @@ mod bench;
 mod browser;
 mod captured;
 mod compiler;
+mod cycles;
 mod demo;
 mod golden;
 mod instructions;
 mod measure;
 mod no_std;
+mod oldest_compiler;
 mod players;
 mod process;
+mod result;
 mod sample;
 mod serve;
 mod setup;
@@ -22,11 +25,10 @@ mod tables;
 mod test;
 mod web;
 
+pub use result::Result;
+
 use clap::{Parser, Subcommand};
 use std::process::ExitCode;
-
-/// Why a task ended early, for a person.
-type Result<T> = std::result::Result<T, String>;
 
 #[derive(Debug, Parser)]
 #[command(name = "cargo xtask")]
@@ -43,12 +45,15 @@ enum Task {
         #[arg(long)]
         no_serve: bool,
     },
-    /// Set up what is missing and check everything
+    /// Check everything; first print what is missing on this machine and will be installed
     Test {
         /// Also the long checks of the C library (which install compilers and tools) and the captured scenes:
         /// PCMVS_DATA names their folder, PCMVS_SCORE the tool that scores them
         #[arg(long)]
         all: bool,
+        /// Install nothing: skip the checks that need something missing
+        #[arg(long)]
+        no_install: bool,
     },
     /// Check that results are the golden ones, in all builds and on all machines that can be had here
     Golden {
@@ -56,6 +61,8 @@ enum Task {
         #[arg(long)]
         renew: bool,
     },
+    /// Check that no crate has an import cycle between its modules
+    Cycles,
     /// Build the page and serve it on this machine
     Web {
         /// Only build the static site, in web/dist
@@ -98,9 +105,10 @@ enum Task {
 fn main() -> ExitCode {
     let result = match Arguments::parse().task {
         Task::Demo { no_serve } => demo::run(no_serve),
-        Task::Test { all } => test::run(all),
+        Task::Test { all, no_install } => test::run(all, !no_install),
         Task::Golden { renew: true } => golden::renew(),
         Task::Golden { .. } => golden::all(),
+        Task::Cycles => cycles::check().map(|counted| println!("{counted}")),
         Task::Web { dist: true, .. } => web::dist().map(|sizes| println!("{sizes}")),
         Task::Web { test: true, .. } => web::test(),
         Task::Web { bench: true, .. } => web::bench(),

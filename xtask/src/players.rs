@@ -3,7 +3,8 @@
 use crate::{
     Result,
     process::{cargo, program, root, run, target},
-    sample, setup,
+    sample,
+    setup::{CHROMIUM, Need},
     steps::{Outcome, Steps},
 };
 use image::{ColorType, ImageFormat};
@@ -17,9 +18,12 @@ use studio::{
 /// Pixels of a picture's side.
 const SIZE: u32 = 512;
 
+pub const NEEDS: [Need; 3] = [Need::Debian(CHROMIUM), Need::Npm("tests/web"), Need::Npm("tests/players")];
+
 /// The check alone.
 pub fn run_alone() -> Result<()> {
     let mut steps = Steps::default();
+    steps.announce(&NEEDS);
     check(&mut steps)?;
     steps.finish();
     Ok(())
@@ -27,7 +31,7 @@ pub fn run_alone() -> Result<()> {
 
 /// Reconstructs the page's sample with the command line and plays it in a browser.
 pub fn check(steps: &mut Steps) -> Result<()> {
-    steps.step("players", || {
+    steps.step_with(&NEEDS, "players", || {
         let (scene, folder, tests) =
             (root().join("web/public/sample"), target().join("players"), root().join("tests/players"));
         sample::make(&scene)?;
@@ -35,9 +39,7 @@ pub fn check(steps: &mut Steps) -> Result<()> {
         let mut reconstruct = program(target().join("release/pcmvs"), "reconstruct");
         run(reconstruct.arg(&scene).arg("-o").arg(folder.join("clip")))?;
         look(&folder)?;
-        setup::debian(&[setup::CHROMIUM])?;
-        setup::node_packages(&root().join("tests/web"))?;
-        setup::node_packages(&tests)?;
+        NEEDS.iter().try_for_each(|need| need.install())?;
         let measured = run(program("node", "players.mjs").arg(&folder).current_dir(&tests))?;
         Ok(Outcome::Passed(format!("\n{}", measured.trim_end())))
     })

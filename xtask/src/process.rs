@@ -27,7 +27,12 @@ pub fn program(name: impl AsRef<std::ffi::OsStr>, arguments: &str) -> Command {
 /// Cargo itself, as it runs this task.
 pub fn cargo(arguments: &str) -> Command {
     let mut command = program(env::var_os("CARGO").unwrap_or("cargo".into()), arguments);
-    // Set by the outer `cargo run` for this package; a nested Cargo would build everything anew because of them.
+    cargo_environment(&mut command);
+    command
+}
+
+/// Removes what the outer `cargo run` has set for this package. A nested Cargo would build everything anew because of it.
+pub fn cargo_environment(command: &mut Command) -> &mut Command {
     for (name, _) in env::vars_os() {
         if name.to_string_lossy().starts_with("CARGO_PKG_") || name == "CARGO_MANIFEST_DIR" {
             command.env_remove(name);

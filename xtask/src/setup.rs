@@ -1,8 +1,8 @@
-//! Installs what a machine lacks.
+//! What checks need that a machine may lack, and how it is installed.
 
 use crate::{
     Result,
-    process::{program, run},
+    process::{program, root, run},
 };
 use std::{fs, path::Path};
 
@@ -11,6 +11,73 @@ pub type Package = (&'static str, &'static str);
 
 /// The browser.
 pub const CHROMIUM: Package = ("chromium", "/usr/bin/chromium");
+
+/// The compiler that builds the standard library itself where rustup's server cannot be reached.
+pub const DEBIAN_COMPILER: Package = ("rustc-web cargo-web rust-web-src", "/usr/lib/rustlib/src/rust/library");
+
+/// Something that a check needs.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Need {
+    Debian(Package),
+    /// A component of rustup's toolchain, and the arguments with which Cargo shows that it is there.
+    Component(&'static str, &'static str),
+    /// The standard library of a target, from rustup only.
+    Target(&'static str),
+    /// The standard library of a target, from rustup or built by Debian's compiler.
+    TargetOrDebian(&'static str),
+    /// Another version of Rust.
+    Toolchain(&'static str),
+    /// The packages of a folder's package-lock.json.
+    Npm(&'static str),
+}
+
+impl Need {
+    pub fn is_met(self) -> bool {
+        match self {
+            Self::Debian((_, file)) => Path::new(file).exists(),
+            Self::Component(_, arguments) => run(&mut program("cargo", arguments)).is_ok(),
+            Self::Target(triple) => has_target(triple),
+            Self::TargetOrDebian(triple) => has_target(triple) || Path::new(DEBIAN_COMPILER.1).exists(),
+            Self::Toolchain(version) => run(&mut program("rustup", &format!("run {version} rustc --version"))).is_ok(),
+            Self::Npm(folder) => npm_is_done(&root().join(folder)),
+        }
+    }
+
+    /// The command that installs it, for people.
+    pub fn remedy(self) -> String {
+        match self {
+            Self::Debian((names, _)) => format!("apt-get install {names}"),
+            Self::Component(name, _) => format!("rustup component add {name}"),
+            Self::Target(triple) | Self::TargetOrDebian(triple) => format!("rustup target add {triple}"),
+            Self::Toolchain(version) => format!("rustup toolchain install {version}"),
+            Self::Npm(folder) => format!("npm ci in {folder}"),
+        }
+    }
+
+    /// Installs it unless it is there.
+    pub fn install(self) -> Result<()> {
+        match self {
+            _ if self.is_met() => Ok(()),
+            Self::Debian(package) => debian(&[package]),
+            Self::Component(name, _) => run(program("rustup", "component add").arg(name)).map(drop),
+            Self::Target(triple) => rust_target(triple),
+            Self::TargetOrDebian(triple) => rust_target(triple).or_else(|_| debian(&[DEBIAN_COMPILER])),
+            Self::Toolchain(version) => {
+                let install = format!("toolchain install {version} --profile minimal --no-self-update");
+                run(&mut program("rustup", &install)).map(drop)
+            }
+            Self::Npm(folder) => node_packages(&root().join(folder)),
+        }
+    }
+}
+
+/// The commands that install what is missing, each once.
+pub fn missing(needs: &[Need]) -> Vec<String> {
+    let mut remedies: Vec<String> = needs.iter().filter(|need| !need.is_met()).map(|need| need.remedy()).collect();
+    remedies.sort();
+    remedies.dedup();
+    remedies
+}
 
 /// Installs those of Debian's packages whose file is missing.
 pub fn debian(packages: &[Package]) -> Result<()> {
@@ -24,24 +91,28 @@ pub fn debian(packages: &[Package]) -> Result<()> {
     run(program("apt-get", &install).env("DEBIAN_FRONTEND", "noninteractive")).map(drop)
 }
 
-/// Installs the standard libraries of rustup's targets that are missing.
-pub fn rust_targets(triples: &[&str]) -> Result<()> {
-    let installed = run(&mut program("rustup", "target list --installed"))?;
-    let missing: Vec<&&str> = triples.iter().filter(|t| !installed.lines().any(|line| line == **t)).collect();
-    if missing.is_empty() {
-        return Ok(());
-    }
-    run(program("rustup", "target add").args(missing)).map(drop)
+fn has_target(triple: &str) -> bool {
+    run(&mut program("rustup", "target list --installed")).is_ok_and(|list| list.lines().any(|line| line == triple))
 }
 
-/// Installs what a folder's package-lock.json says, unless that has been done.
+fn rust_target(triple: &str) -> Result<()> {
+    run(program("rustup", "target add").arg(triple)).map(drop)
+}
+
+/// Where a folder keeps a copy of the package-lock.json that was installed.
+const INSTALLED_LOCK: &str = "node_modules/.installed-lock";
+
+fn npm_is_done(folder: &Path) -> bool {
+    let lock = fs::read(folder.join("package-lock.json"));
+    lock.is_ok_and(|lock| fs::read(folder.join(INSTALLED_LOCK)).is_ok_and(|installed| installed == lock))
+}
+
+/// Installs what a folder's package-lock.json lists, unless that has been done.
 pub fn node_packages(folder: &Path) -> Result<()> {
-    let fail = |e| format!("{}: {e}", folder.display());
-    let lock = fs::read(folder.join("package-lock.json")).map_err(fail)?;
-    let done = folder.join("node_modules/.installed-lock");
-    if fs::read(&done).is_ok_and(|installed| installed == lock) {
+    if npm_is_done(folder) {
         return Ok(());
     }
     run(program("npm", "ci --no-audit --no-fund").current_dir(folder))?;
-    fs::write(&done, &lock).map_err(fail)
+    let copied = fs::copy(folder.join("package-lock.json"), folder.join(INSTALLED_LOCK));
+    copied.map(drop).map_err(|e| format!("{}: {e}", folder.display()))
 }

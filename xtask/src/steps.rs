@@ -1,6 +1,9 @@
-//! A run of checks: a line each, ending at the first that fails.
+//! A run of checks: one line each, ending at the first that fails.
 
-use crate::Result;
+use crate::{
+    Result,
+    setup::{Need, missing},
+};
 use std::{
     io::{Write, stdout},
     time::Instant,
@@ -20,20 +23,60 @@ pub fn passed<T>(_: T) -> Outcome {
 }
 
 /// Counts checks.
-#[derive(Default)]
 pub struct Steps {
+    /// Whether checks may install what they need.
+    install: bool,
     passed: u32,
     skipped: u32,
 }
 
+impl Default for Steps {
+    fn default() -> Self {
+        Self::new(true)
+    }
+}
+
 impl Steps {
-    /// Makes a check. An error ends the run.
+    /// Without `install`, checks that need something missing are skipped.
+    pub fn new(install: bool) -> Self {
+        Self { install, passed: 0, skipped: 0 }
+    }
+
+    /// Reports what checks need and this machine lacks, before the first of them installs anything.
+    pub fn announce(&self, needs: &[Need]) {
+        let lacking = missing(needs);
+        if lacking.is_empty() {
+            return;
+        }
+        println!("Missing on this machine:");
+        lacking.iter().for_each(|remedy| println!("  {remedy}"));
+        println!(
+            "{}\n",
+            if self.install {
+                "The checks that need them install them."
+            } else {
+                "The checks that need them are skipped."
+            }
+        );
+    }
+
+    /// Makes a check that needs nothing besides the toolchain. An error ends the run.
     pub fn step(&mut self, name: &str, check: impl FnOnce() -> Result<Outcome>) -> Result<()> {
+        self.step_with(&[], name, check)
+    }
+
+    /// Makes a check that installs what it needs, or skips it.
+    pub fn step_with(&mut self, needs: &[Need], name: &str, check: impl FnOnce() -> Result<Outcome>) -> Result<()> {
         print!("{name:36}");
         // A line without its end is only for people who watch.
         let _ = stdout().flush();
         let start = Instant::now();
-        let outcome = check();
+        let lacking = if self.install { Vec::new() } else { missing(needs) };
+        let outcome = if lacking.is_empty() {
+            check()
+        } else {
+            Ok(Outcome::Skipped(format!("something is missing: {}", lacking.join("; "))))
+        };
         let seconds = start.elapsed().as_secs_f64();
         match outcome {
             Ok(Outcome::Passed(measured)) => {
@@ -43,7 +86,7 @@ impl Steps {
             }
             Ok(Outcome::Skipped(why)) => {
                 self.skipped += 1;
-                println!(" skipped {seconds:6.1} s  {why}");
+                println!(" SKIPPED {seconds:6.1} s  {why}");
                 Ok(())
             }
             Err(message) => {

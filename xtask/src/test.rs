@@ -1,23 +1,47 @@
 //! `cargo xtask test`: all checks, the quick ones first.
 
 use crate::{
-    Result, abi_check, captured, golden, no_std, players,
+    Result, abi_check, captured, golden, no_std, oldest_compiler, players,
     process::{cargo, program, root, run as run_program, target},
-    setup,
+    setup::Need,
     steps::{Outcome, Steps, passed},
     web,
 };
 use std::{fs, path::PathBuf};
 
-/// Sets up what is missing and checks everything; with `all` also what takes long.
-pub fn run(all: bool) -> Result<()> {
-    let mut steps = Steps::default();
-    steps.step("toolchain", || components().map(passed))?;
-    steps.step("format", || run_program(&mut cargo("fmt --all --check")).map(passed))?;
-    steps.step("lints", || {
+/// A minimal toolchain has neither of them.
+const RUSTFMT: Need = Need::Component("rustfmt", "fmt --version");
+const CLIPPY: Need = Need::Component("clippy", "clippy --version");
+/// Of the glTF validator.
+const VALIDATOR: Need = Need::Npm("tests/gltf");
+
+/// What the checks need besides the toolchain.
+fn needs(all: bool) -> Vec<Need> {
+    let mut needs = vec![RUSTFMT, CLIPPY, VALIDATOR];
+    needs.extend(no_std::NEEDS);
+    needs.extend(oldest_compiler::NEEDS);
+    needs.extend(golden::needs(all));
+    needs.extend(web::NEEDS);
+    if all {
+        needs.extend(players::NEEDS);
+        needs.extend(abi_check::NEEDS);
+    }
+    needs
+}
+
+/// Checks everything; with `all` also what takes long. With `install`, checks install what they need.
+pub fn run(all: bool, install: bool) -> Result<()> {
+    let mut steps = Steps::new(install);
+    steps.announce(&needs(all));
+    steps.step_with(&[RUSTFMT, CLIPPY], "toolchain", || {
+        [RUSTFMT, CLIPPY].iter().try_for_each(|need| need.install()).map(passed)
+    })?;
+    steps.step_with(&[RUSTFMT], "format", || run_program(&mut cargo("fmt --all --check")).map(passed))?;
+    steps.step_with(&[CLIPPY], "lints", || {
         run_program(&mut cargo("clippy --quiet --workspace --all-targets --all-features -- -D warnings")).map(passed)
     })?;
-    steps.step("core without std", || no_std::check().map(Outcome::Passed))?;
+    steps.step_with(&no_std::NEEDS, "core without std", || no_std::check().map(Outcome::Passed))?;
+    steps.step_with(&oldest_compiler::NEEDS, "oldest compiler", oldest_compiler::check)?;
     steps.step("tests", || tests().map(Outcome::Passed))?;
     golden::check(&mut steps, all)?;
     steps.step("documentation", || {
@@ -25,7 +49,7 @@ pub fn run(all: bool) -> Result<()> {
         run_program(doc.env("RUSTDOCFLAGS", "-D warnings")).map(passed)
     })?;
     steps.step("from pictures to meshes", || pipeline().map(Outcome::Passed))?;
-    steps.step("Khronos glTF validator", || validator().map(Outcome::Passed))?;
+    steps.step_with(&[VALIDATOR], "Khronos glTF validator", || validator().map(Outcome::Passed))?;
     web::check(&mut steps, all)?;
     if all {
         players::check(&mut steps)?;
@@ -39,29 +63,22 @@ pub fn run(all: bool) -> Result<()> {
 /// The long checks of the C library alone.
 pub fn c_library() -> Result<()> {
     let mut steps = Steps::default();
+    steps.announce(&abi_check::NEEDS);
     abi_check::check(&mut steps)?;
     steps.finish();
     Ok(())
 }
 
-/// A minimal toolchain has neither of them.
-fn components() -> Result<()> {
-    for (tool, component) in [("fmt", "rustfmt"), ("clippy", "clippy")] {
-        if run_program(&mut cargo(&format!("{tool} --version"))).is_err() {
-            run_program(&mut program("rustup", &format!("component add {component}")))?;
-        }
-    }
-    Ok(())
-}
-
-/// All Rust tests, those of the C library among them; says how many.
+/// All Rust tests, including those of the C library. Reports how many passed, and which were skipped.
 fn tests() -> Result<String> {
     let printed = run_program(&mut cargo("test --workspace --all-features"))?;
     let count = |line: &str| {
         let passed = line.strip_prefix("test result: ok. ")?.split(' ').next()?;
         passed.parse::<u32>().ok()
     };
-    Ok(format!("{} tests", printed.lines().filter_map(count).sum::<u32>()))
+    let total: u32 = printed.lines().filter_map(count).sum();
+    let skipped = printed.lines().filter_map(|line| Some(&line[line.find("SKIPPED: ")?..]));
+    Ok(skipped.fold(format!("{total} tests"), |text, line| format!("{text}\n  {line}")))
 }
 
 fn smoke() -> PathBuf {
@@ -97,7 +114,7 @@ const PRESETS: [&str; 4] = ["hull", "paper", "default", "preview"];
 
 fn validator() -> Result<String> {
     let folder = root().join("tests/gltf");
-    setup::node_packages(&folder)?;
+    VALIDATOR.install()?;
     let frames = PRESETS.iter().flat_map(|p| [0, 1].map(|i| smoke().join(format!("{p}/frame_{i:04}.glb"))));
     let frames: Vec<PathBuf> = frames.collect();
     run_program(program("node", "validate.mjs").args(&frames).current_dir(&folder))?;

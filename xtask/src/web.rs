@@ -4,7 +4,8 @@ use crate::{
     Result,
     compiler::Compiler,
     process::{cargo, program, root, run, target},
-    sample, serve, setup,
+    sample, serve,
+    setup::{self, Need},
     steps::{Outcome, Steps},
     tables::replace_in,
 };
@@ -25,6 +26,15 @@ const WRITTEN: [&str; 4] = ["index.js", "index.d.ts", "package.json", "README.md
 
 /// Debian's packages that the tests need besides Node.
 const TOOLS: [setup::Package; 2] = [setup::CHROMIUM, ("python3", "/usr/bin/python3")];
+
+/// All that the checks need, that of building the page first.
+pub const NEEDS: [Need; 5] = [
+    Need::TargetOrDebian(TRIPLE),
+    Need::Npm("web"),
+    Need::Debian(TOOLS[0]),
+    Need::Debian(TOOLS[1]),
+    Need::Npm("tests/web"),
+];
 
 /// Builds the npm package in `wasm/pkg`; returns the sizes of its modules.
 pub fn wasm() -> Result<String> {
@@ -95,10 +105,10 @@ pub fn demo() -> Result<()> {
 
 /// Builds the site and the command line and drives both, see tests/web; with `long` also what takes minutes.
 pub fn check(steps: &mut Steps, long: bool) -> Result<()> {
-    steps.step("page", || dist().map(Outcome::Passed))?;
-    steps.step("page in Chromium", || node("test").map(Outcome::Passed))?;
+    steps.step_with(&NEEDS[..2], "page", || dist().map(Outcome::Passed))?;
+    steps.step_with(&NEEDS, "page in Chromium", || node("test").map(Outcome::Passed))?;
     if long {
-        steps.step("page in Chromium, long", || node("run long").map(Outcome::Passed))?;
+        steps.step_with(&NEEDS, "page in Chromium, long", || node("run long").map(Outcome::Passed))?;
     }
     Ok(())
 }
@@ -106,6 +116,7 @@ pub fn check(steps: &mut Steps, long: bool) -> Result<()> {
 /// The checks alone.
 pub fn test() -> Result<()> {
     let mut steps = Steps::default();
+    steps.announce(&NEEDS);
     check(&mut steps, true)?;
     steps.finish();
     Ok(())

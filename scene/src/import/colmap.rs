@@ -1,7 +1,11 @@
 //! COLMAP's text model: cameras.txt and images.txt. World to camera as in a scene, but the quaternion has w first and
 //! the first pixel's centre is at (0.5, 0.5).
 
-use super::{Failure, Files, ImportedView, failure, find_picture, name_of, read_text};
+use super::{
+    source::{failure, find_picture, name_of, read_text},
+    view::ImportedView,
+};
+use crate::{failure::Failure, files::Files};
 use glam::{DMat3, DQuat};
 use pcmvs_core::Camera;
 use std::{

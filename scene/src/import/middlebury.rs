@@ -1,6 +1,10 @@
 //! Middlebury's `*_par.txt`: the number of views, then a line each: name, K, R, t by rows (world to camera).
 
-use super::{Failure, Files, ImportedView, failure, find_picture, name_of, picture_size, read_text, rows};
+use super::{
+    source::{failure, find_picture, name_of, picture_size, read_text},
+    view::{ImportedView, rows},
+};
+use crate::{failure::Failure, files::Files};
 use pcmvs_core::Camera;
 use std::path::{Path, PathBuf};
 

@@ -12,7 +12,12 @@
 //! - picture: `image`, `image_path`, `file`; none: the camera's name, here or in `images`
 //! - mask: `mask`, `mask_path`; none: searched in `masks`
 
-use super::{Failure, Files, ImportedView, failure, find_picture, opencv_storage, picture_size, rows};
+use super::{
+    opencv_storage,
+    source::{failure, find_picture, picture_size},
+    view::{ImportedView, rows},
+};
+use crate::{failure::Failure, files::Files};
 use glam::{DMat3, DQuat, DVec3};
 use opencv_storage::numbers;
 use pcmvs_core::Camera;

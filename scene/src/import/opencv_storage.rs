@@ -1,6 +1,7 @@
 //! OpenCV's FileStorage, as YAML or JSON, read into JSON values.
 
-use super::{Failure, Files, read_text};
+use super::source::read_text;
+use crate::{failure::Failure, files::Files};
 use serde_json::{Map, Value};
 use std::path::Path;
 use yaml_rust2::{Yaml, YamlLoader};

@@ -1,7 +1,11 @@
 //! NeRF's transforms.json (Blender, instant-ngp, nerfstudio): camera to world with OpenGL's axes (x right, y up,
 //! z backward), the picture spanning 0..w so that the first pixel's centre is at (0.5, 0.5).
 
-use super::{Failure, Files, ImportedView, failure, find_picture, name_of, picture_size, read_text};
+use super::{
+    source::{failure, find_picture, name_of, picture_size, read_text},
+    view::ImportedView,
+};
+use crate::{failure::Failure, files::Files};
 use glam::{DMat3, DVec3};
 use pcmvs_core::Camera;
 use serde::Deserialize;

@@ -22,7 +22,7 @@ pub struct Errors {
 impl Errors {
     /// Measures a mesh of the core.
     pub fn new(shot: &Shot, mesh: &Mesh) -> Self {
-        let (scene, world) = (shot.scene(), shot.in_world(mesh));
+        let (scene, world) = (shot.truth(), shot.in_world(mesh));
         let footprint = shot.footprint(shot.rig().origin());
         let seen = |p: DVec3, n: DVec3| {
             let seeing = shot.cameras.iter().filter(|c| score::sees(scene, c, p, n));

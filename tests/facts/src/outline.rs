@@ -3,14 +3,14 @@
 use crate::Shot;
 use glam::DVec3;
 use pcmvs_core::Camera;
-use studio::Scene;
+use studio::Solid;
 
 /// Pixels inside an outline beyond which only "inside" is said.
 const DEEP: f64 = 2.0;
 
 /// How far inside the true outline a camera sees a world point, in pixels, negative outside; exact near 0, at most
 /// `DEEP`. None where the point is not in the picture.
-pub fn margin(scene: &Scene, camera: &Camera, point: DVec3) -> Option<f64> {
+pub fn margin(solid: &Solid, camera: &Camera, point: DVec3) -> Option<f64> {
     let (pixel, depth) = camera.project(point)?;
     let (right, bottom) = (f64::from(camera.width) - 1.0, f64::from(camera.height) - 1.0);
     if pixel.x < 0.0 || pixel.y < 0.0 || pixel.x > right || pixel.y > bottom {
@@ -46,6 +46,6 @@ pub fn hull_margin(shot: &Shot, point: DVec3) -> f64 {
 /// Least margin over the cameras that see a point and have a mask, and how many do.
 pub fn seen_margin(shot: &Shot, point: DVec3) -> (f64, usize) {
     let masked = shot.cameras.iter().zip(&shot.frame.masks).filter(|(_, mask)| mask.is_some());
-    let margins = masked.filter_map(|(camera, _)| margin(shot.scene(), camera, point));
+    let margins = masked.filter_map(|(camera, _)| margin(shot.truth(), camera, point));
     margins.fold((f64::INFINITY, 0), |(least, count), m| (least.min(m), count + 1))
 }

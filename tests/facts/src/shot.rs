@@ -5,14 +5,14 @@ use pcmvs_core::{
     Camera, Error, Executor, Mask, Mesh, Params, Progress, Reconstruction, Rig, Serial, Silent, View, ViewInput,
     reconstruct,
 };
-use studio::{Capture, Faults, Frame, Ring, Scene, Subject, TriangleMesh};
+use studio::{Capture, Faults, CapturedFrame, Ring, Solid, Subject, TriangleMesh};
 
 /// One frame as a dome recorded it.
 pub struct Shot {
     /// The calibration handed out.
     pub cameras: Vec<Camera>,
     /// Pictures, masks and the truth.
-    pub frame: Frame,
+    pub frame: CapturedFrame,
 }
 
 impl Shot {
@@ -28,8 +28,8 @@ impl Shot {
     }
 
     /// The truth.
-    pub fn scene(&self) -> &Scene {
-        &self.frame.scene
+    pub fn truth(&self) -> &Solid {
+        &self.frame.truth
     }
 
     /// The cameras as the core takes them.
@@ -52,11 +52,11 @@ impl Shot {
 
     /// The same frame seen by some of the cameras, in the given order.
     pub fn of_cameras(&self, chosen: &[usize]) -> Self {
-        let frame = Frame {
+        let frame = CapturedFrame {
             time: self.frame.time,
             images: chosen.iter().map(|&i| self.frame.images[i].clone()).collect(),
             masks: chosen.iter().map(|&i| self.frame.masks[i].clone()).collect(),
-            scene: self.frame.scene.clone(),
+            truth: self.frame.truth.clone(),
         };
         Self { cameras: chosen.iter().map(|&i| self.cameras[i]).collect(), frame }
     }

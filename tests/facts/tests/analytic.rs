@@ -52,7 +52,7 @@ impl Case {
 
     /// Frontier points whose rays run only a short way inside the hull lie on the surface, with its normals.
     fn assert_frontier(&self) {
-        let (scene, name) = (self.shot.scene(), self.name);
+        let (scene, name) = (self.shot.truth(), self.name);
         let footprint = self.shot.footprint(self.shot.rig().origin());
         let views = self.views();
         let hull = carve(&views);

@@ -8,7 +8,7 @@ use facts::{
 use glam::{DVec3, Vec3};
 use pcmvs_core::{Params, Preset, Rig, Silent, View, Workspace, hull::VisualHull};
 use std::sync::LazyLock;
-use studio::{Faults, Ring, Scene, Subject, dome, noise::Random};
+use studio::{Faults, Ring, Solid, Subject, dome, noise::Random};
 
 static SPHERE: LazyLock<Shot> = LazyLock::new(|| Shot::small(Subject::Sphere, 20));
 static TORUS: LazyLock<Shot> = LazyLock::new(|| Shot::small(Subject::Torus, 12));
@@ -26,7 +26,7 @@ fn single(p: DVec3, rig: &Rig) -> Vec3 {
 }
 
 /// A point of a ball somewhat larger than the scene's.
-fn around(scene: &Scene, random: &mut Random) -> DVec3 {
+fn around(solid: &Solid, random: &mut Random) -> DVec3 {
     let (centre, radius) = scene.ball();
     centre + DVec3::new(random.signed(), random.signed(), random.signed()) * radius * 1.1
 }
@@ -41,7 +41,7 @@ fn the_signed_distance_has_the_right_sign() {
         let mut random = Random::new(8, 0);
         let (mut inside, mut wrong) = (0, Vec::new());
         for _ in 0..8000 {
-            let p = around(shot.scene(), &mut random);
+            let p = around(shot.truth(), &mut random);
             let margin = hull_margin(shot, p);
             inside += usize::from(margin > CONTOUR);
             if margin.abs() > CONTOUR && (hull.signed_distance(single(p, &rig)) > 0.0) != (margin > 0.0) {
@@ -60,7 +60,7 @@ fn the_hull_contains_the_object() {
     let rig = SPHERE.rig();
     let views = SPHERE.views(&rig);
     let hull = carve(&views);
-    for (p, _) in SPHERE.scene().surface_points(4000, 1) {
+    for (p, _) in SPHERE.truth().surface_points(4000, 1) {
         let distance = hull.signed_distance(single(p, &rig));
         assert!(distance > -0.2 * hull.footprint(), "{p}: {} footprints outside", -distance / hull.footprint());
     }
@@ -115,7 +115,7 @@ fn what_a_picture_does_not_show_stays() {
     let rig = shot.rig();
     let views = shot.views(&rig);
     let hull = carve(&views);
-    for (p, _) in shot.scene().surface_points(4000, 1) {
+    for (p, _) in shot.truth().surface_points(4000, 1) {
         let distance = hull.signed_distance(single(p, &rig));
         assert!(distance > -0.2 * hull.footprint(), "{p}: {} footprints outside", -distance / hull.footprint());
     }
@@ -124,7 +124,7 @@ fn what_a_picture_does_not_show_stays() {
     // What they do show, they carve.
     let (mut carved, mut random) = (0, Random::new(9, 0));
     for _ in 0..4000 {
-        let p = around(shot.scene(), &mut random);
+        let p = around(shot.truth(), &mut random);
         let margin = hull_margin(&shot, p);
         if margin < -CONTOUR {
             carved += 1;
@@ -161,7 +161,7 @@ fn one_mask_is_not_enough() {
     let hull = carve(&views);
     let (mut alone, mut random) = (0, Random::new(10, 0));
     for _ in 0..20_000 {
-        let p = around(shot.scene(), &mut random);
+        let p = around(shot.truth(), &mut random);
         let (margin, seeing) = seen_margin(&shot, p);
         if seeing < 2 {
             alone += usize::from(margin > CONTOUR && seeing == 1);

@@ -2,32 +2,16 @@
 
 use crate::{
     faults::Faults,
+    picture::Picture,
     render::render,
-    scene::{Scene, Subject},
+    solid::Solid,
+    subject::Subject,
 };
 use pcmvs_core::{Camera, ImageRef, PixelFormat};
 
-/// Packed 8-bit sRGB. A missing picture is 0 x 0.
-#[derive(Debug, Clone, PartialEq, Eq, Default)]
-pub struct Picture {
-    /// Pixels in a row.
-    pub width: u32,
-    /// Rows.
-    pub height: u32,
-    /// Red, green, blue; row after row.
-    pub rgb: Vec<u8>,
-}
-
-impl Picture {
-    /// The picture as the core takes it.
-    pub fn as_ref(&self) -> ImageRef<'_> {
-        ImageRef::packed(&self.rgb, self.width, self.height, PixelFormat::Rgb8)
-    }
-}
-
 /// One instant, in the cameras' order.
 #[derive(Debug, Clone)]
-pub struct Frame {
+pub struct CapturedFrame {
     /// Seconds.
     pub time: f64,
     /// A picture a camera.
@@ -35,10 +19,10 @@ pub struct Frame {
     /// A mask a camera, of its picture's size, 255 on the subject; `None` where nothing is known.
     pub masks: Vec<Option<Vec<u8>>>,
     /// The truth.
-    pub scene: Scene,
+    pub truth: Solid,
 }
 
-impl Frame {
+impl CapturedFrame {
     /// A camera's mask as the core takes it.
     pub fn mask(&self, camera: usize) -> Option<ImageRef<'_>> {
         let Picture { width, height, .. } = self.images[camera];
@@ -56,7 +40,7 @@ pub struct Capture {
     /// Names of the cameras.
     pub names: Vec<String>,
     /// Recorded frames.
-    pub frames: Vec<Frame>,
+    pub frames: Vec<CapturedFrame>,
 }
 
 impl Capture {
@@ -86,8 +70,8 @@ impl Capture {
 }
 
 /// One frame of a subject; `cameras` are the true ones.
-pub fn record(subject: Subject, cameras: &[Camera], frame: usize, time: f64, faults: &Faults) -> Frame {
-    let mut out = Frame { time, images: Vec::new(), masks: Vec::new(), scene: subject.at(time) };
+pub fn record(subject: Subject, cameras: &[Camera], frame: usize, time: f64, faults: &Faults) -> CapturedFrame {
+    let mut out = CapturedFrame { time, images: Vec::new(), masks: Vec::new(), truth: subject.at(time) };
     for (i, camera) in cameras.iter().enumerate() {
         let picture = render(&subject.at(time + faults.clock_of(i)), camera);
         out.images.push(faults.picture(&picture, camera.width, camera.height, i, frame));

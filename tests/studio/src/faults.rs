@@ -1,6 +1,6 @@
 //! What goes wrong in a real capture, each switched on by itself.
 
-use crate::{capture::Picture, noise::Random, render::Render, scene::turn};
+use crate::{noise::Random, picture::Picture, render::Render, rotation::turn};
 use glam::{DMat3, DVec3};
 use image::{ImageFormat, RgbImage, codecs::jpeg::JpegEncoder};
 use pcmvs_core::Camera;

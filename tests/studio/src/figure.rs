@@ -2,8 +2,8 @@
 
 use crate::{
     material::Material::{self, Black, Denim, Face, Hair, Leather, Print, Rubber, Skin},
-    part::{Frame, Part, RoundCone, Shape},
-    scene::turn,
+    part::{Pose, Part, RoundCone, Shape},
+    rotation::turn,
 };
 use core::f64::consts::TAU;
 use glam::{DMat3, DVec3};
@@ -41,7 +41,7 @@ pub fn parts(time: f64) -> Vec<Part> {
     // Pose it about the pelvis first, then lower it so that the deeper sole stands on the floor.
     let pose = |height: f64| {
         let sway = 0.03 * beat(0.7, 0.1);
-        Frame {
+        Pose {
             rotation: turn(0.04 * beat(0.7, 0.1), 0.03, 0.22 * beat(0.7, 0.0)),
             origin: DVec3::new(0.0, sway, height),
         }
@@ -77,49 +77,49 @@ fn pattern(side: f64) -> u32 {
     if side > 0.0 { 1 } else { 2 }
 }
 
-fn cone(frame: Frame, length: f64, top: f64, bottom: f64, material: Material) -> Part {
+fn cone(frame: Pose, length: f64, top: f64, bottom: f64, material: Material) -> Part {
     Part::new(Shape::RoundCone(RoundCone::new(length, top, bottom)), frame, material)
 }
 
-fn ball(frame: Frame, radius: f64, material: Material) -> Part {
+fn ball(frame: Pose, radius: f64, material: Material) -> Part {
     Part::new(Shape::Ball { radius }, frame, material)
 }
 
 /// A frame whose -z axis points along a direction of its parent.
-fn aimed(parent: &Frame, offset: DVec3, direction: DVec3) -> Frame {
+fn aimed(parent: &Pose, offset: DVec3, direction: DVec3) -> Pose {
     let z = -direction.normalize();
     let y = z.cross(DVec3::X).try_normalize().unwrap_or(DVec3::Y);
     parent.then(offset, DMat3::from_cols(y.cross(z), y, z))
 }
 
 /// The joint's own frame: -z runs down the limb.
-fn joint(parent: &Frame, offset: DVec3, side: f64, limb: &Limb) -> Frame {
+fn joint(parent: &Pose, offset: DVec3, side: f64, limb: &Limb) -> Pose {
     let direction = turn(side * limb.spread, 0.0, 0.0) * turn(0.0, -limb.swing, 0.0);
     parent.then(offset, direction * turn(0.0, 0.0, -side * limb.twist))
 }
 
-fn hip(pelvis: &Frame, side: f64, limb: &Limb) -> Frame {
+fn hip(pelvis: &Pose, side: f64, limb: &Limb) -> Pose {
     joint(pelvis, DVec3::new(0.0, 0.085 * side, -0.05), side, limb)
 }
 
-fn knee(hip: &Frame, limb: &Limb) -> Frame {
+fn knee(hip: &Pose, limb: &Limb) -> Pose {
     hip.then(DVec3::new(0.0, 0.0, -THIGH), turn(0.0, limb.bend, 0.0))
 }
 
 /// The ankle's joint, level with the floor but turned as the leg is.
-fn foot(pelvis: &Frame, side: f64, limb: &Limb) -> Frame {
+fn foot(pelvis: &Pose, side: f64, limb: &Limb) -> Pose {
     let knee = knee(&hip(pelvis, side, limb), limb);
     let forward = knee.rotation.x_axis;
     let x = DVec3::new(forward.x, forward.y, 0.0).normalize();
-    Frame {
+    Pose {
         rotation: DMat3::from_cols(x, DVec3::Z.cross(x), DVec3::Z),
         origin: knee.to_world(DVec3::new(0.0, 0.0, -SHIN)),
     }
 }
 
-fn trunk(parts: &mut Vec<Part>, pelvis: &Frame, chest: &Frame) {
+fn trunk(parts: &mut Vec<Part>, pelvis: &Pose, chest: &Pose) {
     let folds = DVec3::new(0.05, 0.05, 0.11);
-    let up = |frame: &Frame, x: f64, z: f64| frame.then(DVec3::new(x, 0.0, z), DMat3::IDENTITY);
+    let up = |frame: &Pose, x: f64, z: f64| frame.then(DVec3::new(x, 0.0, z), DMat3::IDENTITY);
     // Trousers' seat.
     parts.push(cone(up(pelvis, -0.01, 0.05), 0.09, 0.150, 0.152, Black).scaled(0.74, 1.0, 1.0));
     // The shirt hangs over the belt in folds.
@@ -145,7 +145,7 @@ fn trunk(parts: &mut Vec<Part>, pelvis: &Frame, chest: &Frame) {
     }
 }
 
-fn leg(parts: &mut Vec<Part>, pelvis: &Frame, side: f64, limb: &Limb) {
+fn leg(parts: &mut Vec<Part>, pelvis: &Pose, side: f64, limb: &Limb) {
     let folds = DVec3::new(0.05, 0.05, 0.06);
     let hip = hip(pelvis, side, limb);
     parts.push(cone(hip, THIGH, 0.096, 0.068, Black).blended(0.035).folded(0.004, folds).seeded(pattern(side)));
@@ -161,7 +161,7 @@ fn leg(parts: &mut Vec<Part>, pelvis: &Frame, side: f64, limb: &Limb) {
     parts.push(cone(sole, 0.185, 0.047, 0.045, Rubber).scaled(0.28, 1.0, 1.0));
 }
 
-fn arm(parts: &mut Vec<Part>, chest: &Frame, side: f64, limb: &Limb) {
+fn arm(parts: &mut Vec<Part>, chest: &Pose, side: f64, limb: &Limb) {
     let folds = DVec3::new(0.04, 0.04, 0.05);
     let shoulder = joint(chest, DVec3::new(-0.01, 0.185 * side, 0.275), side, limb);
     parts.push(cone(shoulder, 0.19, 0.068, 0.058, Print).blended(0.04).folded(0.006, folds).seeded(pattern(side)));
@@ -181,7 +181,7 @@ fn arm(parts: &mut Vec<Part>, chest: &Frame, side: f64, limb: &Limb) {
     parts.push(cone(thumb, 0.062, 0.013, 0.009, Skin).blended(0.012));
 }
 
-fn neck_and_head(parts: &mut Vec<Part>, chest: &Frame, head: &Frame) {
+fn neck_and_head(parts: &mut Vec<Part>, chest: &Pose, head: &Pose) {
     let neck = aimed(chest, DVec3::new(0.02, 0.0, 0.45), DVec3::new(-0.2, 0.0, -1.0));
     parts.push(cone(neck, 0.12, 0.052, 0.060, Skin).blended(0.01));
     let place = |x: f64, y: f64, z: f64| head.then(DVec3::new(x, y, z), DMat3::IDENTITY);

@@ -1,6 +1,6 @@
 //! A contact sheet of a result: photograph, shape and colours side by side, as the same camera sees them.
 
-use crate::{capture::Picture, write::SceneFile};
+use crate::{picture::Picture, write::SceneFile};
 use glam::{DVec2, DVec3};
 use pcmvs_core::Camera;
 use std::{error::Error, path::Path};

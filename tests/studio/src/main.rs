@@ -1,15 +1,8 @@
 //! The command `studio`: renders a synthetic capture into a scene folder.
 
 use clap::Parser;
-use std::{
-    fs, io,
-    num::NonZeroUsize,
-    panic::resume_unwind,
-    path::PathBuf,
-    process::ExitCode,
-    sync::atomic::{AtomicUsize, Ordering},
-    thread,
-};
+use rayon::prelude::*;
+use std::{fs, io, path::PathBuf, process::ExitCode};
 use studio::{Capture, Faults, Ring, Subject, capture::record, polygonise::polygonise};
 
 /// Renders a synthetic capture: scene.json, images, masks and, if asked for, ground truth meshes.
@@ -134,28 +127,6 @@ fn run(a: &Arguments) -> io::Result<()> {
         eprintln!("studio: frame {i} of {}", a.frames);
         Ok(entry)
     };
-    capture.write_scene_file(&a.output, on_all_cores(a.frames as usize, one)?)
-}
-
-/// The results of a job for 0, 1, … in that order.
-fn on_all_cores<T: Send>(count: usize, job: impl Fn(usize) -> io::Result<T> + Sync) -> io::Result<Vec<T>> {
-    let next = AtomicUsize::new(0);
-    let work = || {
-        let mut done = Vec::new();
-        loop {
-            let i = next.fetch_add(1, Ordering::Relaxed);
-            if i >= count {
-                return Ok(done);
-            }
-            done.push((i, job(i)?));
-        }
-    };
-    let cores = thread::available_parallelism().map_or(1, NonZeroUsize::get).min(count);
-    let done: io::Result<Vec<Vec<(usize, T)>>> = thread::scope(|scope| {
-        let threads: Vec<_> = (0..cores).map(|_| scope.spawn(work)).collect();
-        threads.into_iter().map(|t| t.join().unwrap_or_else(|panic| resume_unwind(panic))).collect()
-    });
-    let mut done: Vec<(usize, T)> = done?.into_iter().flatten().collect();
-    done.sort_by_key(|&(i, _)| i);
-    Ok(done.into_iter().map(|(_, result)| result).collect())
+    let entries = (0..a.frames as usize).into_par_iter().map(one).collect::<io::Result<Vec<_>>>()?;
+    capture.write_scene_file(&a.output, entries)
 }

@@ -97,14 +97,14 @@ impl Shape {
 
 /// A position and orientation: local to world is `rotation · p + origin`.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Frame {
+pub struct Pose {
     /// Local to world.
     pub rotation: DMat3,
     /// Local origin in the world.
     pub origin: DVec3,
 }
 
-impl Frame {
+impl Pose {
     /// The world's own frame moved to a point.
     pub fn at(origin: DVec3) -> Self {
         Self { rotation: DMat3::IDENTITY, origin }
@@ -150,9 +150,9 @@ impl Relief {
 #[derive(Debug, Clone, PartialEq)]
 pub struct Part {
     shape: Shape,
-    frame: Frame,
+    frame: Pose,
     /// The frame that colours are given in.
-    cloth: Frame,
+    cloth: Pose,
     scale: DVec3,
     /// Distance over which it melts into the parts before it; 0 is a plain union.
     pub blend: f64,
@@ -168,7 +168,7 @@ pub struct Part {
 
 impl Part {
     /// A rigid body.
-    pub fn new(shape: Shape, frame: Frame, material: Material) -> Self {
+    pub fn new(shape: Shape, frame: Pose, material: Material) -> Self {
         let (scale, centre) = (DVec3::ONE, frame.origin);
         let part = Self {
             shape,
@@ -211,7 +211,7 @@ impl Part {
     }
 
     /// Takes its colours from another frame, so that neighbouring parts are of one piece.
-    pub fn cut_from(mut self, cloth: &Frame) -> Self {
+    pub fn cut_from(mut self, cloth: &Pose) -> Self {
         self.cloth = *cloth;
         self
     }

@@ -1,6 +1,6 @@
 //! Ground truth as a triangle mesh, by marching tetrahedra: slow and plain, independent of the core's mesher.
 
-use crate::{mesh::TriangleMesh, scene::Scene};
+use crate::{mesh::TriangleMesh, solid::Solid};
 use glam::DVec3;
 use std::collections::BTreeMap;
 
@@ -12,11 +12,11 @@ const BLOCK: i32 = 8;
 const TETRAHEDRA: [[usize; 4]; 6] =
     [[0, 1, 3, 7], [0, 3, 2, 7], [0, 2, 6, 7], [0, 6, 4, 7], [0, 4, 5, 7], [0, 5, 1, 7]];
 
-/// The scene's surface on a grid of the given spacing. Closed and manifold; vertices lie on the surface.
-pub fn polygonise(scene: &Scene, spacing: f64) -> TriangleMesh {
-    let (centre, radius) = scene.ball();
+/// The solid's surface on a grid of the given spacing. Closed and manifold; vertices lie on the surface.
+pub fn polygonise(solid: &Solid, spacing: f64) -> TriangleMesh {
+    let (centre, radius) = solid.ball();
     let blocks = libm::ceil((radius + 2.0 * spacing) / (spacing * f64::from(BLOCK))) as i32;
-    let mut mesher = Mesher { scene, centre, spacing, made: BTreeMap::new(), mesh: TriangleMesh::default() };
+    let mut mesher = Mesher { solid, centre, spacing, made: BTreeMap::new(), mesh: TriangleMesh::default() };
     for z in -blocks..blocks {
         for y in -blocks..blocks {
             for x in -blocks..blocks {
@@ -28,7 +28,7 @@ pub fn polygonise(scene: &Scene, spacing: f64) -> TriangleMesh {
 }
 
 struct Mesher<'a> {
-    scene: &'a Scene,
+    solid: &'a Solid,
     centre: DVec3,
     spacing: f64,
     /// Vertices made so far, by the ends of their edges.
@@ -42,7 +42,7 @@ impl Mesher<'_> {
     }
 
     fn bound(&self, p: DVec3) -> f64 {
-        self.scene.bound(p, self.scene.all())
+        self.solid.bound(p, self.solid.all())
     }
 
     fn block(&mut self, base: [i32; 3]) {

@@ -2,7 +2,7 @@
 
 use crate::{
     backdrop,
-    scene::{OCCLUSION, Parts, Scene},
+    solid::{OCCLUSION, Parts, Solid},
 };
 use glam::{DMat3, DVec2, DVec3};
 use pcmvs_core::Camera;
@@ -78,7 +78,7 @@ struct Centre {
 }
 
 struct Renderer<'a> {
-    scene: &'a Scene,
+    solid: &'a Solid,
     lens: Lens<'a>,
     width: u32,
     height: u32,
@@ -99,12 +99,12 @@ struct Tile {
     pixel: f64,
 }
 
-/// Renders a scene as a camera sees it.
-pub fn render(scene: &Scene, camera: &Camera) -> Render {
+/// Renders a solid as a camera sees it.
+pub fn render(solid: &Solid, camera: &Camera) -> Render {
     let lens = Lens::new(camera);
-    let (middle, radius) = scene.ball();
+    let (middle, radius) = solid.ball();
     let far = (middle - lens.centre).length() + radius;
-    let mut renderer = Renderer { scene, lens, width: camera.width, height: camera.height, far, tiles: Vec::new() };
+    let mut renderer = Renderer { solid, lens, width: camera.width, height: camera.height, far, tiles: Vec::new() };
     for y in (0..camera.height).step_by(TILE as usize) {
         for x in (0..camera.width).step_by(TILE as usize) {
             let tile = renderer.tile(x, y);
@@ -134,7 +134,7 @@ impl Renderer<'_> {
     fn clear(&self, direction: DVec3, spread: f64, from: f64, parts: Parts) -> f64 {
         let mut t = from;
         while t < self.far {
-            let d = self.scene.bound(self.lens.centre + direction * t, parts);
+            let d = self.solid.bound(self.lens.centre + direction * t, parts);
             let step = d - t * spread;
             if step < 0.5 * t * spread {
                 break;
@@ -150,14 +150,14 @@ impl Renderer<'_> {
         let size = f64::from(TILE);
         let direction = self.lens.ray(x0 + 0.5 * size, y0 + 0.5 * size);
         let spread = self.spread(direction, (x0, y0), (x0 + size, y0 + size));
-        let (middle, radius) = self.scene.ball();
+        let (middle, radius) = self.solid.ball();
         let to = middle - self.lens.centre;
         let off = (to - direction * to.dot(direction)).length();
         if off > radius + OCCLUSION + (to.length() + radius) * spread {
             return None;
         }
-        let parts = self.scene.near(self.lens.centre, direction, spread, 0.0);
-        let around = self.scene.near(self.lens.centre, direction, spread, 2.0 * OCCLUSION);
+        let parts = self.solid.near(self.lens.centre, direction, spread, 0.0);
+        let around = self.solid.near(self.lens.centre, direction, spread, 2.0 * OCCLUSION);
         let from = self.clear(direction, spread, (to.length() - radius).max(0.0), parts);
         (parts != 0 && from < self.far).then_some(Tile { parts, around, from, pixel: 1.05 * spread / size })
     }
@@ -175,7 +175,7 @@ impl Renderer<'_> {
         if from >= self.far {
             return Centre { from, hit: None, near: false };
         }
-        let hit = self.scene.trace(self.lens.centre, direction, from, self.far, parts);
+        let hit = self.solid.trace(self.lens.centre, direction, from, self.far, parts);
         Centre { from, hit, near: true }
     }
 
@@ -206,7 +206,7 @@ impl Renderer<'_> {
         let (mut sum, mut shaded, mut hits) = ([0.0; 3], 0_u32, 0_u32);
         for i in 0..EDGE {
             let direction = self.sample(x, y, i, EDGE);
-            let Some(t) = self.scene.trace(self.lens.centre, direction, centre.from, self.far, tile.parts) else {
+            let Some(t) = self.solid.trace(self.lens.centre, direction, centre.from, self.far, tile.parts) else {
                 continue;
             };
             hits += 1;
@@ -214,7 +214,7 @@ impl Renderer<'_> {
                 let p = self.lens.centre + direction * t;
                 let (light, _) = self.light(p, tile.around);
                 shaded += 1;
-                add(&mut sum, self.scene.colour_of(p, tile.parts), light);
+                add(&mut sum, self.solid.colour_of(p, tile.parts), light);
             }
         }
         if hits == 0 {
@@ -251,7 +251,7 @@ impl Renderer<'_> {
         for i in 0..INNER {
             let direction = self.sample(x, y, i, INNER);
             let p = self.lens.centre + direction * (off / direction.dot(normal));
-            add(&mut sum, self.scene.colour_of(p, tile.parts), light);
+            add(&mut sum, self.solid.colour_of(p, tile.parts), light);
         }
         Some(sum.map(|v| v / f64::from(INNER)))
     }
@@ -259,11 +259,11 @@ impl Renderer<'_> {
     /// Lambert light from a wide source above and to the front, ambient light from above, creases darkened. It does not
     /// depend on where the camera stands. Returns the normal as well.
     fn light(&self, p: DVec3, parts: Parts) -> (f64, DVec3) {
-        let normal = self.scene.gradient(p, parts).normalize_or_zero();
+        let normal = self.solid.gradient(p, parts).normalize_or_zero();
         let source = DVec3::new(0.48, 0.36, 0.80);
         let direct = (0.5 + 0.5 * normal.dot(source)).max(0.0);
         let sky = 0.5 + 0.5 * normal.z;
-        ((0.30 + 0.22 * sky + 0.62 * direct) * self.scene.openness(p, normal, parts), normal)
+        ((0.30 + 0.22 * sky + 0.62 * direct) * self.solid.openness(p, normal, parts), normal)
     }
 }
 

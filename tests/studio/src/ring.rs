@@ -1,6 +1,6 @@
 //! Where the cameras stand.
 
-use crate::{noise::Random, scene::turn};
+use crate::{noise::Random, rotation::turn};
 use core::f64::consts::TAU;
 use glam::{DMat3, DVec3};
 use pcmvs_core::Camera;

@@ -1,19 +1,19 @@
-//! A reconstruction's errors against the scene itself. Lengths are metres.
+//! A reconstruction's errors against the solid itself. Lengths are metres.
 
-use crate::{mesh::TriangleMesh, scene::Scene};
+use crate::{mesh::TriangleMesh, solid::Solid};
 use glam::DVec3;
 use pcmvs_core::Camera;
 
-/// Signed distances (negative inside the scene) of points spread evenly over a mesh, in ascending order of magnitude.
-pub fn errors(scene: &Scene, mesh: &TriangleMesh, samples: usize) -> Vec<f64> {
-    let mut errors: Vec<f64> = mesh.surface_points(samples, 0).into_iter().map(|p| scene.distance(p)).collect();
+/// Signed distances (negative inside the solid) of points spread evenly over a mesh, in ascending order of magnitude.
+pub fn errors(solid: &Solid, mesh: &TriangleMesh, samples: usize) -> Vec<f64> {
+    let mut errors: Vec<f64> = mesh.surface_points(samples, 0).into_iter().map(|p| solid.distance(p)).collect();
     errors.sort_by(|a, b| libm::fabs(*a).total_cmp(&libm::fabs(*b)));
     errors
 }
 
-/// The distance within which a share (0.9: Middlebury's accuracy) of a mesh's surface lies from the scene's.
-pub fn accuracy(scene: &Scene, mesh: &TriangleMesh, share: f64, samples: usize) -> f64 {
-    let errors = errors(scene, mesh, samples);
+/// The distance within which a share (0.9: Middlebury's accuracy) of a mesh's surface lies from the solid's.
+pub fn accuracy(solid: &Solid, mesh: &TriangleMesh, share: f64, samples: usize) -> f64 {
+    let errors = errors(solid, mesh, samples);
     let rank = libm::ceil(share * errors.len() as f64) as usize;
     libm::fabs(errors[rank.clamp(1, errors.len()) - 1])
 }
@@ -24,8 +24,8 @@ pub fn completeness(points: &[(DVec3, DVec3)], mesh: &TriangleMesh, within: f64)
     points.iter().filter(|(p, _)| grid.distance(*p).is_some()).count() as f64 / points.len() as f64
 }
 
-/// Whether a camera sees a point of the scene's surface, given its normal: in the picture, facing, nothing in front.
-pub fn sees(scene: &Scene, camera: &Camera, point: DVec3, normal: DVec3) -> bool {
+/// Whether a camera sees a point of the solid's surface, given its normal: in the picture, facing, nothing in front.
+pub fn sees(solid: &Solid, camera: &Camera, point: DVec3, normal: DVec3) -> bool {
     let Some((pixel, _)) = camera.project(point) else {
         return false;
     };
@@ -36,15 +36,15 @@ pub fn sees(scene: &Scene, camera: &Camera, point: DVec3, normal: DVec3) -> bool
     let to = point - camera.centre();
     let distance = to.length();
     let direction = to / distance;
-    let parts = scene.near(camera.centre(), direction, 0.0, 0.0);
+    let parts = solid.near(camera.centre(), direction, 0.0, 0.0);
     // A millimetre is left free before the point itself.
-    normal.dot(direction) < -0.05 && scene.trace(camera.centre(), direction, 0.0, distance - 1e-3, parts).is_none()
+    normal.dot(direction) < -0.05 && solid.trace(camera.centre(), direction, 0.0, distance - 1e-3, parts).is_none()
 }
 
-/// Points (with normals) of the scene's surface that at least `least` cameras see.
-pub fn seen(scene: &Scene, cameras: &[Camera], least: usize, samples: usize) -> Vec<(DVec3, DVec3)> {
-    let mut points = scene.surface_points(samples, 0);
-    points.retain(|(p, n)| cameras.iter().filter(|c| sees(scene, c, *p, *n)).take(least).count() >= least);
+/// Points (with normals) of the solid's surface that at least `least` cameras see.
+pub fn seen(solid: &Solid, cameras: &[Camera], least: usize, samples: usize) -> Vec<(DVec3, DVec3)> {
+    let mut points = solid.surface_points(samples, 0);
+    points.retain(|(p, n)| cameras.iter().filter(|c| sees(solid, c, *p, *n)).take(least).count() >= least);
     points
 }
 

@@ -2,7 +2,7 @@
 
 use crate::{
     backdrop::CHROMA_RGB,
-    capture::{Capture, Frame},
+    capture::{Capture, CapturedFrame},
 };
 use image::{ColorType, ImageFormat};
 use pcmvs_core::Camera;
@@ -97,7 +97,7 @@ impl Capture {
         }
     }
 
-    fn frame_entry(&self, index: usize, frame: &Frame) -> FrameEntry {
+    fn frame_entry(&self, index: usize, frame: &CapturedFrame) -> FrameEntry {
         let path = |folder: &str, name: &str| format!("{folder}/{name}_{index:04}.png");
         FrameEntry {
             index: index as u32,
@@ -110,7 +110,7 @@ impl Capture {
     ///
     /// # Errors
     /// Whatever the file system says.
-    pub fn write_frame(&self, folder: &Path, index: usize, frame: &Frame) -> io::Result<FrameEntry> {
+    pub fn write_frame(&self, folder: &Path, index: usize, frame: &CapturedFrame) -> io::Result<FrameEntry> {
         let entry = self.frame_entry(index, frame);
         for name in ["images", "masks"] {
             fs::create_dir_all(folder.join(name))?;

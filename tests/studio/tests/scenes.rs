@@ -3,10 +3,10 @@
 use glam::DVec3;
 use std::collections::BTreeMap;
 use studio::{
-    Scene, Subject,
+    Solid, Subject,
     material::Material,
     noise::Random,
-    part::{Frame, Part, Shape},
+    part::{Pose, Part, Shape},
     polygonise::polygonise,
     score,
 };
@@ -15,9 +15,9 @@ const ALL: [Subject; 6] =
     [Subject::Sphere, Subject::Box, Subject::Torus, Subject::TwoBodies, Subject::Plate, Subject::Figure];
 const EXACT: [Subject; 5] = [Subject::Sphere, Subject::Box, Subject::Torus, Subject::TwoBodies, Subject::Plate];
 
-/// Random points of a ball somewhat larger than the scene's.
-fn around(scene: &Scene, random: &mut Random) -> DVec3 {
-    let (centre, radius) = scene.ball();
+/// Random points of a ball somewhat larger than the solid's.
+fn around(solid: &Solid, random: &mut Random) -> DVec3 {
+    let (centre, radius) = solid.ball();
     centre + DVec3::new(random.signed(), random.signed(), random.signed()) * radius * 1.2
 }
 
@@ -25,23 +25,23 @@ fn around(scene: &Scene, random: &mut Random) -> DVec3 {
 #[test]
 fn slope_is_at_most_one() {
     for subject in ALL {
-        let scene = subject.at(0.3);
+        let solid = subject.at(0.3);
         let mut random = Random::new(1, 0);
         for i in 0..20_000 {
             // Half of the pairs near the surface, where folds and blends are.
-            let a = if i % 2 == 0 { around(&scene, &mut random) } else { near_surface(&scene, &mut random) };
+            let a = if i % 2 == 0 { around(&solid, &mut random) } else { near_surface(&solid, &mut random) };
             let step = [1e-4, 3e-3, 3e-2, 0.3][i / 2 % 4] * random.uniform();
             let b = a + random.direction() * step;
-            let change = scene.bound(a, scene.all()) - scene.bound(b, scene.all());
+            let change = solid.bound(a, solid.all()) - solid.bound(b, solid.all());
             assert!(change.abs() <= step * (1.0 + 1e-9) + 1e-12, "{subject:?}: {change} over {step} at {a}");
         }
     }
 }
 
-fn near_surface(scene: &Scene, random: &mut Random) -> DVec3 {
-    let mut p = around(scene, random);
+fn near_surface(solid: &Solid, random: &mut Random) -> DVec3 {
+    let mut p = around(solid, random);
     for _ in 0..8 {
-        p -= scene.normal(p) * scene.bound(p, scene.all());
+        p -= solid.normal(p) * solid.bound(p, solid.all());
     }
     p + random.direction() * 0.01
 }
@@ -50,13 +50,13 @@ fn near_surface(scene: &Scene, random: &mut Random) -> DVec3 {
 #[test]
 fn distances_are_exact() {
     for subject in EXACT {
-        let scene = subject.at(0.0);
-        let surface = scene.surface_points(20_000, 3);
+        let solid = subject.at(0.0);
+        let surface = solid.surface_points(20_000, 3);
         let mut random = Random::new(2, 0);
         for _ in 0..200 {
-            let p = around(&scene, &mut random);
+            let p = around(&solid, &mut random);
             let nearest = surface.iter().map(|(s, _)| (*s - p).length()).fold(f64::MAX, f64::min);
-            let distance = scene.distance(p).abs();
+            let distance = solid.distance(p).abs();
             assert!(distance <= nearest + 1e-9, "{subject:?}: {distance} beyond {nearest}");
             assert!(
                 nearest <= libm::sqrt(distance * distance + 0.03 * 0.03) + 0.03,
@@ -72,12 +72,12 @@ fn distances_are_exact() {
 /// A millimetre along the normal is a millimetre of distance, on the figure as well.
 #[test]
 fn distances_near_the_figure_are_right_to_first_order() {
-    let scene = Subject::Figure.at(0.2);
+    let solid = Subject::Figure.at(0.2);
     let mut misses: Vec<f64> = Vec::new();
-    for (p, n) in scene.surface_points(2000, 1) {
-        assert!(scene.distance(p).abs() < 1e-6);
+    for (p, n) in solid.surface_points(2000, 1) {
+        assert!(solid.distance(p).abs() < 1e-6);
         for h in [-1e-3, 1e-3] {
-            misses.push((scene.distance(p + n * h) - h).abs());
+            misses.push((solid.distance(p + n * h) - h).abs());
         }
     }
     misses.sort_by(f64::total_cmp);
@@ -88,18 +88,18 @@ fn distances_near_the_figure_are_right_to_first_order() {
 #[test]
 fn surface_points_are_even() {
     let torus = Shape::Torus { major: 0.4, minor: 0.2 };
-    let scene = Scene::new(vec![Part::new(torus, Frame::at(DVec3::ZERO), Material::Stone)]);
-    let points = scene.surface_points(40_000, 5);
+    let solid = Solid::new(vec![Part::new(torus, Pose::at(DVec3::ZERO), Material::Stone)]);
+    let points = solid.surface_points(40_000, 5);
     let inner = points.iter().filter(|(p, _)| p.x * p.x + p.y * p.y < 0.16).count() as f64 / 40_000.0;
     let expected = 0.5 - 0.2 / (core::f64::consts::PI * 0.4);
     assert!((inner - expected).abs() < 0.01, "{inner}, not {expected}");
-    assert_eq!(points, scene.surface_points(40_000, 5));
+    assert_eq!(points, solid.surface_points(40_000, 5));
 }
 
 /// Colours belong to the body, not to the world.
 #[test]
 fn texture_moves_with_its_part() {
-    let frames = [0.1, 0.9].map(|time| Frame::at(DVec3::new(time, 2.0 * time, 0.5)));
+    let frames = [0.1, 0.9].map(|time| Pose::at(DVec3::new(time, 2.0 * time, 0.5)));
     let [a, b] = frames.map(|frame| Part::new(Shape::Ball { radius: 0.2 }, frame, Material::Print));
     let mut different = 0;
     for i in 0..50 {
@@ -116,14 +116,14 @@ fn texture_moves_with_its_part() {
 fn the_figure_is_a_person() {
     let mut before: Option<Vec<(DVec3, DVec3)>> = None;
     for time in [0.0, 0.4, 1.1] {
-        let scene = Subject::Figure.at(time);
-        let points = scene.surface_points(3000, 0);
+        let solid = Subject::Figure.at(time);
+        let points = solid.surface_points(3000, 0);
         let low = points.iter().map(|(p, _)| p.z).fold(f64::MAX, f64::min);
         let high = points.iter().map(|(p, _)| p.z).fold(f64::MIN, f64::max);
         assert!((-0.005..0.02).contains(&low), "{low}");
         assert!((1.6..1.8).contains(&high), "{high}");
         if let Some(before) = before.replace(points) {
-            let moved = before.iter().filter(|(p, _)| scene.distance(*p).abs() > 0.02).count();
+            let moved = before.iter().filter(|(p, _)| solid.distance(*p).abs() > 0.02).count();
             assert!(moved > 300, "{moved}");
         }
     }
@@ -160,20 +160,20 @@ fn assert_closed(faces: &[[u32; 3]]) {
 #[test]
 fn scores_are_right() {
     for subject in [Subject::Sphere, Subject::Torus, Subject::Figure] {
-        let scene = subject.at(0.0);
-        let mut mesh = polygonise(&scene, 0.012);
+        let solid = subject.at(0.0);
+        let mut mesh = polygonise(&solid, 0.012);
         assert_closed(&mesh.faces);
-        let exact = score::accuracy(&scene, &mesh, 0.9, 4000);
+        let exact = score::accuracy(&solid, &mesh, 0.9, 4000);
         assert!(exact < 0.0012, "{subject:?}: {exact}");
         let cameras = studio::Ring::default().cameras();
-        let seen = score::seen(&scene, &cameras, 2, 1500);
+        let seen = score::seen(&solid, &cameras, 2, 1500);
         assert!(seen.len() > 1000, "{subject:?}: {}", seen.len());
         assert!(score::completeness(&seen, &mesh, 0.003) > 0.99);
 
         for v in &mut mesh.vertices {
-            *v += scene.normal(*v) * 0.006;
+            *v += solid.normal(*v) * 0.006;
         }
-        let grown = score::accuracy(&scene, &mesh, 0.5, 4000);
+        let grown = score::accuracy(&solid, &mesh, 0.5, 4000);
         assert!((grown - 0.006).abs() < 0.0005, "{subject:?}: {grown}");
         assert!(score::completeness(&seen, &mesh, 0.003) < 0.15);
     }

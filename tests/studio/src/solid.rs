@@ -1,16 +1,17 @@
-//! A scene as a signed distance function with colours: the ground truth itself.
+//! A solid as a signed distance function with colours: the ground truth itself.
 
 use crate::{
     figure,
     material::Material,
     noise::Random,
-    part::{Frame, Part, Shape},
+    part::{Pose, Part, Shape},
+    rotation::turn,
 };
 use glam::{DMat3, DVec3};
 
-/// A scene at one instant. Metres, z up, floor at z = 0. Distances are negative inside.
+/// A solid at one instant. Metres, z up, floor at z = 0. Distances are negative inside.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Scene {
+pub struct Solid {
     parts: Vec<Part>,
     /// How near the surface each part must be to bend it: it melts into those before, later ones melt into it.
     influence: Vec<f64>,
@@ -18,63 +19,11 @@ pub struct Scene {
     radius: f64,
 }
 
-/// A set of a scene's parts, one bit each.
+/// A set of a solid's parts, one bit each.
 pub type Parts = u64;
 
 /// Reach of ambient occlusion in metres.
 pub(crate) const OCCLUSION: f64 = 0.03;
-
-/// What stands in the dome.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
-pub enum Subject {
-    /// A ball of radius 0.45 m.
-    Sphere,
-    /// A turned box of 0.7 x 0.5 x 0.6 m.
-    Box,
-    /// A ring of radii 0.42 m and 0.15 m, leaning.
-    Torus,
-    /// A ball and a box that hide each other from most sides.
-    TwoBodies,
-    /// A plate, 12 mm thick.
-    Plate,
-    /// A clothed person who dances: the only one that moves.
-    Figure,
-}
-
-impl Subject {
-    /// The scene at a time in seconds.
-    pub fn at(self, time: f64) -> Scene {
-        let middle = DVec3::new(0.0, 0.0, 0.9);
-        let ball = |c: DVec3, radius: f64| Part::new(Shape::Ball { radius }, Frame::at(c), Material::Stone);
-        let cuboid = |c: DVec3, half: DVec3, rotation: DMat3| {
-            Part::new(Shape::Cuboid { half }, Frame { rotation, origin: c }, Material::Print)
-        };
-        let parts = match self {
-            Self::Sphere => vec![ball(middle, 0.45)],
-            Self::Box => vec![cuboid(middle, DVec3::new(0.35, 0.25, 0.3), turn(0.3, 0.2, 0.5))],
-            Self::Torus => {
-                let frame = Frame { rotation: turn(0.5, 0.3, 0.0), origin: middle };
-                vec![Part::new(Shape::Torus { major: 0.42, minor: 0.15 }, frame, Material::Print)]
-            }
-            Self::TwoBodies => vec![
-                ball(middle + DVec3::new(0.24, 0.03, 0.05), 0.26),
-                cuboid(middle + DVec3::new(-0.28, -0.02, 0.0), DVec3::new(0.12, 0.3, 0.4), turn(0.0, 0.0, 0.35)),
-            ],
-            Self::Plate => vec![cuboid(middle, DVec3::new(0.45, 0.35, 0.006), turn(1.2, 0.25, 0.4))],
-            Self::Figure => figure::parts(time),
-        };
-        Scene::new(parts)
-    }
-}
-
-/// Rotation about x, then y, then z (radians).
-pub(crate) fn turn(x: f64, y: f64, z: f64) -> DMat3 {
-    let ((sx, cx), (sy, cy), (sz, cz)) = (libm::sincos(x), libm::sincos(y), libm::sincos(z));
-    let about_x = DMat3::from_cols_array(&[1.0, 0.0, 0.0, 0.0, cx, sx, 0.0, -sx, cx]);
-    let about_y = DMat3::from_cols_array(&[cy, 0.0, -sy, 0.0, 1.0, 0.0, sy, 0.0, cy]);
-    let about_z = DMat3::from_cols_array(&[cz, sz, 0.0, -sz, cz, 0.0, 0.0, 0.0, 1.0]);
-    about_z * about_y * about_x
-}
 
 /// The smaller of two distances, rounded where they differ by less than `width`. Its gradient is a mean of theirs, so
 /// slopes stay at most one; where they differ by more it is the minimum itself.
@@ -88,10 +37,10 @@ fn smooth_min(a: f64, b: f64, width: f64) -> f64 {
     least - h * h / (4.0 * width)
 }
 
-impl Scene {
-    /// A scene of up to 64 parts; each melts into those before it by its own `blend`.
+impl Solid {
+    /// A solid of up to 64 parts; each melts into those before it by its own `blend`.
     pub fn new(parts: Vec<Part>) -> Self {
-        assert!(!parts.is_empty() && parts.len() <= 64, "a scene has 1 to 64 parts, not {}", parts.len());
+        assert!(!parts.is_empty() && parts.len() <= 64, "a solid has 1 to 64 parts, not {}", parts.len());
         let centre = parts.iter().map(|p| p.centre).sum::<DVec3>() / parts.len() as f64;
         let radius = parts.iter().map(|p| (p.centre - centre).length() + p.radius + p.blend).fold(0.0, f64::max);
         let mut widest = 0.0_f64;
@@ -113,7 +62,7 @@ impl Scene {
         u64::MAX >> (64 - self.parts.len())
     }
 
-    /// Centre and radius of a ball around the scene.
+    /// Centre and radius of a ball around the solid.
     pub fn ball(&self) -> (DVec3, f64) {
         (self.centre, self.radius)
     }
@@ -251,7 +200,7 @@ impl Scene {
         points
     }
 
-    /// All points where a line through the scene's ball crosses the surface.
+    /// All points where a line through the solid's ball crosses the surface.
     fn crossings(&self, start: DVec3, direction: DVec3, points: &mut Vec<(DVec3, DVec3)>) {
         const STEP: f64 = 2e-4;
         let parts = self.near(start, direction, 0.0, 0.0);

@@ -1,0 +1,20 @@
+//! A view as an importer found it.
+
+use pcmvs_core::Camera;
+use std::path::PathBuf;
+
+/// Camera and files of one view.
+#[derive(Debug, Clone)]
+pub struct ImportedView {
+    pub name: String,
+    pub camera: Camera,
+    /// The photograph.
+    pub image: PathBuf,
+    /// Its mask; where the source does not say, the usual places are searched.
+    pub mask: Option<PathBuf>,
+}
+
+/// Rows of three from nine numbers.
+pub fn rows(m: [f64; 9]) -> [[f64; 3]; 3] {
+    [[m[0], m[1], m[2]], [m[3], m[4], m[5]], [m[6], m[7], m[8]]]
+}
