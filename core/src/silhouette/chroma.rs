@@ -1,6 +1,6 @@
 //! Silhouettes from a backdrop of one colour (§0), unevenly lit, its exact colour unknown.
 
-use super::matte;
+use super::{colour::vector, matte};
 use crate::image::ImageRef;
 use alloc::{format, string::String, vec, vec::Vec};
 use glam::Vec3;
@@ -71,11 +71,6 @@ pub(crate) fn coverage(picture: &ImageRef, rgb: &[u8], key: &ChromaKey) -> Resul
     matte::remove_small(w, h, &mut object, true, pixels(key.smallest_part));
     matte::remove_small(w, h, &mut object, false, pixels(key.smallest_hole));
     Ok(matte::soften(w, h, rgb, &object))
-}
-
-/// Packed bytes as a colour vector.
-pub(super) fn vector(rgb: &[u8]) -> Vec3 {
-    Vec3::new(f32::from(rgb[0]), f32::from(rgb[1]), f32::from(rgb[2]))
 }
 
 /// Angle between colours in radians.

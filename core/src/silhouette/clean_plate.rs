@@ -1,6 +1,6 @@
 //! Silhouettes from a picture of the empty set (§0).
 
-use super::{chroma::vector, matte};
+use super::{colour::vector, matte};
 use crate::image::ImageRef;
 use alloc::{format, string::String, vec::Vec};
 

@@ -1,6 +1,5 @@
 //! Signed distance to the half-coverage contour of a mask, exact to a fraction of a pixel.
 
-use super::Silhouette;
 use crate::math::{min, sqrt};
 use alloc::{vec, vec::Vec};
 
@@ -11,6 +10,9 @@ const BINOMIAL: [u16; 3] = [1, 2, 1];
 const HALF: u16 = 2040;
 /// Offset of a pixel that knows no contour yet: it stays farther than any that is told apart, wherever it is handed.
 const FAR: f32 = 1e6;
+
+/// Fixed-point units in a pixel.
+pub(super) const UNITS: f32 = 64.0;
 
 /// Signed distance in 1/64 pixel, positive where smoothed coverage is more than a half. No contour is drawn through
 /// cells that have an unknown corner, nor along the picture's edge.
@@ -31,11 +33,11 @@ pub(super) fn signed_distance(
     columns.sweep();
     columns.transpose(rows);
     rows.sweep();
-    let limit = 511.0 * Silhouette::UNITS;
+    let limit = 511.0 * UNITS;
     let offsets = rows.x.iter().zip(&rows.y);
     out.clear();
     out.extend(offsets.zip(smoothed.iter()).map(|((x, y), &s)| {
-        let d = min(sqrt(x * x + y * y) * Silhouette::UNITS + 0.5, limit) as i16;
+        let d = min(sqrt(x * x + y * y) * UNITS + 0.5, limit) as i16;
         if s > HALF { d } else { -d }
     }));
 }

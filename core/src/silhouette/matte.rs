@@ -1,6 +1,6 @@
 //! From hard labels to soft coverage: what chroma key and clean plate share.
 
-use super::chroma::vector;
+use super::colour::vector;
 use alloc::{vec, vec::Vec};
 use glam::Vec3;
 

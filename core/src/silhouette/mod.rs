@@ -2,6 +2,7 @@
 
 pub(crate) mod chroma;
 pub(crate) mod clean_plate;
+mod colour;
 mod distance;
 mod matte;
 
@@ -27,7 +28,7 @@ impl Silhouette {
     /// Marks a pixel outside the picture.
     pub const UNKNOWN: i16 = i16::MAX;
     /// Fixed-point units in a pixel.
-    pub const UNITS: f32 = 64.0;
+    pub const UNITS: f32 = distance::UNITS;
 
     /// From coverage: one byte a pixel, 255 fully the object's, the contour where bilinear coverage is one half;
     /// `known` is false where an undistorted pixel has no source. Errors on an empty and on a full silhouette.

@@ -1,0 +1,28 @@
+//! AVX2: whether the processor and the operating system have it, and code compiled for it.
+
+use super::work::Work;
+use core::arch::x86_64::{__cpuid, __cpuid_count, __get_cpuid_max, _xgetbv};
+
+#[target_feature(enable = "avx2")]
+pub(super) fn with_avx2<W: Work>(work: W) -> W::Output {
+    work.run()
+}
+
+/// AVX2 exists, and the operating system keeps its registers.
+pub(super) fn has_avx2() -> bool {
+    const OSXSAVE_AND_AVX: u32 = 1 << 27 | 1 << 28;
+    const XMM_AND_YMM: u64 = 0b110;
+    const AVX2: u32 = 1 << 5;
+    #[target_feature(enable = "xsave")]
+    fn kept() -> bool {
+        // SAFETY: the function is called only where the instruction exists.
+        unsafe { _xgetbv(0) & XMM_AND_YMM == XMM_AND_YMM }
+    }
+    // SAFETY: every x86-64 processor has cpuid.
+    unsafe {
+        __get_cpuid_max(0).0 >= 7
+            && __cpuid(1).ecx & OSXSAVE_AND_AVX == OSXSAVE_AND_AVX
+            && kept()
+            && __cpuid_count(7, 0).ebx & AVX2 != 0
+    }
+}
