@@ -48,12 +48,12 @@ pub fn make(folder: &Path) -> Result<(), String> {
         }
         capture.frames.push(frame);
     }
-    let mut scene = capture.scene_file();
+    let mut scene = capture.scene();
+    scene.fps = Some(FPS);
     for path in scene.frames.iter_mut().flat_map(|frame| &mut frame.images) {
-        *path = path.replace(".png", ".jpg");
+        path.set_extension("jpg");
     }
-    let mut scene = serde_json::to_value(&scene).map_err(|e| fail(&e))?;
-    scene["fps"] = FPS.into();
+    let scene = serde_json::to_value(&scene).map_err(|e| fail(&e))?;
     // Last, so that a folder that has it is whole.
     fs::write(folder.join("scene.json"), format!("{scene:#}\n")).map_err(|e| fail(&e))
 }

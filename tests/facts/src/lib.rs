@@ -4,8 +4,8 @@ pub mod errors;
 pub mod outline;
 pub mod shot;
 pub mod threads;
-pub mod topology;
 
 pub use errors::Errors;
 pub use shot::Shot;
+pub use studio::topology;
 pub use threads::Threads;

@@ -5,7 +5,7 @@ use pcmvs_core::{
     Camera, Error, Executor, Mask, Mesh, Params, Progress, Reconstruction, Rig, Serial, Silent, View, ViewInput,
     reconstruct,
 };
-use studio::{Capture, Faults, CapturedFrame, Ring, Solid, Subject, TriangleMesh};
+use studio::{Capture, CapturedFrame, Faults, Ring, Solid, Subject, TriangleMesh};
 
 /// One frame as a dome recorded it.
 pub struct Shot {

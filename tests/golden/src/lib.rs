@@ -5,6 +5,7 @@
 //! and on several machines (`xtask/src/golden.rs`); `cargo xtask golden --renew` writes the file anew after a change
 //! that is meant to change results.
 
+mod capture_file;
 #[cfg(feature = "studio")]
 pub mod case;
 mod difference;
@@ -12,12 +13,11 @@ pub mod file;
 mod float;
 mod measure;
 mod record;
-mod scene;
 
+pub use capture_file::CaptureFile;
 pub use difference::difference;
 pub use measure::{measure, preset};
 pub use record::{Array, Detail, Record, Stage};
-pub use scene::Scene;
 
 /// What to do if results have changed and were meant to.
 pub const RENEW: &str = "If results are meant to change: `cargo xtask golden --renew`, and commit tests/golden/golden.txt with the change.\n\

@@ -1,10 +1,10 @@
 //! Reconstructs a frame on one thread with the default preset and prints how long each stage took.
 //!
-//! `speed CAPTURE ROUNDS`: the capture is a file of `golden::Scene`. Prints a line for each stage with its name and
+//! `speed CAPTURE ROUNDS`: the capture is a file of `golden::CaptureFile`. Prints a line for each stage with its name and
 //! the seconds of every round, then `frame` with those of `reconstruct` as a whole, then `hash` with that of the
 //! coloured mesh. Under callgrind, [`boundary`] tells where stages begin and end.
 
-use golden::Scene;
+use golden::CaptureFile;
 use pcmvs_core::{Error, Params, Preset, Progress, Rig, Serial, Stage, export::glb, reconstruct};
 use std::{
     env, error, fs,
@@ -52,8 +52,8 @@ impl Progress for Clock {
 }
 
 /// Seconds of one round and the mesh's hash.
-fn round(rig: &Rig, scene: &Scene) -> Result<(Seconds, u64), Error> {
-    let (clock, inputs) = (Clock::default(), scene.inputs());
+fn round(rig: &Rig, capture: &CaptureFile) -> Result<(Seconds, u64), Error> {
+    let (clock, inputs) = (Clock::default(), capture.inputs());
     let start = Instant::now();
     let result = reconstruct(rig, &inputs, &Params::preset(Preset::Default), &Serial, &clock)?;
     let frame = start.elapsed().as_secs_f64();
@@ -68,9 +68,9 @@ fn round(rig: &Rig, scene: &Scene) -> Result<(Seconds, u64), Error> {
 fn main() -> Result<(), Box<dyn error::Error>> {
     let arguments: Vec<String> = env::args().collect();
     let [_, capture, rounds] = arguments.as_slice() else { return Err("speed CAPTURE ROUNDS".into()) };
-    let scene = Scene::from_bytes(&fs::read(capture)?).ok_or("the capture is cut short")?;
-    let rig = Rig::new(&scene.cameras)?;
-    let rounds = (0..rounds.parse()?).map(|_| round(&rig, &scene)).collect::<Result<Vec<_>, _>>()?;
+    let capture = CaptureFile::from_bytes(&fs::read(capture)?).ok_or("the capture is cut short")?;
+    let rig = Rig::new(&capture.cameras)?;
+    let rounds = (0..rounds.parse()?).map(|_| round(&rig, &capture)).collect::<Result<Vec<_>, _>>()?;
     let (first, hash) = rounds.first().ok_or("at least one round")?;
     for (i, (name, _)) in first.iter().enumerate() {
         let seconds: Vec<String> = rounds.iter().map(|(seconds, _)| seconds[i].1.to_string()).collect();

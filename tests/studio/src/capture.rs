@@ -1,12 +1,6 @@
 //! A capture: cameras, and every frame's pictures and masks, as a studio would hand them over.
 
-use crate::{
-    faults::Faults,
-    picture::Picture,
-    render::render,
-    solid::Solid,
-    subject::Subject,
-};
+use crate::{faults::Faults, picture::Picture, render::render, solid::Solid, subject::Subject};
 use pcmvs_core::{Camera, ImageRef, PixelFormat};
 
 /// One instant, in the cameras' order.

@@ -2,7 +2,7 @@
 
 use crate::{
     material::Material::{self, Black, Denim, Face, Hair, Leather, Print, Rubber, Skin},
-    part::{Pose, Part, RoundCone, Shape},
+    part::{Part, Pose, RoundCone, Shape},
     rotation::turn,
 };
 use core::f64::consts::TAU;

@@ -1,8 +1,9 @@
 //! A contact sheet of a result: photograph, shape and colours side by side, as the same camera sees them.
 
-use crate::{picture::Picture, write::SceneFile};
+use crate::picture::Picture;
 use glam::{DVec2, DVec3};
 use pcmvs_core::Camera;
+use pcmvs_scene::{Disk, Scene};
 use std::{error::Error, path::Path};
 
 const BACKGROUND: DVec3 = DVec3::ONE;
@@ -121,12 +122,12 @@ fn srgb(v: f64) -> f64 {
 /// # Errors
 /// A file cannot be read, or there is no such frame or camera.
 pub fn sheet(scene: &Path, frame: u32, mesh: &ColouredMesh, cameras: &[usize]) -> Result<Picture, Box<dyn Error>> {
-    let file: SceneFile = serde_json::from_slice(&std::fs::read(scene.join("scene.json"))?)?;
-    let entry = file.frames.iter().find(|f| f.index == frame).ok_or("there is no such frame")?;
+    let scene = Scene::load(&Disk, scene).map_err(|e| e.to_string())?;
+    let entry = scene.frames.iter().find(|f| f.index == frame).ok_or("there is no such frame")?;
     let mut panels = Vec::new();
     for &i in cameras {
-        let camera = file.cameras.get(i).ok_or("there is no such camera")?.camera();
-        let photograph = image::open(scene.join(&entry.images[i]))?.into_rgb8();
+        let camera = scene.cameras.get(i).ok_or("there is no such camera")?.camera()?;
+        let photograph = image::open(scene.resolve(&entry.images[i]))?.into_rgb8();
         let (width, height) = photograph.dimensions();
         let drawn = draw(mesh, &camera);
         let part = part_with_mesh(&drawn, &camera);

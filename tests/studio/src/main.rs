@@ -1,6 +1,8 @@
 //! The command `studio`: renders a synthetic capture into a scene folder.
 
 use clap::Parser;
+use glam::DVec3;
+use pcmvs_core::export::ply;
 use rayon::prelude::*;
 use std::{fs, io, path::PathBuf, process::ExitCode};
 use studio::{Capture, Faults, Ring, Subject, capture::record, polygonise::polygonise};
@@ -120,8 +122,8 @@ fn run(a: &Arguments) -> io::Result<()> {
         if let Some(millimetres) = a.truth {
             let folder = a.output.join("gt");
             fs::create_dir_all(&folder)?;
-            let mesh = polygonise(&frame.scene, millimetres / 1000.0);
-            fs::write(folder.join(format!("frame_{i:04}.ply")), mesh.to_ply())?;
+            let mesh = polygonise(&frame.truth, millimetres / 1000.0).to_core(&frame.truth);
+            fs::write(folder.join(format!("frame_{i:04}.ply")), ply::write_mesh(&mesh, DVec3::ZERO))?;
         }
         let entry = capture.write_frame(&a.output, i, &frame)?;
         eprintln!("studio: frame {i} of {}", a.frames);

@@ -1,7 +1,8 @@
 //! Triangle meshes as the studio measures and writes them.
 
-use crate::noise::Random;
+use crate::{noise::Random, solid::Solid};
 use glam::{DVec3, Vec3};
+use pcmvs_core::Mesh;
 
 /// A triangle mesh; faces are counter-clockwise seen from outside.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -51,22 +52,13 @@ impl TriangleMesh {
             .collect()
     }
 
-    /// Binary PLY.
-    pub fn to_ply(&self) -> Vec<u8> {
-        let mut out = format!(
-            "ply\nformat binary_little_endian 1.0\nelement vertex {}\nproperty float x\nproperty float y\nproperty float z\n\
-             element face {}\nproperty list uchar int vertex_indices\nend_header\n",
-            self.vertices.len(),
-            self.faces.len()
-        )
-        .into_bytes();
-        for v in &self.vertices {
-            out.extend(v.as_vec3().to_array().into_iter().flat_map(f32::to_le_bytes));
+    /// The mesh as the core has it, relative to the origin, with the normals of the true surface.
+    pub fn to_core(&self, truth: &Solid) -> Mesh {
+        Mesh {
+            positions: self.vertices.iter().map(DVec3::as_vec3).collect(),
+            normals: self.vertices.iter().map(|&p| truth.normal(p).as_vec3()).collect(),
+            triangles: self.faces.clone(),
+            ..Mesh::default()
         }
-        for f in &self.faces {
-            out.push(3);
-            out.extend(f.iter().flat_map(|i| i.to_le_bytes()));
-        }
-        out
     }
 }

@@ -4,7 +4,7 @@ use crate::{
     figure,
     material::Material,
     noise::Random,
-    part::{Pose, Part, Shape},
+    part::{Part, Pose, Shape},
     rotation::turn,
 };
 use glam::{DMat3, DVec3};

@@ -6,7 +6,7 @@ use studio::{
     Solid, Subject,
     material::Material,
     noise::Random,
-    part::{Pose, Part, Shape},
+    part::{Part, Pose, Shape},
     polygonise::polygonise,
     score,
 };

@@ -4,7 +4,7 @@ use pcmvs_core::{Camera, ImageRef, Mask, PixelFormat, ViewInput};
 
 /// One frame: for every camera its calibration, picture and mask.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Scene {
+pub struct CaptureFile {
     /// Calibration.
     pub cameras: Vec<Camera>,
     /// Packed sRGB, one a camera.
@@ -13,7 +13,7 @@ pub struct Scene {
     pub masks: Vec<Vec<u8>>,
 }
 
-impl Scene {
+impl CaptureFile {
     /// Pictures and masks as the core takes them.
     pub fn inputs(&self) -> Vec<ViewInput<'_>> {
         let input = |(i, camera): (usize, &Camera)| ViewInput {
@@ -43,7 +43,7 @@ impl Scene {
     /// Reads what [`Self::to_bytes`] wrote; `None` if it is cut short.
     pub fn from_bytes(bytes: &[u8]) -> Option<Self> {
         let mut rest = Rest(bytes);
-        let mut scene = Self { cameras: Vec::new(), pictures: Vec::new(), masks: Vec::new() };
+        let mut capture = Self { cameras: Vec::new(), pictures: Vec::new(), masks: Vec::new() };
         while !rest.0.is_empty() {
             let [width, height] = [rest.size()?, rest.size()?];
             let camera = Camera {
@@ -55,11 +55,11 @@ impl Scene {
                 t: rest.numbers()?,
             };
             let pixels = (width * height) as usize;
-            scene.pictures.push(rest.take(3 * pixels)?.to_vec());
-            scene.masks.push(rest.take(pixels)?.to_vec());
-            scene.cameras.push(camera);
+            capture.pictures.push(rest.take(3 * pixels)?.to_vec());
+            capture.masks.push(rest.take(pixels)?.to_vec());
+            capture.cameras.push(camera);
         }
-        Some(scene)
+        Some(capture)
     }
 }
 
@@ -101,9 +101,9 @@ mod tests {
             t: [f64::MIN_POSITIVE, 1.0 / 3.0, 1e300],
         };
         let pictures = vec![vec![1, 2, 3, 4, 5, 6], vec![6, 5, 4, 3, 2, 1]];
-        let scene = Scene { cameras: vec![camera; 2], pictures, masks: vec![vec![0, 255], vec![255, 0]] };
-        let bytes = scene.to_bytes();
-        assert_eq!(Scene::from_bytes(&bytes), Some(scene));
-        assert_eq!(Scene::from_bytes(&bytes[..bytes.len() - 1]), None);
+        let capture = CaptureFile { cameras: vec![camera; 2], pictures, masks: vec![vec![0, 255], vec![255, 0]] };
+        let bytes = capture.to_bytes();
+        assert_eq!(CaptureFile::from_bytes(&bytes), Some(capture));
+        assert_eq!(CaptureFile::from_bytes(&bytes[..bytes.len() - 1]), None);
     }
 }

@@ -3,10 +3,19 @@
 use pcmvs_core::Mesh;
 use std::collections::{BTreeMap, BTreeSet};
 
-/// Fails unless a mesh is finite, closed, oriented outward and manifold, without triangles that are given twice or have
-/// no area; `what` says whose mesh it is.
+/// Fails unless a mesh is there, a closed manifold, and oriented outward; `what` names it in the message.
+#[track_caller]
 pub fn assert_sound(mesh: &Mesh, what: &str) {
     assert!(!mesh.triangles.is_empty(), "{what}: there is no mesh");
+    assert_manifold(mesh, what);
+    let inverted = components(mesh).iter().filter(|c| c.volume <= 0.0).count();
+    assert_eq!(inverted, 0, "{what}: components that are inside out");
+}
+
+/// Fails unless a mesh is finite, closed, consistently oriented and manifold, with unit normals and without triangles
+/// that are given twice or have no area.
+#[track_caller]
+pub fn assert_manifold(mesh: &Mesh, what: &str) {
     assert_eq!(mesh.positions.len(), mesh.normals.len(), "{what}");
     assert!(mesh.positions.iter().all(|p| p.is_finite()), "{what}: a position is not finite");
     let unit = mesh.normals.iter().all(|n| (n.length() - 1.0).abs() < 1e-4);
@@ -44,8 +53,6 @@ pub fn assert_sound(mesh: &Mesh, what: &str) {
         }
         assert_eq!(turned, count, "{what}: vertex {vertex} joins two pieces of surface");
     }
-    let inverted = components(mesh).iter().filter(|c| c.volume <= 0.0).count();
-    assert_eq!(inverted, 0, "{what}: components that are inside out");
 }
 
 /// A connected piece of surface.
