@@ -15,6 +15,7 @@ mod no_std;
 mod oldest_compiler;
 mod players;
 mod process;
+mod publish;
 mod result;
 mod sample;
 mod serve;

@@ -3,6 +3,7 @@
 use crate::{
     Result, abi_check, captured, golden, no_std, oldest_compiler, players,
     process::{cargo, program, root, run as run_program, target},
+    publish,
     setup::Need,
     steps::{Outcome, Steps, passed},
     web,
@@ -51,6 +52,7 @@ pub fn run(all: bool, install: bool) -> Result<()> {
     steps.step("from pictures to meshes", || pipeline().map(Outcome::Passed))?;
     steps.step_with(&[VALIDATOR], "Khronos glTF validator", || validator().map(Outcome::Passed))?;
     web::check(&mut steps, all)?;
+    publish::check(&mut steps, all)?;
     if all {
         players::check(&mut steps)?;
         abi_check::check(&mut steps)?;
