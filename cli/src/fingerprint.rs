@@ -22,7 +22,8 @@ impl Fingerprint {
     /// Starts with the bytes of the running program, because another build may give other results.
     pub fn of_program() -> Result<Self, Failure> {
         let read = |path: &Path| fs::read(path).map_err(|e| Failure::Other(format!("{}: {e}", path.display())));
-        let path = env::current_exe().map_err(|e| Failure::Other(format!("the path of the running program cannot be found ({e})")))?;
+        let path = env::current_exe()
+            .map_err(|e| Failure::Other(format!("the path of the running program cannot be found ({e})")))?;
         let mut fingerprint = Self(Sha256::new());
         fingerprint.add(&read(&path)?);
         Ok(fingerprint)

@@ -140,8 +140,9 @@ fn make_frames(job: &Job, report: Report) -> (Report, Option<Failure>) {
     let frames = &job.scene.frames;
     let outcomes = job.threads.map_at_most(MAX_FRAMES, frames.len(), |i| {
         let index = frames[i].index;
-        let outcome = catch_unwind(AssertUnwindSafe(|| job.run(&frames[i])))
-            .unwrap_or_else(|_| Err(Failure::Other(format!("frame {index}: internal error, see the message above: please report it"))));
+        let outcome = catch_unwind(AssertUnwindSafe(|| job.run(&frames[i]))).unwrap_or_else(|_| {
+            Err(Failure::Other(format!("frame {index}: internal error, see the message above: please report it")))
+        });
         let mut report = report.lock().unwrap_or_else(PoisonError::into_inner);
         let outcome = outcome.and_then(|done| {
             report.frames.push(done);

@@ -116,7 +116,8 @@ impl Scene {
         struct Head {
             version: Option<serde_json::Value>,
         }
-        let text = std::str::from_utf8(bytes).map_err(|_| String::from("the file is not UTF-8 text: save it as UTF-8"))?;
+        let text =
+            std::str::from_utf8(bytes).map_err(|_| String::from("the file is not UTF-8 text: save it as UTF-8"))?;
         let head: Head = serde_json::from_str(text).map_err(|e| syntax_problem(text, &e))?;
         match head.version {
             Some(version) if version == VERSION => {}

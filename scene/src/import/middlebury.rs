@@ -21,7 +21,10 @@ pub fn read(files: &dyn Files, path: &Path) -> Result<Vec<ImportedView>, Failure
         .ok_or_else(|| wrong(String::from("the first line must be the number of views")))?;
     let views: Vec<ImportedView> = lines.map(|line| view(files, &file, folder, line)).collect::<Result<_, _>>()?;
     if views.len() != count {
-        return Err(wrong(format!("the first line announces {count} views, but there are {}: copy the file again", views.len())));
+        return Err(wrong(format!(
+            "the first line announces {count} views, but there are {}: copy the file again",
+            views.len()
+        )));
     }
     Ok(views)
 }
@@ -49,8 +52,9 @@ fn view(files: &dyn Files, file: &Path, folder: &Path, line: &str) -> Result<Imp
     let Some(Ok(n)) = numbers.map(<[f64; 21]>::try_from) else {
         return Err(failure(file, &name, "21 numbers are needed after the name: K, R and t by rows"));
     };
-    let image = find_picture(files, &[folder.to_path_buf(), folder.join("images")], picture)
-        .ok_or_else(|| failure(file, &name, &format!("its picture `{picture}` is missing: put it into the folder of this file")))?;
+    let image = find_picture(files, &[folder.to_path_buf(), folder.join("images")], picture).ok_or_else(|| {
+        failure(file, &name, &format!("its picture `{picture}` is missing: put it into the folder of this file"))
+    })?;
     let [width, height] = picture_size(files, &image, &name)?;
     let nine = |start: usize| rows(std::array::from_fn(|i| n[start + i]));
     let camera = Camera { width, height, k: nine(0), distortion: [0.0; 5], r: nine(9), t: [n[18], n[19], n[20]] };

@@ -1,4 +1,4 @@
-//! Facts of the whole method on scenes whose truth is known: what the tests of this package share.
+//! Shared code of the tests that check the whole method on solids with known ground truth.
 
 pub mod errors;
 pub mod outline;

@@ -1,15 +1,15 @@
-//! A capture in one file, so that all machines surely read the same numbers.
+//! A capture in one file, so that all machines read the same numbers.
 
 use pcmvs_core::{Camera, ImageRef, Mask, PixelFormat, ViewInput};
 
-/// One frame: for every camera its calibration, picture and mask.
+/// One frame: calibration, picture and mask of every camera.
 #[derive(Debug, Clone, PartialEq)]
 pub struct CaptureFile {
     /// Calibration.
     pub cameras: Vec<Camera>,
-    /// Packed sRGB, one a camera.
+    /// Packed sRGB pictures, one per camera.
     pub pictures: Vec<Vec<u8>>,
-    /// White on the subject, one a camera.
+    /// Masks, one per camera, white on the subject.
     pub masks: Vec<Vec<u8>>,
 }
 
@@ -23,7 +23,7 @@ impl CaptureFile {
         self.cameras.iter().enumerate().map(input).collect()
     }
 
-    /// The file: cameras one after another, each with its picture and mask; little-endian.
+    /// The bytes of the file: each camera with its picture and mask, little-endian.
     pub fn to_bytes(&self) -> Vec<u8> {
         let mut bytes = Vec::new();
         for (i, camera) in self.cameras.iter().enumerate() {
@@ -40,7 +40,7 @@ impl CaptureFile {
         bytes
     }
 
-    /// Reads what [`Self::to_bytes`] wrote; `None` if it is cut short.
+    /// Reads the bytes of [`Self::to_bytes`]; `None` if they are truncated.
     pub fn from_bytes(bytes: &[u8]) -> Option<Self> {
         let mut rest = Rest(bytes);
         let mut capture = Self { cameras: Vec::new(), pictures: Vec::new(), masks: Vec::new() };
@@ -63,7 +63,7 @@ impl CaptureFile {
     }
 }
 
-/// What is left to read.
+/// The bytes that are not yet read.
 struct Rest<'a>(&'a [u8]);
 
 impl Rest<'_> {

@@ -1,4 +1,4 @@
-//! What the core makes of a capture.
+//! Records the outputs of all stages for a capture.
 
 use crate::{
     capture_file::CaptureFile,
@@ -9,7 +9,7 @@ use pcmvs_core::{
     reconstruct,
 };
 
-/// The preset of a name, of those that are recorded.
+/// A preset by name, if results are recorded for it.
 pub fn preset(name: &str) -> Option<Preset> {
     match name {
         "default" => Some(Preset::Default),
@@ -18,7 +18,7 @@ pub fn preset(name: &str) -> Option<Preset> {
     }
 }
 
-/// Reconstructs a capture on one thread and records what every stage gave.
+/// Reconstructs a capture on one thread and records the output of every stage.
 ///
 /// # Errors
 /// Those of [`reconstruct`].
@@ -61,7 +61,7 @@ fn rgb([r, g, b]: [u8; 3]) -> u32 {
     u32::from(r) << 16 | u32::from(g) << 8 | u32::from(b)
 }
 
-/// The pictures without distortion and the silhouettes, which the core does not keep.
+/// The undistorted pictures and the silhouettes, which the core does not keep.
 fn views(rig: &Rig, capture: &CaptureFile, detail: Detail) -> Result<Vec<Array>, Error> {
     let (mut pixels, mut distances) = (Vec::new(), Vec::new());
     let inputs = capture.inputs();

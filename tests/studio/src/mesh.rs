@@ -1,13 +1,13 @@
-//! Triangle meshes as the studio measures and writes them.
+//! Triangle meshes that the studio measures and writes.
 
 use crate::{noise::Random, solid::Solid};
 use glam::{DVec3, Vec3};
 use pcmvs_core::Mesh;
 
-/// A triangle mesh; faces are counter-clockwise seen from outside.
+/// A triangle mesh. Faces are counter-clockwise seen from outside.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct TriangleMesh {
-    /// Positions in the world, metres.
+    /// Positions in the world, in metres.
     pub vertices: Vec<DVec3>,
     /// Indices of three vertices each.
     pub faces: Vec<[u32; 3]>,
@@ -24,7 +24,7 @@ impl TriangleMesh {
         self.faces[face].map(|i| self.vertices[i as usize])
     }
 
-    /// Points spread evenly over the surface; the same ones for the same seed.
+    /// Points spread evenly over the surface. The same seed gives the same points.
     pub fn surface_points(&self, count: usize, seed: u64) -> Vec<DVec3> {
         let mut sum = 0.0;
         let area = |f: usize| {
@@ -52,10 +52,10 @@ impl TriangleMesh {
             .collect()
     }
 
-    /// The mesh as the core has it, relative to the origin, with the normals of the true surface.
+    /// The mesh in the type of the core, relative to the world's origin, with the normals of the true surface.
     pub fn to_core(&self, truth: &Solid) -> Mesh {
         Mesh {
-            positions: self.vertices.iter().map(DVec3::as_vec3).collect(),
+            positions: self.vertices.iter().map(|p| p.as_vec3()).collect(),
             normals: self.vertices.iter().map(|&p| truth.normal(p).as_vec3()).collect(),
             triangles: self.faces.clone(),
             ..Mesh::default()

@@ -1,4 +1,4 @@
-//! A capture as a scene folder: `scene.json`, `images/`, `masks/`.
+//! Writes a capture as a scene folder: `scene.json`, `images/`, `masks/`.
 
 use crate::{
     backdrop::CHROMA_RGB,
@@ -56,7 +56,7 @@ impl Capture {
         };
         for (i, picture) in frame.images.iter().enumerate() {
             if picture.rgb.is_empty() {
-                continue; // a missing picture is named, but there is no file
+                continue; // scene.json names a missing picture, but it has no file
             }
             save(&entry.images[i], &picture.rgb, picture.width, picture.height, ColorType::Rgb8)?;
             if let (Some(path), Some(mask)) = (entry.mask(i), &frame.masks[i]) {
@@ -66,7 +66,7 @@ impl Capture {
         Ok(entry)
     }
 
-    /// Writes `scene.json` for the given frames: last, so that a folder that has it is whole.
+    /// Writes `scene.json` for the given frames. It is written last, so that a folder that contains it is complete.
     ///
     /// # Errors
     /// Those of the file system.

@@ -1,4 +1,4 @@
-//! A written scene folder reads back as it was recorded.
+//! A scene folder that was written reads back as recorded.
 
 use pcmvs_scene::{Disk, Scene};
 use std::{env, fs, process};
