@@ -1,4 +1,4 @@
-//! The command line's grammar.
+//! The arguments of the command line.
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use pcmvs_core::Preset;
@@ -12,69 +12,70 @@ pub struct Arguments {
     pub command: Command,
 }
 
-const EXIT_STATUS: &str = "Exit status: 0 ok, 2 bad usage or input, 3 cancelled, 1 anything else.";
+const EXIT_STATUS: &str = "Exit status: 0 success, 1 other errors, 2 wrong usage or input, 3 cancelled.";
 
 #[derive(Debug, Subcommand)]
 pub enum Command {
-    /// Make a closed, coloured mesh of every frame of a scene
+    /// Reconstruct a closed, coloured mesh for every frame of a scene
     ///
-    /// OUT gets frame_FFFF.glb (or .ply), sequence.json and report.json. Files appear under their final names only when
-    /// complete; run again, it continues with the frames that are missing or whose inputs have changed.
+    /// Writes one mesh per frame to OUT, as frame_FFFF.glb (or .ply), with sequence.json and report.json. A file appears
+    /// under its final name only when it is complete. A second run makes only the frames that are missing or whose inputs
+    /// have changed.
     #[command(after_help = EXIT_STATUS)]
     Reconstruct(Reconstruct),
     /// Convert a calibrated capture to a scene
     ///
-    /// Writes SCENE/scene.json and copies the pictures to SCENE/images, the masks to SCENE/masks.
+    /// Writes SCENE/scene.json, and copies the pictures to SCENE/images and the masks to SCENE/masks.
     #[command(after_help = EXIT_STATUS)]
     Import(Import),
 }
 
 #[derive(Debug, Args)]
 pub struct Reconstruct {
-    /// Folder with scene.json, or that file
+    /// Folder that contains scene.json, or the path of scene.json
     pub scene: PathBuf,
     /// Folder for the results
     #[arg(short, long = "output", value_name = "OUT")]
     pub output: PathBuf,
-    /// Frames to make, as 0,3,10..20 (20 is included) [default: all]
+    /// Frames to reconstruct, such as 0,3,10..20 (20 is included) [default: all]
     #[arg(long, value_name = "LIST", value_parser = parse_list)]
     pub frames: Option<List>,
-    /// Cameras to use, by their place in scene.json, as 0,2,4..8 (8 is included) [default: all]
+    /// Cameras to use, by their position in scene.json, such as 0,2,4..8 (8 is included) [default: all]
     #[arg(long, value_name = "LIST", value_parser = parse_list)]
     pub cameras: Option<List>,
     /// Set of parameters
     #[arg(long, value_enum, default_value_t = PresetName::Default)]
     pub preset: PresetName,
-    /// A parameter that differs from the preset's: its path in the library's `Params` and its value as JSON. Not part of
-    /// the stable command line: the parameters may change with any version
+    /// Overrides one parameter of the preset, given by its path in the library's `Params` and its value as JSON. Not part
+    /// of the stable command line, because the parameters may change with any version
     #[arg(long = "set", value_name = "KEY=VALUE", hide = true)]
     pub overrides: Vec<String>,
-    /// Where silhouettes come from: mask files, or the backdrop's colour in scene.json
+    /// Source of the silhouettes: mask files, or the backdrop's colour in scene.json
     #[arg(long, value_enum, default_value_t = MaskSource::File)]
     pub masks: MaskSource,
-    /// Threads over frames and views; the result does not depend on it [default: all cores]
+    /// Number of threads. It does not change the result [default: all cores]
     #[arg(long, value_name = "N")]
     pub threads: Option<NonZeroUsize>,
-    /// Most memory that a frame may need, in MiB, beside its pictures: one that needs more fails at once
+    /// Memory limit per frame in MiB, without its pictures. A frame that needs more fails before it starts
     #[arg(long, value_name = "MIB")]
     pub max_memory: Option<u64>,
     /// Format of the meshes
     #[arg(long, value_enum, default_value_t = Format::Glb)]
     pub format: Format,
-    /// Also write each stage's cloud or mesh as OUT/stages/frame_FFFF/*.ply
+    /// Also write the point cloud or mesh of each stage to OUT/stages/frame_FFFF/*.ply
     #[arg(long)]
     pub stages: bool,
 }
 
 #[derive(Debug, Args)]
 pub struct Import {
-    /// What PATH is
+    /// Format of PATH
     #[arg(long, value_enum)]
     pub from: Source,
-    /// Middlebury: folder with *_par.txt; COLMAP: folder with cameras.txt and images.txt; OpenCV: YAML or JSON file, or a folder of
-    /// one such file a camera; transforms: transforms.json or its folder
+    /// Middlebury: folder with *_par.txt. COLMAP: folder with cameras.txt and images.txt. OpenCV: YAML or JSON file, or a
+    /// folder with one such file per camera. transforms: transforms.json or its folder
     pub path: PathBuf,
-    /// Folder for the scene
+    /// Folder of the new scene
     #[arg(short, long = "output", value_name = "SCENE")]
     pub output: PathBuf,
 }
@@ -121,13 +122,13 @@ impl Format {
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum PresetName {
-    /// What measures best
+    /// Best measured quality
     Default,
-    /// The paper's method as printed
+    /// The method as the paper describes it
     Paper,
-    /// The visual hull's own mesh
+    /// The mesh of the visual hull
     Hull,
-    /// Quick and coarse
+    /// Fast and coarse
     Preview,
 }
 
@@ -155,8 +156,8 @@ impl PresetName {
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct List(pub Vec<u32>);
 
-/// More numbers than any capture has frames: a slip of the finger, not a list.
-const LONGEST_LIST: u32 = 10_000_000;
+/// A longer range is a typing error, because no capture has as many frames.
+const MAX_LIST: u32 = 10_000_000;
 
 fn parse_list(text: &str) -> Result<List, String> {
     let mut numbers = Vec::new();
@@ -168,8 +169,8 @@ fn parse_list(text: &str) -> Result<List, String> {
             Some((first, last)) => (number(first)?, number(last)?),
             None => (number(part)?, number(part)?),
         };
-        if first > last || last - first > LONGEST_LIST {
-            return Err(format!("`{part}` runs backwards or is far too long"));
+        if first > last || last - first > MAX_LIST {
+            return Err(format!("`{part}` runs backwards or is too long"));
         }
         numbers.extend(first..=last);
     }

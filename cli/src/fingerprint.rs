@@ -1,4 +1,4 @@
-//! SHA-256 of files, and of all that a result depends on.
+//! SHA-256 of files, and of everything that a result depends on.
 
 use pcmvs_scene::Failure;
 use sha2::{Digest, Sha256};
@@ -13,15 +13,17 @@ fn hex(bytes: &[u8]) -> String {
     bytes.iter().map(|byte| format!("{byte:02x}")).collect()
 }
 
-/// SHA-256 over a sequence of byte strings. Every one is preceded by its length, so that no two sequences are alike.
+/// SHA-256 over a sequence of byte strings. The length of each is hashed first, so that different sequences give different
+/// input to the hash.
 #[derive(Clone)]
 pub struct Fingerprint(Sha256);
 
 impl Fingerprint {
-    /// Starts with the running program: another build may give other results.
+    /// Starts with the bytes of the running program, because another build may give other results.
     pub fn of_program() -> Result<Self, Failure> {
         let read = |path: &Path| fs::read(path).map_err(|e| Failure::Other(format!("{}: {e}", path.display())));
-        let path = env::current_exe().map_err(|e| Failure::Other(format!("the program cannot find itself: {e}")))?;
+        let path = env::current_exe()
+            .map_err(|e| Failure::Other(format!("the path of the running program cannot be found ({e})")))?;
         let mut fingerprint = Self(Sha256::new());
         fingerprint.add(&read(&path)?);
         Ok(fingerprint)

@@ -1,4 +1,4 @@
-//! One frame from files to files.
+//! Reconstructs one frame: reads its files and writes its mesh.
 
 use crate::{
     arguments::Format,
@@ -19,12 +19,12 @@ use std::{
     path::{Path, PathBuf},
 };
 
-/// All that the frames of a run share.
+/// What all frames of a run share.
 pub struct Job<'a> {
     pub scene: &'a Scene,
     pub rig: &'a Rig,
     pub params: &'a Params,
-    /// Most bytes that a frame may need.
+    /// Memory limit per frame, in bytes.
     pub max_memory: Option<u64>,
     /// Silhouettes from the backdrop's colour instead of mask files.
     pub key: Option<ChromaKey>,
@@ -33,20 +33,20 @@ pub struct Job<'a> {
     pub folder: &'a Path,
     pub threads: &'a Threads,
     pub console: &'a Console<'a>,
-    /// Of program, parameters and cameras.
+    /// Fingerprint of the program, the parameters and the cameras.
     pub settings: &'a Fingerprint,
-    /// Frames that an earlier run has finished.
+    /// Frames that an earlier run finished.
     pub earlier: &'a [FrameReport],
 }
 
-/// A camera's files of one frame, not yet decoded.
+/// The files of one camera and one frame, not yet decoded.
 struct Files {
     image: Vec<u8>,
     mask: Option<Vec<u8>>,
 }
 
 impl Job<'_> {
-    /// Makes a frame, or keeps the earlier result that is the same.
+    /// Reconstructs a frame, or keeps the result of an earlier run if nothing has changed.
     pub fn run(&self, frame: &SceneFrame) -> Result<FrameReport, Failure> {
         if self.console.is_cancelled() {
             return Err(Failure::Cancelled);
@@ -56,7 +56,7 @@ impl Job<'_> {
         if let Some(earlier) = self.earlier.iter().find(|e| e.index == frame.index && e.fingerprint == fingerprint)
             && self.is_still_there(earlier)
         {
-            self.console.line(&format!("frame {} is unchanged, kept", frame.index));
+            self.console.line(&format!("frame {} has not changed: its mesh is kept", frame.index));
             return Ok(earlier.clone());
         }
         let progress = self.console.frame(frame.index);
@@ -92,7 +92,7 @@ impl Job<'_> {
         })
     }
 
-    /// Names frame, camera and file of a picture that cannot be used.
+    /// Frame, camera and file of a picture, for error messages.
     fn place(&self, frame: &SceneFrame, camera: usize, path: &Path) -> String {
         let name = &self.scene.cameras[camera].name;
         format!("frame {}: camera `{name}`: {}", frame.index, self.scene.resolve(path).display())
@@ -162,7 +162,7 @@ impl Job<'_> {
         self.folder.join("stages").join(format!("frame_{index:04}"))
     }
 
-    /// Writes what the stages passed on; the folder appears under its final name when all of it is there.
+    /// Writes the intermediate results. The folder appears under its final name when it is complete.
     fn write_stages(&self, index: u32, result: &Reconstruction) -> Result<(), Failure> {
         let (origin, stages) = (self.rig.origin(), &result.intermediates);
         let folder = self.stages_folder(index);

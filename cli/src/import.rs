@@ -1,5 +1,5 @@
-//! `pcmvs import`: other programs' calibrations as scene folders. Pictures and masks are copied, so that a scene stays
-//! whole when its source moves.
+//! `pcmvs import`: converts the calibration of another program to a scene folder. Pictures and masks are copied, so that
+//! the scene does not depend on its source.
 
 use crate::{arguments::Import, output};
 use pcmvs_scene::{Disk, FILE_NAME, Failure, import};
@@ -14,7 +14,7 @@ pub fn run(options: &Import) -> Result<(), Failure> {
     let target = options.output.join(FILE_NAME);
     if target.exists() {
         let target = target.display();
-        return Err(Failure::Input(format!("{target}: is there already: name another folder or remove that file")));
+        return Err(Failure::Input(format!("{target}: exists already: name another folder or remove that file")));
     }
     let mut masks = 0;
     for frame in &mut scene.frames {
@@ -32,7 +32,7 @@ pub fn run(options: &Import) -> Result<(), Failure> {
     output::write_json(&target, &scene)
 }
 
-/// Copies a file into a folder of the scene under the camera's name; returns its path within the scene.
+/// Copies a file into a folder of the scene and names it after the camera. Returns its path relative to the scene.
 fn copy(source: &Path, scene: &Path, folder: &str, name: &str) -> Result<PathBuf, Failure> {
     let extension = source.extension().unwrap_or_default().to_string_lossy().to_lowercase();
     let relative = Path::new(folder).join(format!("{name}.{extension}"));

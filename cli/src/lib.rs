@@ -1,8 +1,6 @@
-//! The command `pcmvs` as a function: captures in, meshes out. All that the core leaves to its host is here: files,
-//! threads, clocks, the terminal.
+//! The command `pcmvs` as a function. It adds what the core leaves to its host: files, threads, clocks and the terminal.
 
 mod arguments;
-
 mod fingerprint;
 mod frame;
 mod import;
@@ -20,13 +18,13 @@ use arguments::{Arguments, Command};
 use clap::Parser;
 use std::{ffi::OsString, sync::atomic::AtomicBool};
 
-/// Runs the command with its arguments (the first is the program's name) until it is done or `cancelled` becomes true.
-/// Returns the exit status: 0 ok, 2 bad usage or input, 3 cancelled, 1 anything else. Messages go to stderr.
+/// Runs the command until it is done or `cancelled` becomes true. The first argument is the program's name. Returns the
+/// exit status: 0 success, 1 other errors, 2 wrong usage or input, 3 cancelled. Messages go to stderr.
 pub fn run(arguments: impl IntoIterator<Item = OsString>, cancelled: &AtomicBool) -> u8 {
     let arguments = match Arguments::try_parse_from(arguments) {
         Ok(arguments) => arguments,
         Err(error) => {
-            // Help and version come as errors too, but end with 0. Nobody is left to tell when the terminal is gone.
+            // clap returns help and version as errors whose exit code is 0. A closed terminal is not an error.
             let _ = error.print();
             return error.exit_code() as u8;
         }

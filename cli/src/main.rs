@@ -5,7 +5,7 @@ use std::{
     sync::atomic::{AtomicBool, Ordering},
 };
 
-/// Set by the first Ctrl-C (or SIGTERM); a second one does not wait.
+/// Set by the first Ctrl-C or SIGTERM. The second one ends the program at once.
 static CANCELLED: AtomicBool = AtomicBool::new(false);
 
 fn main() -> ExitCode {

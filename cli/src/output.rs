@@ -1,4 +1,4 @@
-//! The folder of results: files that are whole or not there, and the clip's manifest.
+//! The result folder: files that are either complete or missing, and the manifest of the clip.
 
 use crate::report::{FrameReport, Report};
 use pcmvs_scene::{Failure, Scene};
@@ -10,16 +10,16 @@ use std::{
 
 /// Name of the clip's manifest.
 pub const MANIFEST: &str = "sequence.json";
-/// Frames a second where the scene does not say.
+/// Frames per second if the scene does not state it.
 const FPS: f64 = 30.0;
 
-/// Where something is written before it is renamed: hidden, in the same folder.
+/// Path under which a file is written before it is renamed: hidden, in the same folder.
 pub fn temporary(path: &Path) -> PathBuf {
     let name = path.file_name().unwrap_or_default().to_string_lossy();
     path.with_file_name(format!(".{name}.tmp"))
 }
 
-/// Writes a file under a temporary name, then renames it; makes its folder first.
+/// Writes a file under a temporary name and renames it. Creates its folder if necessary.
 pub fn write(path: &Path, bytes: &[u8]) -> Result<(), Failure> {
     let unwritable = |e| Failure::unwritable(path, &e);
     if let Some(folder) = path.parent() {
@@ -28,7 +28,7 @@ pub fn write(path: &Path, bytes: &[u8]) -> Result<(), Failure> {
     let temporary = temporary(path);
     let written = fs::write(&temporary, bytes).and_then(|()| fs::rename(&temporary, path));
     written.map_err(|e| {
-        // The write's own error is the one to tell.
+        // Report the error of the write, not one of the clean-up.
         let _ = fs::remove_file(&temporary);
         unwritable(e)
     })
@@ -42,12 +42,12 @@ pub fn write_json(path: &Path, value: &impl Serialize) -> Result<(), Failure> {
     write(path, &bytes)
 }
 
-/// Name of a frame's mesh.
+/// File name of a frame's mesh.
 pub fn frame_name(index: u32, extension: &str) -> String {
     format!("frame_{index:04}.{extension}")
 }
 
-/// The manifest of a clip, for players.
+/// The manifest that players read.
 #[derive(Serialize)]
 struct Manifest<'a> {
     version: u32,
@@ -56,7 +56,7 @@ struct Manifest<'a> {
     up: Option<[f64; 3]>,
     fps: f64,
     frame_count: usize,
-    /// printf pattern of a frame's file, by its index.
+    /// printf pattern that gives the file name of a frame index.
     url: String,
     bounds: Option<[[f32; 3]; 2]>,
     frames: Vec<ManifestFrame<'a>>,
@@ -79,7 +79,7 @@ impl<'a> ManifestFrame<'a> {
     }
 }
 
-/// Writes the manifest of all frames in the report.
+/// Writes the manifest with all frames of the report.
 pub fn write_manifest(
     folder: &Path,
     scene: &Scene,

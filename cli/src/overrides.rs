@@ -1,10 +1,10 @@
-//! `--set KEY=VALUE`: single parameters that differ from the preset's, to measure what each is worth.
+//! `--set KEY=VALUE`: overrides single parameters of a preset, for ablations.
 
 use crate::json;
 use pcmvs_core::Params;
 use serde_json::Value;
 
-/// The parameters with one of them changed. `assignment` is a field's path in [`Params`] and its value as JSON, as in
+/// Changes one parameter. `assignment` is the path of a field in [`Params`] and its value as JSON, such as
 /// `detection.search.vote.smoothing=0.5`, `frontier=null` or
 /// `merging.conflicts={"distance_pixels": 10, "virtual_views": 0}`.
 pub fn set(params: &Params, assignment: &str) -> Result<Params, String> {
@@ -13,7 +13,7 @@ pub fn set(params: &Params, assignment: &str) -> Result<Params, String> {
     let value: Value = serde_json::from_str(value).map_err(|e| problem(&format!("the value is not JSON ({e})")))?;
     let mut all = json::to_value(params);
     let place = key.split('.').try_fold(&mut all, |at, name| at.get_mut(name));
-    *place.ok_or_else(|| problem("there is no such parameter, or this preset leaves its step out"))? = value;
+    *place.ok_or_else(|| problem("there is no such parameter, or the preset leaves out its step"))? = value;
     serde_json::from_value(all).map_err(|e| problem(&e.to_string()))
 }
 

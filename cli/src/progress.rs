@@ -1,4 +1,4 @@
-//! What a run shows on its way: bars on a terminal, plain lines elsewhere.
+//! Progress of a run: bars on a terminal, plain lines elsewhere.
 
 use indicatif::{MultiProgress, ProgressBar, ProgressStyle};
 use pcmvs_core::{Progress, Stage};
@@ -11,7 +11,7 @@ use std::{
     time::Instant,
 };
 
-/// The terminal (or log) that all frames share, and the user's wish to stop.
+/// The terminal or log that all frames share, and whether the user has cancelled.
 pub struct Console<'a> {
     bars: Option<MultiProgress>,
     cancelled: &'a AtomicBool,
@@ -26,9 +26,9 @@ impl<'a> Console<'a> {
         self.cancelled.load(Ordering::Relaxed)
     }
 
-    /// Writes a line, above the bars where there are any.
+    /// Writes a line, above the bars if there are any.
     pub fn line(&self, text: &str) {
-        // A terminal that has gone away is no reason to stop.
+        // A closed terminal does not stop the run.
         match &self.bars {
             Some(bars) => drop(bars.println(text)),
             None => eprintln!("{text}"),
@@ -65,14 +65,14 @@ pub struct FrameProgress<'a> {
 }
 
 impl FrameProgress<'_> {
-    /// A step, of the core or of the host, starts.
+    /// A stage of the core or a step of the host starts.
     pub fn begin(&self, name: &'static str) {
         self.bar.reset();
         self.bar.set_message(name);
         self.clocks().running.push((name, Instant::now()));
     }
 
-    /// A step ends; does nothing if it has not begun.
+    /// A step ends. Does nothing if it has not started.
     pub fn end(&self, name: &'static str) {
         let mut clocks = self.clocks();
         let Some(at) = clocks.running.iter().position(|&(running, _)| running == name) else { return };
@@ -85,7 +85,7 @@ impl FrameProgress<'_> {
         self.console.line(&format!("frame {} {name:8} {seconds:7.2} s", self.index));
     }
 
-    /// Seconds of each step that has ended.
+    /// Seconds of each finished step.
     pub fn seconds(&self) -> Vec<(&'static str, f64)> {
         self.clocks().seconds.clone()
     }
@@ -105,7 +105,7 @@ impl Progress for FrameProgress<'_> {
     }
 
     fn step(&self, _: Stage, done: u32, total: u32) -> bool {
-        // Views finish in any order: the bar never runs backwards.
+        // Views finish in any order, but the bar must not run backwards.
         self.bar.set_length(u64::from(total));
         self.bar.set_position(self.bar.position().max(u64::from(done)));
         !self.console.is_cancelled()

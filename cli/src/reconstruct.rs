@@ -1,4 +1,4 @@
-//! `pcmvs reconstruct`: all frames of a scene.
+//! `pcmvs reconstruct`: reconstructs all frames of a scene.
 
 use crate::{
     arguments::{Format, MaskSource, Reconstruct},
@@ -19,8 +19,9 @@ use std::{
     thread,
 };
 
-/// Frames in memory at a time: each takes hundreds of MiB. More threads than this share the frames' views.
-const FRAMES_AT_A_TIME: usize = 8;
+/// Largest number of frames in memory at a time, because each takes hundreds of MiB. Further threads work on the views of
+/// these frames.
+const MAX_FRAMES: usize = 8;
 
 /// Runs the command.
 pub fn run(options: &Reconstruct, cancelled: &AtomicBool) -> Result<(), Failure> {
@@ -31,7 +32,7 @@ pub fn run(options: &Reconstruct, cancelled: &AtomicBool) -> Result<(), Failure>
         scene.select_cameras(&list.0)?;
     }
     if options.output.exists() && !options.output.is_dir() {
-        return Err(Failure::Input(format!("{}: is a file: name a folder for the results", options.output.display())));
+        return Err(Failure::Input(format!("{}: is a file: name a folder", options.output.display())));
     }
     let cameras = cameras(&scene)?;
     let rig = Rig::new(&cameras).map_err(|error| scene.explain(&error, None))?;
@@ -79,7 +80,7 @@ pub fn run(options: &Reconstruct, cancelled: &AtomicBool) -> Result<(), Failure>
     if report.frames.is_empty() {
         return Err(worst.unwrap_or(Failure::Cancelled));
     }
-    // Once more, with the failures that came after the last good frame.
+    // Written once more, because frames may have failed after the last good one.
     output::write_json(&options.output.join(report::FILE_NAME), &report)?;
     output::write_manifest(&options.output, &scene, first_index, options.format.extension(), &report)?;
     match worst {
@@ -91,7 +92,7 @@ pub fn run(options: &Reconstruct, cancelled: &AtomicBool) -> Result<(), Failure>
     }
 }
 
-/// The core's cameras.
+/// The cameras as the core takes them.
 fn cameras(scene: &Scene) -> Result<Vec<Camera>, Failure> {
     let camera = |c: &SceneCamera| {
         c.camera()
@@ -100,7 +101,7 @@ fn cameras(scene: &Scene) -> Result<Vec<Camera>, Failure> {
     scene.cameras.iter().map(camera).collect()
 }
 
-/// How silhouettes are made where they do not come from mask files.
+/// The chroma key, if silhouettes do not come from mask files.
 fn chroma_key(masks: MaskSource, scene: &Scene) -> Result<Option<ChromaKey>, Failure> {
     if masks == MaskSource::File {
         return Ok(None);
@@ -114,7 +115,7 @@ fn chroma_key(masks: MaskSource, scene: &Scene) -> Result<Option<ChromaKey>, Fai
     }
 }
 
-/// All that frames depend on besides their own pictures.
+/// Everything that the frames depend on besides their own pictures.
 fn settings(
     format: Format,
     params: &Params,
@@ -126,21 +127,22 @@ fn settings(
     Ok(fingerprint)
 }
 
-/// Frames of an earlier run that this run does not ask for but that belong to the same clip.
+/// Frames of an earlier run that belong to the same clip but are not part of this run.
 fn not_to_do(earlier: &[FrameReport], scene: &Scene, folder: &Path) -> Vec<FrameReport> {
     let asked = |index: u32| scene.frames.iter().any(|f| f.index == index);
     earlier.iter().filter(|e| !asked(e.index) && folder.join(&e.file).is_file()).cloned().collect()
 }
 
-/// Makes all frames, whichever of them fail. The report is written after each good one, so that a
-/// killed run can be continued.
+/// Reconstructs all frames, even if some of them fail. The report is written after each good frame, so that a killed run
+/// can be continued.
 fn make_frames(job: &Job, report: Report) -> (Report, Option<Failure>) {
     let report = Mutex::new(report);
     let frames = &job.scene.frames;
-    let outcomes = job.threads.map_at_most(FRAMES_AT_A_TIME, frames.len(), |i| {
+    let outcomes = job.threads.map_at_most(MAX_FRAMES, frames.len(), |i| {
         let index = frames[i].index;
-        let outcome = catch_unwind(AssertUnwindSafe(|| job.run(&frames[i])))
-            .unwrap_or_else(|_| Err(Failure::Other(format!("frame {index}: the program has a defect (see above)"))));
+        let outcome = catch_unwind(AssertUnwindSafe(|| job.run(&frames[i]))).unwrap_or_else(|_| {
+            Err(Failure::Other(format!("frame {index}: internal error, see the message above: please report it")))
+        });
         let mut report = report.lock().unwrap_or_else(PoisonError::into_inner);
         let outcome = outcome.and_then(|done| {
             report.frames.push(done);
@@ -162,9 +164,9 @@ fn make_frames(job: &Job, report: Report) -> (Report, Option<Failure>) {
     (report, summary(&failures, frames.len()))
 }
 
-/// The failure that stands for all: cancelling before anything else, the program's troubles before the input's.
+/// The failure that decides the exit status: cancellation first, then other errors, then wrong input.
 fn summary(failures: &[Failure], frames: usize) -> Option<Failure> {
-    let text = format!("{} of {frames} frames failed, the messages are above", failures.len());
+    let text = format!("{} of {frames} frames failed, see the messages above", failures.len());
     if failures.is_empty() {
         None
     } else if failures.contains(&Failure::Cancelled) {

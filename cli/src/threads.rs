@@ -1,17 +1,18 @@
-//! The core's independent pieces of work on a pool of threads.
+//! Runs the independent pieces of work of the core on a thread pool.
 
-use pcmvs_core::Executor;
+use pcmvs_core::{Executor, Pool};
 use pcmvs_scene::Failure;
 use rayon::{Scope, ThreadPool, ThreadPoolBuilder, prelude::*};
 use std::{
+    mem::take,
     num::NonZeroUsize,
     sync::{
-        Mutex, MutexGuard, PoisonError,
+        Mutex, PoisonError,
         atomic::{AtomicUsize, Ordering},
     },
 };
 
-/// Bytes of a thread's stack. A thread that waits for a frame's last views may start another frame on top of it.
+/// Stack size in bytes. A thread that waits for the last views of a frame may start another frame on top of its stack.
 const STACK: usize = 8 << 20;
 
 /// A fixed number of threads. Calls may nest (views within frames).
@@ -20,7 +21,7 @@ pub struct Threads {
     pool: ThreadPool,
 }
 
-/// What the tasks of [`Threads::map_at_most`] share.
+/// Shared by the tasks of [`Threads::map_at_most`].
 struct Queue<J, T> {
     job: J,
     count: usize,
@@ -35,7 +36,7 @@ impl Threads {
         Ok(Self { pool })
     }
 
-    /// `(0..count).map(job)` with at most `most` pieces at a time, and no more than there are threads.
+    /// `(0..count).map(job)` with at most `most` jobs at a time, and no more than there are threads.
     pub fn map_at_most<T: Send>(&self, most: usize, count: usize, job: impl Fn(usize) -> T + Sync) -> Vec<T> {
         let queue = Queue { job, count, next: AtomicUsize::new(0), done: Mutex::default() };
         let tasks = count.min(most).min(self.pool.current_num_threads());
@@ -47,14 +48,14 @@ impl Threads {
 }
 
 impl<J: Fn(usize) -> T + Sync, T: Send> Queue<J, T> {
-    /// Spawns the next piece; it spawns its successor. (Not a loop: it would keep a frame waiting if the thread that works
-    /// on that frame took up the loop in the meantime.)
+    /// Spawns the next job, which spawns its successor when it is done. A loop inside one task would not do: a thread that
+    /// waits for the last views of its frame could enter the loop, and its frame would have to wait until the loop ends.
     fn spawn<'scope>(&'scope self, scope: &Scope<'scope>) {
         let i = self.next.fetch_add(1, Ordering::Relaxed);
         if i < self.count {
             scope.spawn(move |scope| {
                 let result = (self.job)(i);
-                lock(&self.done).push((i, result));
+                self.done.lock().unwrap_or_else(PoisonError::into_inner).push((i, result));
                 self.spawn(scope);
             });
         }
@@ -68,20 +69,12 @@ impl Executor for Threads {
         count: usize,
         job: impl Fn(&mut S, usize) -> T + Sync,
     ) -> Vec<T> {
-        let spare = Mutex::new(spare);
-        let piece = |i| {
-            let mut scratch = lock(&spare).pop().unwrap_or_default();
-            let result = job(&mut scratch, i);
-            lock(&spare).push(scratch);
-            result
-        };
-        self.pool.install(|| (0..count).into_par_iter().with_max_len(1).map(piece).collect())
+        let mut scratches = Pool::from(take(spare));
+        let with_scratch = |i| scratches.with(|scratch| job(scratch, i));
+        let results = self.pool.install(|| (0..count).into_par_iter().with_max_len(1).map(with_scratch).collect());
+        *spare = take(scratches.spare());
+        results
     }
-}
-
-/// A job that panics ends its frame or the program, not the others' access.
-fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
-    mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
 #[cfg(test)]

@@ -1,4 +1,4 @@
-//! Whatever is wrong with an input: exit status 2, a message that names it, nothing under a final name.
+//! Wrong input gives exit status 2, a message that names file and remedy, and no file under a final name.
 
 mod common;
 
@@ -78,7 +78,7 @@ fn a_truncated_picture() {
     let jpeg = include_bytes!("data/waves.jpg");
     capture.scene["frames"][0]["images"][1] = json!("images/cut");
     for file in [&png[..], jpeg] {
-        // Most of a JPEG's decoders are silent when only its end is cut off.
+        // Most JPEG decoders do not notice when only the end is cut off.
         for length in [file.len() / 3, file.len() - 40, file.len() - 2, file.len() - 1] {
             if file[0] == 0xFF || length < file.len() - 12 {
                 fs::write(capture.path("images/cut"), &file[..length]).unwrap();
@@ -150,7 +150,7 @@ fn a_scene_that_is_not_one() {
     change(|s| drop(s["frames"][0]["images"].as_array_mut().unwrap().pop()), &["frame 0", "3 images for 4 cameras"]);
     change(|s| drop(s["frames"][0]["masks"].as_array_mut().unwrap().pop()), &["frame 0", "3 masks for 4 cameras"]);
     change(|s| s["frames"] = json!([]), &["no cameras or no frames"]);
-    change(|s| s["frames"] = json!([s["frames"][0], s["frames"][0]]), &["frame 0 is there twice"]);
+    change(|s| s["frames"] = json!([s["frames"][0], s["frames"][0]]), &["frame 0 occurs twice"]);
 }
 
 #[test]

@@ -1,4 +1,4 @@
-//! GLB and PLY as other readers see them.
+//! Other libraries read the GLB and PLY files.
 #![allow(clippy::disallowed_methods, reason = "no result depends on the tests' own numbers")]
 
 use glam::{DVec3, Vec3};
@@ -85,7 +85,7 @@ fn a_mesh_without_colours_or_faces_is_a_valid_file_too() {
     assert_eq!(gltf::Gltf::from_slice(&empty).unwrap().meshes().count(), 0);
 }
 
-/// Splits a PLY into its header's lines and its body.
+/// Splits a PLY file into the lines of its header and its body.
 fn split(ply: &[u8]) -> (Vec<String>, &[u8]) {
     let end = ply.windows(11).position(|w| w == b"end_header\n").unwrap() + 11;
     let header = String::from_utf8(ply[..end].to_vec()).unwrap();

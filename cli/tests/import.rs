@@ -1,5 +1,5 @@
-//! Each importer against its own program's convention: a point projected by that program's formula must land on the same
-//! pixel through the imported camera.
+//! Each importer follows the convention of its program: a point that is projected by that program's formula lands on the
+//! same pixel through the imported camera.
 #![allow(clippy::disallowed_methods, reason = "no result depends on the tests' own numbers")]
 
 mod common;
@@ -17,7 +17,7 @@ use tempfile::TempDir;
 
 const POINT: DVec3 = DVec3::new(0.3, -0.2, 0.5);
 
-/// A folder with pictures and masks of the names given, and one text file.
+/// A folder with pictures and masks of the given names, and one text file.
 fn source(file: &str, text: &str, pictures: &[&str], masks: &[&str]) -> TempDir {
     let folder = tempfile::tempdir().unwrap();
     fs::create_dir(folder.path().join("images")).unwrap();
@@ -32,7 +32,7 @@ fn source(file: &str, text: &str, pictures: &[&str], masks: &[&str]) -> TempDir 
     folder
 }
 
-/// Imports a source; returns scene.json.
+/// Imports a source and returns scene.json.
 fn import(from: &str, path: &Path) -> Value {
     let target = tempfile::tempdir().unwrap();
     let output = pcmvs().args(["import", "--from", from]).arg(path).arg("-o").arg(target.path()).output().unwrap();
@@ -47,7 +47,7 @@ fn import(from: &str, path: &Path) -> Value {
     scene
 }
 
-/// Imports a source that must be refused; returns the message.
+/// Imports a source that must be refused, and returns the message.
 fn refused(from: &str, path: &Path) -> String {
     let target = tempfile::tempdir().unwrap();
     let output = pcmvs().args(["import", "--from", from]).arg(path).arg("-o").arg(target.path()).output().unwrap();
@@ -198,7 +198,7 @@ fn opencv_yaml_of_one_camera_a_file() {
             [DVec3::X, DVec3::Y, DVec3::Z].map(|column| row.dot(turn(column, AXIS, ANGLE)).to_string()).join(", ")
         })
         .into();
-    // As cv::FileStorage writes it, numbers such as `60.` included.
+    // As cv::FileStorage writes it, including numbers such as `60.`.
     let text = format!(
         "%YAML:1.0\n---\nimage_width: {WIDTH}\nimage_height: {HEIGHT}\n\
          camera_matrix: !!opencv-matrix\n   rows: 3\n   cols: 3\n   dt: d\n\
@@ -258,7 +258,7 @@ fn transforms_are_camera_to_world_with_opengl_axes() {
     let row = |pick: fn(DVec3) -> f64| json!([pick(right), pick(up), pick(back), pick(centre)]);
     let matrix = json!([row(|v| v.x), row(|v| v.y), row(|v| v.z), [0, 0, 0, 1]]);
     let pictures = ["images/a.png", "images/b.png"];
-    // The point is 3 ahead, 0.4 to the left and 0.2 up: up is a smaller row.
+    // The point is 3 ahead, 0.4 to the left and 0.2 up. Smaller rows are further up.
     let seen = |fx: f64, fy: f64, cx: f64, cy: f64| DVec2::new(fx * -0.4 / 3.0 + cx - 0.5, -fy * 0.2 / 3.0 + cy - 0.5);
 
     let file = json!({
@@ -274,7 +274,7 @@ fn transforms_are_camera_to_world_with_opengl_axes() {
     assert_sees(&scene, 1, seen(80.0, 70.0, 30.0, 20.0));
     assert_eq!(scene["frames"][0]["masks"], json!(["masks/images_a.png", "masks/images_b.png"]));
 
-    // Blender: only the angle of view; the axis goes through the picture's middle.
+    // Blender gives only the angle of view, and the axis goes through the centre of the picture.
     let angle = 0.9_f64;
     let file = json!({ "camera_angle_x": angle, "frames": [{ "file_path": "images/a", "transform_matrix": matrix }] });
     let folder = source("transforms.json", &file.to_string(), &pictures, &[]);

@@ -61,7 +61,7 @@ fn manifest_and_report_describe_the_files() {
     }
 }
 
-/// The meshes of two frames; the capture is made anew.
+/// The meshes of two frames of a new capture.
 fn meshes(change: impl Fn(&mut Capture), arguments: &[&str]) -> [Vec<u8>; 2] {
     let mut capture = Capture::enlarged(14, 2, 3);
     change(&mut capture);
@@ -72,7 +72,7 @@ fn meshes(change: impl Fn(&mut Capture), arguments: &[&str]) -> [Vec<u8>; 2] {
 #[test]
 fn threads_frame_order_and_stages_do_not_change_a_byte() {
     let expected = meshes(|_| (), &["--threads", "1"]);
-    assert!(expected[0] != expected[1], "the frames are the same: their order cannot be told");
+    assert!(expected[0] != expected[1], "the frames are equal, so the test cannot detect their order");
     assert!(meshes(|_| (), &["--threads", "3"]) == expected, "threads");
     assert!(meshes(|_| (), &["--frames", "1,0", "--stages"]) == expected, "frames that are listed backwards, stages");
     let backwards = |capture: &mut Capture| capture.scene["frames"].as_array_mut().unwrap().reverse();
@@ -82,13 +82,13 @@ fn threads_frame_order_and_stages_do_not_change_a_byte() {
 #[test]
 fn a_second_run_makes_only_what_is_missing_or_has_changed() {
     let capture = Capture::new(5, 3);
-    let kept = |message: &str| message.matches("is unchanged, kept").count();
+    let kept = |message: &str| message.matches("has not changed: its mesh is kept").count();
     assert_eq!(kept(&assert_runs(&capture, &["--frames", "0,1"])), 0);
     let first = fs::read(capture.path("out/frame_0000.glb")).unwrap();
     assert_eq!(kept(&assert_runs(&capture, &[])), 2);
     assert_eq!(indices(&json(&capture, "sequence.json")["frames"]), [0, 1, 2]);
 
-    // Gone, damaged, or made from another picture.
+    // Removed, damaged, or made from another picture.
     fs::remove_file(capture.path("out/frame_0000.glb")).unwrap();
     fs::write(capture.path("out/frame_0001.glb"), b"glTF").unwrap();
     capture.mask("masks/cam00_2.png", 31.5, 12.0);
@@ -96,7 +96,7 @@ fn a_second_run_makes_only_what_is_missing_or_has_changed() {
     assert_eq!(fs::read(capture.path("out/frame_0000.glb")).unwrap(), first);
     assert_eq!(kept(&assert_runs(&capture, &[])), 3);
 
-    // Other cameras make another clip, of which the old frames are no part.
+    // Other cameras give another clip, which does not contain the old frames.
     assert_eq!(kept(&assert_runs(&capture, &["--cameras", "0..3", "--frames", "1"])), 0);
     assert_eq!(indices(&json(&capture, "sequence.json")["frames"]), [1]);
 }
@@ -178,6 +178,6 @@ fn an_interrupted_run_ends_with_3_and_can_be_continued() {
     let results = capture.results();
     assert!(results.contains(&"frame_0000.glb".to_owned()) && !results.contains(&"frame_0039.glb".to_owned()));
     assert!(!results.iter().any(|name| name.ends_with(".tmp")), "{results:?}");
-    assert!(assert_runs(&capture, &[]).contains("frame 0 is unchanged, kept"));
+    assert!(assert_runs(&capture, &[]).contains("frame 0 has not changed: its mesh is kept"));
     assert_eq!(json(&capture, "sequence.json")["frame_count"], 40);
 }

@@ -1,15 +1,15 @@
-//! Why a run ends early.
+//! Errors of runs and imports.
 
 use std::{fmt, io, path::Path};
 
 /// Why a run, a frame or an import could not be finished.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Failure {
-    /// Usage or input is wrong; the message names file, camera and remedy.
+    /// The usage or the input is wrong. The message names file, camera and remedy.
     Input(String),
     /// The user asked to stop.
     Cancelled,
-    /// Anything else: a full disk, too little memory, a defect of the program.
+    /// Anything else, such as a full disk, too little memory or an internal error.
     Other(String),
 }
 

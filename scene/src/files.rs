@@ -1,4 +1,4 @@
-//! Where a capture's files come from.
+//! Access to the files of a capture.
 
 use std::{
     fs, io,
@@ -7,13 +7,13 @@ use std::{
 
 /// A tree of files that can be read.
 pub trait Files {
-    /// All bytes of a file.
+    /// The bytes of a file.
     fn read(&self, path: &Path) -> io::Result<Vec<u8>>;
-    /// Whether there is a file of this path.
+    /// Whether the path is a file.
     fn is_file(&self, path: &Path) -> bool;
-    /// Whether there is a folder of this path.
+    /// Whether the path is a folder.
     fn is_folder(&self, path: &Path) -> bool;
-    /// Paths of the files and folders in a folder, in the order of their names.
+    /// Paths of the files and folders in a folder, sorted by name.
     fn list(&self, folder: &Path) -> io::Result<Vec<PathBuf>>;
 }
 

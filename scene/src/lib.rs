@@ -1,7 +1,7 @@
-//! Captured scenes: scene.json, other programs' calibrations, and their pictures as the core takes them.
+//! Captured scenes: scene.json, calibrations of other programs, and pictures as the core takes them.
 //!
-//! Nothing here opens a file by itself: all reading goes through [`Files`], so that the command line and the browser
-//! read a capture alike, to the last bit.
+//! All files are read through [`Files`], so that the command line and the browser read a capture in the same way, bit for
+//! bit.
 
 mod failure;
 mod files;

@@ -1,4 +1,4 @@
-//! A capture of whatever kind, found by looking.
+//! Finds a capture in a folder and recognises its format.
 
 use crate::{
     failure::Failure,
@@ -8,15 +8,15 @@ use crate::{
 };
 use std::path::{Path, PathBuf};
 
-/// Folders deeper than this are not searched.
-const DEEPEST: usize = 4;
+/// Levels of folders that are searched.
+const MAX_DEPTH: usize = 4;
 
-/// Opens the capture in a folder or, where there is none, in the nearest folder below it: a scene.json before any
-/// other program's calibration. Picture paths of an imported scene are those of its source.
+/// Opens the capture in a folder or, if there is none, in the nearest folder below it. A scene.json takes precedence over
+/// the calibration of another program. Picture paths of an imported scene are those of its source.
 pub fn open(files: &dyn Files, root: &Path) -> Result<Scene, Failure> {
     let unreadable = |folder: &Path, e: &std::io::Error| Failure::unreadable(folder, e);
     let mut folders = vec![root.to_path_buf()];
-    for _ in 0..=DEEPEST {
+    for _ in 0..=MAX_DEPTH {
         let mut below = Vec::new();
         for folder in &folders {
             let entries = files.list(folder).map_err(|e| unreadable(folder, &e))?;
@@ -31,12 +31,12 @@ pub fn open(files: &dyn Files, root: &Path) -> Result<Scene, Failure> {
         folders = below;
     }
     Err(Failure::Input(String::from(
-        "no calibrated capture was found: give a folder with scene.json, Middlebury's *_par.txt, a COLMAP text model \
+        "no calibrated capture was found: name a folder with scene.json, Middlebury's *_par.txt, a COLMAP text model \
          (cameras.txt, images.txt), transforms.json or OpenCV calibrations, and the pictures",
     )))
 }
 
-/// Which program's calibration a folder holds, and its path for [`import`].
+/// The program whose calibration a folder contains, and the path for [`import`].
 fn recognise(files: &dyn Files, folder: &Path, entries: &[PathBuf]) -> Option<(Source, PathBuf)> {
     let ends = |path: &PathBuf, end: &str| path.to_string_lossy().to_lowercase().ends_with(end);
     let has = |name: &str| files.is_file(&folder.join(name));

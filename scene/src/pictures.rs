@@ -1,6 +1,7 @@
-//! JPEG and PNG files as the core's pictures: the same pixels on every machine.
+//! Decodes JPEG and PNG files to the same pixels on every machine.
 //!
-//! JPEG leaves the inverse transform's rounding to the decoder, so one decoder without SIMD paths is used everywhere.
+//! The JPEG standard leaves the rounding of the inverse transform to the decoder. Therefore the same decoder, without its
+//! SIMD paths, is used everywhere.
 
 use image::{DynamicImage, ImageFormat};
 use pcmvs_core::{ImageRef, PixelFormat};
@@ -19,7 +20,7 @@ pub struct Picture {
 }
 
 impl Picture {
-    /// Pixels without padding.
+    /// A picture from pixels without padding.
     pub fn new(pixels: Vec<u8>, width: u32, height: u32, format: PixelFormat) -> Self {
         Self { width, height, format, pixels }
     }
@@ -29,23 +30,23 @@ impl Picture {
         ImageRef::packed(&self.pixels, self.width, self.height, self.format)
     }
 
-    /// Decodes a file's bytes; errors say what is wrong and what to do.
+    /// Decodes the bytes of a file. Errors name the problem and the remedy.
     pub fn decode(file: &[u8]) -> Result<Self, String> {
         match image::guess_format(file) {
             Ok(ImageFormat::Jpeg) => decode_jpeg(file),
             Ok(ImageFormat::Png) => decode_png(file),
-            _ if file.is_empty() => Err(String::from("the file is empty: copy or export it again")),
-            _ => Err(String::from("this is neither JPEG nor PNG: convert it to one of them")),
+            _ if file.is_empty() => Err(String::from("the file is empty: export it again")),
+            _ => Err(String::from("the file is neither JPEG nor PNG: convert it to one of them")),
         }
     }
 }
 
 fn damaged(why: impl std::fmt::Display) -> String {
-    format!("the picture is damaged or truncated ({why}): copy or export it again")
+    format!("the picture is damaged or truncated ({why}): export it again")
 }
 
 fn decode_jpeg(file: &[u8]) -> Result<Picture, String> {
-    // The end marker may be missing although every block is there; only its absence shows that a copy broke off late.
+    // If a copy stopped shortly before the end, all blocks may be there, and only the missing end marker shows it.
     let scan = file.windows(2).rposition(|marker| marker == [0xFF, 0xDA]).unwrap_or(0);
     if !file[scan..].windows(2).any(|marker| marker == [0xFF, 0xD9]) {
         return Err(damaged("its end marker is missing"));

@@ -1,54 +1,54 @@
-//! A captured scene: scene.json, read strictly.
+//! A captured scene: the strict reader of scene.json.
 
 use crate::{failure::Failure, files::Files};
 use pcmvs_core::{Camera, Error};
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
 
-/// The only version of the format so far.
+/// The only version of the format.
 pub const VERSION: u32 = 1;
-/// Name of the file in a scene's folder.
+/// Name of the file in a scene folder.
 pub const FILE_NAME: &str = "scene.json";
 
-/// scene.json. Keys that are not listed (novel views for scoring, notes) are ignored.
+/// The content of scene.json. Unknown keys, such as novel views for scoring or notes, are ignored.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct Scene {
     /// Version of the format.
     pub version: u32,
-    /// Unit of length, for people and manifests.
+    /// Unit of length. It is only copied to manifests.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub units: Option<String>,
     /// Upward direction.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub up: Option<[f64; 3]>,
-    /// Frames a second of the clip.
+    /// Frames per second.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub fps: Option<f64>,
     /// Calibrated cameras.
     pub cameras: Vec<SceneCamera>,
     /// Recorded frames.
     pub frames: Vec<SceneFrame>,
-    /// What is behind the object.
+    /// Backdrop.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub background: Option<Background>,
-    /// Where it was read: paths inside are relative to this file's folder.
+    /// Path of scene.json. Paths in it are relative to its folder.
     #[serde(skip)]
     pub path: PathBuf,
 }
 
-/// A camera of scene.json: world to pixel is `K · distort(R X + t)`, the first pixel's centre at (0, 0).
+/// A camera of scene.json. World to pixel is `K · distort(R X + t)`; the centre of the first pixel is at (0, 0).
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct SceneCamera {
-    /// Name, for people and messages.
+    /// Name, for messages.
     pub name: String,
-    /// Pixels in a row of its pictures.
+    /// Width of its pictures in pixels.
     pub width: u32,
-    /// Rows of its pictures.
+    /// Height of its pictures in pixels.
     pub height: u32,
     /// Intrinsic matrix by rows.
     #[serde(rename = "K")]
     pub k: [[f64; 3]; 3],
-    /// k1 k2 p1 p2 k3, shorter lists are filled with zeros.
+    /// k1 k2 p1 p2 k3. Shorter lists are padded with zeros.
     #[serde(default)]
     pub distortion: Vec<f64>,
     /// Rotation by rows, world to camera.
@@ -61,25 +61,25 @@ pub struct SceneCamera {
 /// A frame of scene.json.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct SceneFrame {
-    /// Number of the frame, its own.
+    /// Number of the frame, unique in the scene.
     pub index: u32,
-    /// Picture paths, one a camera.
+    /// Paths of the pictures, one per camera.
     pub images: Vec<PathBuf>,
-    /// Mask paths, one a camera, null where there is none; no list: none at all.
+    /// Paths of the masks, one per camera, null if a camera has none. No list means that there are no masks.
     #[serde(default)]
     pub masks: Option<Vec<Option<PathBuf>>>,
 }
 
-/// What is behind the object.
+/// The backdrop of a scene.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct Background {
-    /// The backdrop's colour, sRGB.
+    /// Its colour in sRGB.
     #[serde(default)]
     pub chroma_rgb: Option<[u8; 3]>,
 }
 
 impl SceneCamera {
-    /// The core's camera.
+    /// The camera as the core takes it.
     pub fn camera(&self) -> Result<Camera, String> {
         let (given, beyond) = self.distortion.split_at(self.distortion.len().min(5));
         if beyond.iter().any(|&v| v != 0.0) {
@@ -94,14 +94,14 @@ impl SceneCamera {
 }
 
 impl SceneFrame {
-    /// Path of a camera's mask, as written in the scene.
+    /// Path of a camera's mask, as written in scene.json.
     pub fn mask(&self, camera: usize) -> Option<&Path> {
         self.masks.as_ref()?[camera].as_deref()
     }
 }
 
 impl Scene {
-    /// Reads `path`, a scene's folder or its scene.json.
+    /// Reads a scene. `path` is its folder or its scene.json.
     pub fn load(files: &dyn Files, path: &Path) -> Result<Self, Failure> {
         let path = if files.is_folder(path) { path.join(FILE_NAME) } else { path.to_path_buf() };
         let bytes = files.read(&path).map_err(|e| Failure::unreadable(&path, &e))?;
@@ -116,12 +116,13 @@ impl Scene {
         struct Head {
             version: Option<serde_json::Value>,
         }
-        let text = std::str::from_utf8(bytes).map_err(|_| String::from("this is not UTF-8 text: save it as UTF-8"))?;
+        let text =
+            std::str::from_utf8(bytes).map_err(|_| String::from("the file is not UTF-8 text: save it as UTF-8"))?;
         let head: Head = serde_json::from_str(text).map_err(|e| syntax_problem(text, &e))?;
         match head.version {
             Some(version) if version == VERSION => {}
             Some(other) => {
-                return Err(format!("version {other} is not known: this program reads version {VERSION}"));
+                return Err(format!("version {other} is unknown: this program reads version {VERSION}"));
             }
             None => return Err(format!("`version` is missing: write \"version\": {VERSION}")),
         }
@@ -138,22 +139,22 @@ impl Scene {
 
     fn check(&self) -> Result<(), String> {
         if self.cameras.is_empty() || self.frames.is_empty() {
-            return Err(String::from("there are no cameras or no frames: list both"));
+            return Err(String::from("there are no cameras or no frames: add both"));
         }
         if self.fps.is_some_and(|fps| fps <= 0.0) {
-            return Err(String::from("fps must be above zero: leave it out if it is not known"));
+            return Err(String::from("fps must be greater than 0: remove it if it is unknown"));
         }
         let mut indices: Vec<u32> = self.frames.iter().map(|f| f.index).collect();
         indices.sort_unstable();
         if let Some(pair) = indices.windows(2).find(|pair| pair[0] == pair[1]) {
-            return Err(format!("frame {} is there twice: give every frame an index of its own", pair[0]));
+            return Err(format!("frame {} occurs twice: give every frame its own index", pair[0]));
         }
         for frame in &self.frames {
             let masks = frame.masks.as_ref().map_or(self.cameras.len(), Vec::len);
             for (what, count) in [("images", frame.images.len()), ("masks", masks)] {
                 if count != self.cameras.len() {
                     return Err(format!(
-                        "frame {}: {count} {what} for {} cameras: list one a camera, in the cameras' order{}",
+                        "frame {}: {count} {what} for {} cameras: list one per camera, in the order of the cameras{}",
                         frame.index,
                         self.cameras.len(),
                         if what == "masks" { ", null where there is none" } else { "" }
@@ -186,7 +187,7 @@ impl Scene {
         Ok(())
     }
 
-    /// Keeps only the given frames; all frames end up in the order of their indices.
+    /// Keeps only the given frames, or all of them, and sorts them by index.
     pub fn select_frames(&mut self, chosen: Option<&[u32]>) -> Result<(), Failure> {
         if let Some(chosen) = chosen {
             if let Some(missing) = chosen.iter().find(|i| !self.frames.iter().any(|f| f.index == **i)) {
@@ -202,17 +203,17 @@ impl Scene {
         Ok(())
     }
 
-    /// A path of the scene, seen from the working directory.
+    /// A path of the scene, relative to the working directory.
     pub fn resolve(&self, path: &Path) -> PathBuf {
         self.path.parent().unwrap_or(Path::new("")).join(path)
     }
 
-    /// A camera's name in messages.
+    /// A camera in messages.
     fn camera(&self, index: u32) -> String {
         self.cameras.get(index as usize).map_or_else(|| format!("camera {index}"), |c| format!("camera `{}`", c.name))
     }
 
-    /// What the core found wrong, with the names of camera and file. `frame` is absent for what concerns the cameras.
+    /// Adds the names of camera and file to an error of the core. `frame` is `None` for errors of the rig.
     pub fn explain(&self, error: &Error, frame: Option<&SceneFrame>) -> Failure {
         let of_frame = frame.map(|f| format!("frame {}: ", f.index)).unwrap_or_default();
         let place = |camera: u32, file: Option<&Path>| {
@@ -225,18 +226,18 @@ impl Scene {
             Error::Camera { camera, problem } => format!("{}: {problem}", place(*camera, None)),
             Error::Image { camera, problem } => format!("{}: {problem}", place(*camera, image(*camera))),
             Error::Silhouette { camera, problem } => {
-                // A silhouette without a mask file was made from the picture.
+                // Without a mask file the silhouette comes from the picture.
                 let mask = frame.and_then(|f| f.mask(*camera as usize)).or(image(*camera));
                 format!("{}: {problem}", place(*camera, mask))
             }
             Error::DuplicateCamera { first, second } => format!(
-                "{}: {} and {} stand at the same place and look the same way: remove one of them",
+                "{}: {} and {} have the same position and direction: remove one of them",
                 self.path.display(),
                 self.camera(*first),
                 self.camera(*second)
             ),
             Error::TooFewViews { .. } => {
-                format!("{}: {error}: add cameras, or leave out --cameras", self.path.display())
+                format!("{}: {error}: add cameras, or run without --cameras", self.path.display())
             }
             Error::EmptyHull | Error::NoSurface => format!("{of_frame}{}: {error}", self.path.display()),
             _ => return Failure::Other(format!("{of_frame}{}: {error}", self.path.display())),
@@ -249,22 +250,22 @@ fn syntax_problem(text: &str, error: &serde_json::Error) -> String {
     let number = ["NaN", "nan", "Infinity", "inf"].iter().any(|word| line.contains(word))
         || error.to_string().contains("out of range");
     let remedy = if number {
-        "only finite numbers are allowed, calibrate this camera again"
+        "only finite numbers are allowed: calibrate this camera again"
     } else {
-        "this is not valid JSON, correct that line"
+        "the file is not valid JSON: correct that line"
     };
     let camera = last_name_before(text, error.line()).map(|name| format!(" (after the name `{name}`)"));
     format!("{error}{}: {remedy}", camera.unwrap_or_default())
 }
 
-/// The last `"name": "..."` up to a line: where the syntax is broken, nothing better tells which camera it is.
+/// The last `"name": "..."` up to a line. Where the syntax is broken, it is the best hint at the camera.
 fn last_name_before(text: &str, line: usize) -> Option<&str> {
     let end: usize = text.split_inclusive('\n').take(line).map(str::len).sum();
     let (_, after) = text[..end].rsplit_once("\"name\"")?;
     after.split('"').nth(1)
 }
 
-/// The camera's name at a place such as `cameras[3].K[0]`.
+/// Name of the camera at a path such as `cameras[3].K[0]`.
 fn camera_name(text: &str, place: &str) -> Option<String> {
     let index: usize = place.strip_prefix("cameras[")?.split(']').next()?.parse().ok()?;
     let scene: serde_json::Value = serde_json::from_str(text).ok()?;

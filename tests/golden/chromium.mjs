@@ -1,5 +1,5 @@
-// Runs a WebAssembly program on a page in Chromium, with the current folder's CAPTURE, and writes the RECORD that it
-// leaves into that folder: node chromium.mjs MODULE PRESET DETAIL CAPTURE RECORD
+// node chromium.mjs MODULE PRESET DETAIL CAPTURE RECORD: runs a WebAssembly program on a page in Chromium. It reads CAPTURE
+// from the current folder and writes RECORD there.
 import { writeFile } from "node:fs/promises";
 import { basename, dirname } from "node:path";
 import process from "node:process";

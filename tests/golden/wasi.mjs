@@ -1,5 +1,5 @@
-// Runs a WebAssembly program in Node, with the current folder's CAPTURE, and writes the RECORD that it leaves into that
-// folder: node wasi.mjs MODULE PRESET DETAIL CAPTURE RECORD
+// node wasi.mjs MODULE PRESET DETAIL CAPTURE RECORD: runs a WebAssembly program in Node. It reads CAPTURE from the current
+// folder and writes RECORD there.
 import { readFile, writeFile } from "node:fs/promises";
 import process from "node:process";
 import { run } from "./page/run.js";

@@ -1,5 +1,5 @@
-// `node browser.mjs CAPTURE ROUNDS`: reconstructs a capture in Chromium, in a worker, with both builds of the npm
-// package. Prints a line of JSON for each: see browser/worker.js.
+// `node browser.mjs CAPTURE ROUNDS`: reconstructs a capture in a worker in Chromium with both builds of the npm package.
+// Prints one line of JSON per build: see browser/worker.js.
 import { basename, dirname } from "node:path";
 import { fileURLToPath } from "node:url";
 import { launch, openPage, serve } from "../web/site.mjs";

@@ -1,4 +1,4 @@
-//! The C library: its header, and installing it.
+//! Writes the header of the C library and installs the library.
 
 use crate::{
     Result,
@@ -12,7 +12,7 @@ use std::{
 
 const VERSION: &str = env!("CARGO_PKG_VERSION");
 
-/// The part of the version that programs are bound to: 0.y before 1.0, then the major version.
+/// The part of the version that decides compatibility: 0.y before 1.0, the major version afterwards.
 fn abi() -> String {
     let mut numbers = VERSION.split('.');
     match (numbers.next(), numbers.next()) {
@@ -35,13 +35,13 @@ pub fn problem(path: &Path) -> impl Fn(std::io::Error) -> String + '_ {
     move |error| format!("{}: {error}", path.display())
 }
 
-/// Writes `include/pcmvs.h` anew from the sources.
+/// Generates `include/pcmvs.h` from the sources.
 pub fn header() -> Result<()> {
     let mut test = cargo("test --quiet -p pcmvs-ffi --test header header_is_up_to_date");
     run(test.env("PCMVS_WRITE_HEADER", "1")).map(drop)
 }
 
-/// Builds the library and installs it for C and C++ below `prefix`; the result may be moved.
+/// Builds the library and installs it for C and C++ below `prefix`. The installed folder can be moved.
 pub fn install(prefix: &Path) -> Result<()> {
     run(&mut cargo("build --quiet --release -p pcmvs-ffi"))?;
     let lib = prefix.join("lib");

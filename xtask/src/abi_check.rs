@@ -1,7 +1,7 @@
-//! The long checks of the C library: with every tool, on users' build systems, and what it costs.
+//! The long checks of the C library: all tools, the build systems of users, and the overhead.
 //!
-//! The quick ones are tests of the package `pcmvs-ffi` and run with all others; they skip what a machine has no tools
-//! for unless `PCMVS_ALL_TOOLS` is set, as it is here.
+//! The quick checks are tests of the package `pcmvs-ffi` and run with all other tests. They skip what needs a missing
+//! tool, unless `PCMVS_ALL_TOOLS` is set, as it is here.
 
 use crate::{
     Result,
@@ -15,7 +15,7 @@ use std::{
     path::{Path, PathBuf},
 };
 
-/// What the checks need; OpenCV, which is large, only for its example.
+/// What the checks need. OpenCV, which is large, is only for its example.
 pub const NEEDS: [Need; 7] = [
     Need::Debian(("gcc g++", "/usr/bin/g++")),
     Need::Debian(("clang", "/usr/bin/clang")),
@@ -44,12 +44,12 @@ pub fn check(steps: &mut Steps) -> Result<()> {
     })
 }
 
-/// Where programs and installed copies go.
+/// Folder for programs and installed copies.
 fn work() -> PathBuf {
     target().join("abi")
 }
 
-/// Installs, moves what was installed, and builds and runs users' programs against it, from another folder.
+/// Installs the library, moves it, and builds and runs programs against it from another folder.
 fn consumers() -> Result<String> {
     let work = work();
     if work.exists() {
@@ -96,14 +96,14 @@ fn consumers() -> Result<String> {
         run(command.env("LD_LIBRARY_PATH", prefix.join("lib")))?;
         let bytes = fs::read(&glb).map_err(problem(&glb))?;
         if first.get_or_insert_with(|| bytes.clone()) != &bytes {
-            return Err(format!("{} makes another mesh than the others", consumer.display()));
+            return Err(format!("{} makes a different mesh than the other programs", consumer.display()));
         }
     }
     Ok(format!("{} programs", results.len()))
 }
 
-/// Runs the threaded programs under ThreadSanitizer, which has to see into the library and into Rust's own: both are
-/// built with it, as nightly compilers do it. (Valgrind's helgrind and drd do not know the futexes of Rust's locks.)
+/// Runs the threaded programs under ThreadSanitizer. The library and Rust's standard library must be instrumented, too, and
+/// are built with options of nightly compilers. Valgrind's helgrind and drd do not understand the futexes of Rust's locks.
 fn threads() -> Result<Outcome> {
     const TARGET: &str = "x86_64-unknown-linux-gnu";
     if !cfg!(all(target_arch = "x86_64", target_os = "linux", target_env = "gnu")) {
@@ -120,14 +120,16 @@ fn threads() -> Result<Outcome> {
     let libraries = Path::new(sysroot.trim()).join("lib/rustlib").join(TARGET).join("lib");
     let entries = fs::read_dir(&libraries).map_err(problem(&libraries))?.flatten().map(|entry| entry.path());
     let runtime = entries.into_iter().find(|path| path.to_string_lossy().ends_with("_rt.tsan.a"));
-    let runtime = runtime.ok_or_else(|| format!("{} has no runtime of ThreadSanitizer", libraries.display()))?;
+    let runtime = runtime.ok_or_else(|| {
+        format!("{} does not contain the runtime of ThreadSanitizer: reinstall the toolchain", libraries.display())
+    })?;
 
     let sanitized = |source: &str| -> Result<PathBuf> {
         let binary = built.join(Path::new(source).file_stem().unwrap_or_default());
         let object = binary.with_extension("o");
         let mut compile = program("g++", "-std=c++17 -pthread -O1 -g -fsanitize=thread -I include -I examples/c -c");
         run(compile.arg(source).arg("-o").arg(&object))?;
-        // The compiler's own runtime would be a second one.
+        // g++ would link its own runtime in addition, so the flag is not given here.
         let mut link = program("g++", "-pthread -Wl,--export-dynamic");
         link.arg(&object).arg("-Wl,--whole-archive").arg(&runtime).arg("-Wl,--no-whole-archive");
         link.arg(built.join(TARGET).join("debug/libpcmvs.a")).args(["-ldl", "-lm", "-lrt", "-lresolv"]);

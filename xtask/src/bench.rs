@@ -1,4 +1,4 @@
-//! `cargo xtask bench`: the tables of BENCHMARKS.md.
+//! `cargo xtask bench`: measures the tables of BENCHMARKS.md.
 
 use crate::{
     Result, browser, instructions,
@@ -12,31 +12,39 @@ use std::fs;
 const SCENES: [&str; 5] = ["akimbo", "suit", "motion", "wd2", "dino-sparse-ring"];
 const PRESETS: [&str; 3] = ["hull", "paper", "default"];
 
-/// Scenes with ground truth, and the frames that ablations use of them.
+/// Scenes with ground truth, each with the frames that the ablations use.
 const ABLATION_SCENES: [(&str, &str); 3] = [("akimbo", "0"), ("suit", "0"), ("motion", "0")];
 
-/// An idea of the paper and the parameters that switch it off.
-struct Idea {
+/// A step of the paper and the parameters that switch it off.
+struct Ablation {
     name: &'static str,
     off: &'static [&'static str],
-    /// Whether the default preset has it too.
+    /// Whether the default preset uses it, too.
     in_default: bool,
 }
 
-const IDEAS: [Idea; 13] = [
-    Idea { name: "local-maximum rule (eq. 1)", off: &["detection.search.vote.local_maximum=false"], in_default: true },
-    Idea { name: "Gaussian over the curves (§4.1)", off: &["detection.search.vote.smoothing=0"], in_default: false },
-    Idea { name: "hull fallback (§4.2)", off: &["detection.substitute=false"], in_default: true },
-    Idea { name: "density constraint (§4.3)", off: &["detection.clean.density=0"], in_default: true },
-    Idea { name: "PCA constraint (§4.3)", off: &["detection.clean.flatness=1"], in_default: true },
-    Idea { name: "normal constraint (§4.3)", off: &["detection.clean.facing=0"], in_default: true },
-    Idea { name: "frontier points (§4.4)", off: &["frontier=null"], in_default: true },
-    Idea { name: "implicit points (§4.4)", off: &["implicit=false"], in_default: true },
-    Idea { name: "downsampling, eq. 2 (§5.1)", off: &["merging.downsample=null"], in_default: false },
-    Idea { name: "conflict cleaning (§5.2)", off: &["merging.conflicts=null"], in_default: false },
-    Idea { name: "virtual views (§5.2)", off: &["merging.conflicts.virtual_views=0"], in_default: false },
-    Idea { name: "weights, eq. 3 (§6.1)", off: &["merging.fidelity_weights=false"], in_default: true },
-    Idea { name: "space constraint (§6.2)", off: &["meshing.space_constraint=false"], in_default: true },
+const ABLATIONS: [Ablation; 13] = [
+    Ablation {
+        name: "local-maximum rule (eq. 1)",
+        off: &["detection.search.vote.support=\"scores\""],
+        in_default: true,
+    },
+    Ablation {
+        name: "Gaussian over the curves (§4.1)",
+        off: &["detection.search.vote.smoothing=null"],
+        in_default: false,
+    },
+    Ablation { name: "hull fallback (§4.2)", off: &["detection.substitution=null"], in_default: true },
+    Ablation { name: "density constraint (§4.3)", off: &["detection.clean.density=null"], in_default: true },
+    Ablation { name: "PCA constraint (§4.3)", off: &["detection.clean.flatness=null"], in_default: true },
+    Ablation { name: "normal constraint (§4.3)", off: &["detection.clean.facing=null"], in_default: true },
+    Ablation { name: "frontier points (§4.4)", off: &["frontier=null"], in_default: true },
+    Ablation { name: "implicit points (§4.4)", off: &["implicit=null"], in_default: true },
+    Ablation { name: "downsampling, eq. 2 (§5.1)", off: &["merging.downsample=null"], in_default: false },
+    Ablation { name: "conflict cleaning (§5.2)", off: &["merging.conflicts=null"], in_default: false },
+    Ablation { name: "virtual views (§5.2)", off: &["merging.conflicts.virtual_views=0"], in_default: false },
+    Ablation { name: "weights, eq. 3 (§6.1)", off: &["meshing.weights=null"], in_default: true },
+    Ablation { name: "space constraint (§6.2)", off: &["meshing.space_constraint=null"], in_default: true },
 ];
 
 /// The configurations of §7.3 on a ring of 20.
@@ -46,7 +54,7 @@ const CONFIGURATIONS: [(&str, Option<&str>); 3] = [
     ("PCMVS-BINO, five pairs", Some("0,1,4,5,8,9,12,13,16,17")),
 ];
 
-/// The tables, each of which can be renewed alone.
+/// The tables. Each can be renewed by itself.
 const PARTS: [&str; 9] = [
     "scores",
     "ablations-default",
@@ -59,7 +67,7 @@ const PARTS: [&str; 9] = [
     "wasm",
 ];
 
-/// A table that needs no captured scenes.
+/// A table that does not need the captured scenes.
 fn without_captures(name: &str) -> Option<Result<String>> {
     Some(match name {
         "scaling" => speed::scaling(),
@@ -71,17 +79,18 @@ fn without_captures(name: &str) -> Option<Result<String>> {
     })
 }
 
-/// Measures and writes the tables, all or one; `quick` takes one scene, one frame and two ideas, and prints them.
+/// Measures and writes all tables or one. With `quick`, it uses one scene, one frame and two ablations, and prints the
+/// tables.
 pub fn run(quick: bool, part: Option<&str>) -> Result<()> {
     if let Some(part) = part.filter(|part| !PARTS.contains(part)) {
-        return Err(format!("there is no table {part}: {}", PARTS.join(", ")));
+        return Err(format!("there is no table {part}: name one of {}", PARTS.join(", ")));
     }
     let write = |made: &[(&str, String)]| replace_in(&root().join("BENCHMARKS.md"), made);
     if let Some((part, made)) = part.and_then(|part| Some((part, without_captures(part)?))) {
         return write(&[(part, made?)]);
     }
     let captured = Captured::find()??;
-    let ideas = if quick { &IDEAS[..2] } else { &IDEAS };
+    let chosen = if quick { &ABLATIONS[..2] } else { &ABLATIONS };
     let ablation_scenes = if quick { &ABLATION_SCENES[..1] } else { &ABLATION_SCENES };
     let parts = if quick { &PARTS[..2] } else { &PARTS[..] };
     for name in parts.iter().copied().filter(|name| part.is_none_or(|part| part == *name)) {
@@ -96,7 +105,7 @@ pub fn run(quick: bool, part: Option<&str>) -> Result<()> {
             "configurations" => vec![(name, configurations(&captured)?)],
             _ => match without_captures(name) {
                 Some(table) => vec![(name, table?)],
-                None => vec![(name, ablations(&captured, &name["ablations-".len()..], ideas, ablation_scenes)?)],
+                None => vec![(name, ablations(&captured, &name["ablations-".len()..], chosen, ablation_scenes)?)],
             },
         };
         if quick {
@@ -108,7 +117,7 @@ pub fn run(quick: bool, part: Option<&str>) -> Result<()> {
     Ok(())
 }
 
-/// Every scene by every preset.
+/// Measures every scene with every preset.
 fn results(captured: &Captured, scenes: &[&'static str]) -> Result<Vec<(&'static str, &'static str, Measured)>> {
     let mut results = Vec::new();
     for scene in scenes {
@@ -120,7 +129,7 @@ fn results(captured: &Captured, scenes: &[&'static str]) -> Result<Vec<(&'static
     Ok(results)
 }
 
-/// Processor, system and compiler in a line.
+/// Processor, system and compiler in one line.
 fn machine() -> String {
     let cpu = fs::read_to_string("/proc/cpuinfo").unwrap_or_default();
     let model = cpu.lines().find_map(|line| line.strip_prefix("model name")?.split_once(": "));
@@ -172,9 +181,9 @@ fn scores(results: &[(&str, &str, Measured)]) -> String {
     table.text()
 }
 
-/// The README's table: the result beside what it must beat.
+/// The table of README: the result next to that of the visual hull.
 fn summary(results: &[(&str, &str, Measured)]) -> String {
-    let mut table = Table::new(&["", "acc90 mm", "F@2.5", "F@5", "normals °", "silhouette IoU", "s a frame", "MiB"]);
+    let mut table = Table::new(&["", "acc90 mm", "F@2.5", "F@5", "normals °", "silhouette IoU", "s per frame", "MiB"]);
     for (scene, preset, m) in results.iter().filter(|(_, preset, m)| *preset != "paper" && m.mean("acc90_mm").is_some())
     {
         table.row(&[
@@ -207,7 +216,7 @@ fn seconds(results: &[(&str, &str, Measured)]) -> String {
     table.text()
 }
 
-/// What a scene loses without an idea, in points of F@2.5 and F@5 and millimetres of acc90.
+/// How much worse a scene becomes without a step: percentage points of F@2.5 and F@5, millimetres of acc90.
 struct Loss {
     f25: f64,
     f5: f64,
@@ -220,13 +229,13 @@ impl Loss {
         Self { f25: -change("f_pct@2.5"), f5: -change("f_pct@5"), acc90: change("acc90_mm") }
     }
 
-    /// More than the last digit of the table.
-    fn is_felt(&self) -> bool {
+    /// Whether the change is larger than the last digit of the table.
+    fn is_significant(&self) -> bool {
         self.f25 >= 0.1 || self.f5 >= 0.1 || self.acc90 >= 0.05
     }
 }
 
-fn ablations(captured: &Captured, preset: &str, ideas: &[Idea], scenes: &[(&str, &str)]) -> Result<String> {
+fn ablations(captured: &Captured, preset: &str, chosen: &[Ablation], scenes: &[(&str, &str)]) -> Result<String> {
     let mut header = vec![String::from("without")];
     for (scene, _) in scenes {
         header.extend(["acc90", "F@2.5", "F@5"].map(|figure| format!("{scene} {figure}")));
@@ -249,25 +258,25 @@ fn ablations(captured: &Captured, preset: &str, ideas: &[Idea], scenes: &[(&str,
     };
     let whole = measure(&[])?;
     table.row(&row("(nothing)", &whole, ""));
-    for idea in ideas.iter().filter(|idea| preset == "paper" || idea.in_default) {
-        let mut set: Vec<String> = idea.off.iter().map(|&s| s.to_owned()).collect();
+    for ablation in chosen.iter().filter(|ablation| preset == "paper" || ablation.in_default) {
+        let mut set: Vec<String> = ablation.off.iter().map(|&s| s.to_owned()).collect();
         if preset == "default" {
-            // Its coarse pass detects as well.
-            let coarse = idea.off.iter().filter(|s| s.starts_with("detection.")).map(|s| format!("coarse.{s}"));
+            // The coarse pass has detection parameters, too.
+            let coarse = ablation.off.iter().filter(|s| s.starts_with("detection.")).map(|s| format!("coarse.{s}"));
             set.extend(coarse);
         }
         let without = measure(&set)?;
         let losses = whole.iter().zip(&without).map(|(a, b)| Loss::new(a, b));
-        let helps: Vec<&str> = losses.zip(scenes).filter(|(loss, _)| loss.is_felt()).map(|(_, s)| s.0).collect();
+        let helps: Vec<&str> = losses.zip(scenes).filter(|(loss, _)| loss.is_significant()).map(|(_, s)| s.0).collect();
         if helps.is_empty() {
-            useless.push(idea.name);
+            useless.push(ablation.name);
         }
-        table.row(&row(idea.name, &without, &helps.join(", ")));
+        table.row(&row(ablation.name, &without, &helps.join(", ")));
     }
     let remark = if useless.is_empty() {
-        String::from("Every idea helps on at least one scene.")
+        String::from("Every step helps on at least one scene.")
     } else {
-        format!("On none of these scenes does this help: {}.", useless.join("; "))
+        format!("These steps help on none of the scenes: {}.", useless.join("; "))
     };
     Ok(format!("{}\n\n{remark}", table.text()))
 }

@@ -1,4 +1,4 @@
-//! What must be reached on the captured scenes.
+//! The figures that must be reached on the captured scenes.
 
 use crate::{
     Result,
@@ -6,7 +6,7 @@ use crate::{
     steps::{Outcome, Steps},
 };
 
-/// A figure's key in a score, its name, and whether more of it is better.
+/// The key of a figure in a score, its name, and whether larger is better.
 const FIGURES: [(&str, &str, bool); 6] = [
     ("acc90_mm", "acc90", false),
     ("f_pct@2.5", "F@2.5", true),
@@ -16,11 +16,11 @@ const FIGURES: [(&str, &str, bool); 6] = [
     ("psnr_db", "PSNR", true),
 ];
 
-/// A scene and what the default preset must reach on it, in the order of [`FIGURES`].
+/// A scene and the figures that the default preset must reach on it, in the order of [`FIGURES`].
 struct Required {
     scene: &'static str,
     figures: [Option<f64>; 6],
-    /// A person in one piece.
+    /// Whether the mesh must have one component.
     single: bool,
 }
 
@@ -36,11 +36,11 @@ const REQUIRED: [Required; 5] = [
     Required { scene: "dino-sparse-ring", figures: [None; 6], single: false },
 ];
 
-/// A frame of `akimbo` on one thread.
+/// Limits for a frame of `akimbo` on one thread.
 const SECONDS: f64 = 30.0;
 const MEBIBYTES: f64 = 1024.0;
 
-/// One check a scene.
+/// One check per scene.
 pub fn check(steps: &mut Steps) -> Result<()> {
     let mut captured = None;
     steps.step("captured scenes", || {
@@ -77,7 +77,7 @@ fn summary(measured: &Measured) -> String {
     parts.join(", ")
 }
 
-/// What is not as it must be.
+/// The requirements that are not met.
 fn shortcomings(required: &Required, default: &Measured, hull: &Measured) -> Vec<String> {
     let mut wrong = Vec::new();
     for (&(key, name, more), needed) in FIGURES.iter().zip(required.figures) {

@@ -1,4 +1,4 @@
-//! Compilers for targets other than this machine.
+//! Compilers for other targets than this machine.
 
 use crate::{
     Result,
@@ -7,17 +7,17 @@ use crate::{
 };
 use std::{path::Path, process::Command};
 
-/// Where a target's standard library comes from.
+/// Source of the standard library for a target.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Compiler {
-    /// Ready made, from rustup.
+    /// Prebuilt, from rustup.
     Rustup,
-    /// Where rustup's server cannot be reached: Debian's compiler builds it from its sources.
+    /// Built from source by Debian's compiler, if rustup's server cannot be reached.
     Debian,
 }
 
 impl Compiler {
-    /// Installs what compiling for the targets needs.
+    /// Installs what is needed to compile for the targets.
     pub fn install(targets: &[&'static str]) -> Result<Self> {
         if targets.iter().all(|triple| Need::Target(triple).install().is_ok()) {
             return Ok(Self::Rustup);
@@ -26,7 +26,7 @@ impl Compiler {
         Ok(Self::Debian)
     }
 
-    /// Cargo with a command for a target; `library` are the parts of the standard library that it needs.
+    /// A Cargo command for a target. `library` lists the parts of the standard library that it needs.
     pub fn cargo(self, arguments: &str, triple: &str, library: &str) -> Result<Command> {
         if self == Self::Rustup {
             return Ok(cargo(&format!("{arguments} --target {triple}")));
@@ -34,13 +34,13 @@ impl Compiler {
         let mut command = program("/usr/bin/cargo", &format!("{arguments} -Zbuild-std={library} --target {triple}"));
         command.env("RUSTC_BOOTSTRAP", "1").env("RUSTC", "/usr/bin/rustc").env_remove("RUSTUP_TOOLCHAIN");
         if triple.starts_with("wasm32") {
-            // Debian's compiler comes without the linker that rustup's has.
+            // Debian's compiler does not include the linker, but rustup's does.
             let (sysroot, host) = (run(&mut program("rustc", "--print sysroot"))?, host()?);
             let linker = Path::new(sysroot.trim()).join("lib/rustlib").join(host).join("bin/rust-lld");
             let variable = triple.to_uppercase().replace('-', "_");
             command.env(format!("CARGO_TARGET_{variable}_LINKER"), linker);
         }
-        // A folder of its own: two compilers in one would build everything twice, every time.
+        // Two compilers in one folder would rebuild everything at every change between them.
         command.env("CARGO_TARGET_DIR", target().join("debian"));
         Ok(command)
     }

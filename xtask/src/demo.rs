@@ -1,4 +1,4 @@
-//! `cargo xtask demo`: from nothing to a clip of meshes.
+//! `cargo xtask demo`: renders a capture, reconstructs it and serves the page.
 
 use crate::{
     Result,
@@ -7,14 +7,14 @@ use crate::{
 };
 use std::time::Instant;
 
-/// Makes out/sample, out/demo and out/demo/look.png, keeping what is there; then serves the page unless `no_serve`.
+/// Makes out/sample, out/demo and out/demo/look.png unless they exist, and serves the page unless `no_serve`.
 pub fn run(no_serve: bool) -> Result<()> {
     println!("Building pcmvs and the studio ...");
     show(&mut cargo("build --quiet --release --package pcmvs-cli --package studio --bins"))?;
     let start = Instant::now();
     let binary = |name: &str| target().join("release").join(name);
     if root().join("out/sample/scene.json").exists() {
-        println!("The sample capture is in out/sample already.");
+        println!("The sample capture exists in out/sample.");
     } else {
         println!("Rendering the sample capture: a figure, 20 cameras, 12 frames ...");
         show(&mut program(binary("studio"), "--output out/sample --sample"))?;
@@ -22,10 +22,10 @@ pub fn run(no_serve: bool) -> Result<()> {
     println!("Reconstructing ...");
     show(&mut program(binary("pcmvs"), "reconstruct out/sample -o out/demo"))?;
     show(&mut program(binary("look"), "out/sample out/demo/frame_0000.glb -o out/demo/look.png"))?;
-    println!("{:.0} s without building. In out/demo:", start.elapsed().as_secs_f64());
+    println!("{:.0} s, without the build. Results in out/demo:", start.elapsed().as_secs_f64());
     println!("  look.png          photograph, shape and colours of the first frame, from three cameras");
     println!(
-        "  frame_FFFF.glb    a closed, coloured mesh a frame: open it in Blender (File, Import, glTF), or drop it"
+        "  frame_FFFF.glb    one closed, coloured mesh per frame: open it in Blender (File, Import, glTF), or drop it"
     );
     println!("                    on any glTF viewer's page; up is +z, most viewers take it for +y");
     println!("  sequence.json     the clip's manifest, for players");

@@ -1,4 +1,4 @@
-//! `cargo xtask golden`: the same bytes from every build on every machine (see tests/golden).
+//! `cargo xtask golden`: every build gives the same bytes on every machine (see tests/golden).
 
 use crate::{
     Result,
@@ -17,23 +17,23 @@ use std::{
     process::Command,
 };
 
-/// A way to compile the program.
+/// One way to compile and run the program.
 struct Build {
     name: &'static str,
     machine: Machine,
-    /// The compiler's.
+    /// Flags of the compiler.
     flags: &'static str,
-    /// Cargo's.
+    /// Setting of Cargo.
     setting: Option<&'static str>,
-    /// Only with `--all`.
+    /// Runs only with `--all`.
     slow: bool,
 }
 
-/// What the program runs on.
+/// Machine that runs the program.
 #[derive(Clone, Copy, PartialEq)]
 enum Machine {
     This,
-    /// An x86-64 without AVX2, which the core uses where it finds it.
+    /// An x86-64 without AVX2. The core uses AVX2 where it is available.
     OldX86,
     Aarch64,
     /// WebAssembly in Node.
@@ -42,7 +42,7 @@ enum Machine {
     Chromium,
 }
 
-/// What ships, for every machine of this kind. The others are compared with it.
+/// The published build. The others are compared with it.
 const BASELINE: Build = Build { name: "release", machine: Machine::This, flags: "", setting: None, slow: false };
 
 const AVX2: Build = Build { name: "AVX2", flags: "-Ctarget-feature=+avx2", ..BASELINE };
@@ -51,12 +51,12 @@ const AVX512: Build = Build { name: "AVX-512", flags: "-Ctarget-cpu=x86-64-v4", 
 
 const SIMD128: &str = "-Ctarget-feature=+simd128";
 
-/// The unoptimised build of `cargo test` has a test of its own.
+/// The unoptimised build of `cargo test` has its own test.
 const BUILDS: [Build; 10] = [
     AVX2,
     AVX512,
     Build { name: "x86-64 without AVX2", machine: Machine::OldX86, ..BASELINE },
-    // All it has: fused multiply-add, maybe, which the compiler may use only where the source says so.
+    // Includes fused multiply-add if the processor has it. The compiler must use it only where the source asks for it.
     Build { name: "this processor", flags: "-Ctarget-cpu=native", slow: true, ..BASELINE },
     Build { name: "unoptimised", setting: Some("profile.release.opt-level=0"), slow: true, ..BASELINE },
     Build { name: "WebAssembly", machine: Machine::Wasi, ..BASELINE },
@@ -74,7 +74,7 @@ const LINKER: [Need; 2] = [
     Need::Debian(("gcc-aarch64-linux-gnu", "/usr/bin/aarch64-linux-gnu-gcc")),
     Need::Debian(("libc6-dev-arm64-cross", "/usr/aarch64-linux-gnu/lib/libc.so.6")),
 ];
-/// Of the scripts that run WebAssembly.
+/// For the scripts that run WebAssembly.
 const SCRIPTS: [Need; 2] = [Need::Npm("tests/web"), Need::Npm("tests/golden")];
 
 /// What the checks need.
@@ -83,7 +83,7 @@ pub fn needs(all: bool) -> Vec<Need> {
     builds.flat_map(|build| build.machine.needs()).collect()
 }
 
-/// One check a build; with `all` the slow builds and the large capture as well.
+/// One check per build. With `all`, it includes the slow builds and the large capture.
 pub fn check(steps: &mut Steps, all: bool) -> Result<()> {
     let cases: Vec<Case> = SMALL.into_iter().chain(all.then_some(LARGE)).collect();
     let mut baseline: Vec<Record> = Vec::new();
@@ -120,12 +120,12 @@ pub fn check(steps: &mut Steps, all: bool) -> Result<()> {
     Ok(())
 }
 
-/// All numbers of the small captures; of the large one they would be hundreds of megabytes.
+/// All numbers for the small captures. For the large one they would take hundreds of megabytes.
 fn detail(case: &Case) -> &'static str {
     if *case == LARGE { "sample" } else { "all" }
 }
 
-/// All of it.
+/// Makes all checks.
 pub fn all() -> Result<()> {
     let mut steps = Steps::default();
     steps.announce(&needs(true));
@@ -134,12 +134,12 @@ pub fn all() -> Result<()> {
     Ok(())
 }
 
-/// What to do if builds differ from each other.
+/// Advice if builds differ from each other.
 const FIX: &str = "This build rounds or orders differently from the release build of this machine, which has the golden values:\n\
      renewing does not help. Look in the first stage that differs for what clippy.toml forbids, and for minima of zeros\n\
      of both signs, `usize` in arithmetic, or sorting with ties.";
 
-/// Writes golden.txt anew.
+/// Writes a new golden.txt.
 pub fn renew() -> Result<()> {
     let golden = BASELINE.compile()?;
     let mut records = Vec::new();
@@ -151,7 +151,7 @@ pub fn renew() -> Result<()> {
     fs::write(path(), text).map_err(|e| format!("{}: {e}", path().display()))
 }
 
-/// Captures, and records of them.
+/// Folder for captures and records.
 fn folder() -> PathBuf {
     target().join("golden/records")
 }
@@ -185,7 +185,7 @@ fn counts(records: &[Record]) -> String {
 }
 
 impl Build {
-    /// Optimised and not emulated: the large capture takes seconds.
+    /// Whether it is optimised and not emulated, so that the large capture takes seconds.
     fn is_quick(&self) -> bool {
         self.setting.is_none() && !matches!(self.machine, Machine::OldX86 | Machine::Aarch64)
     }
@@ -199,17 +199,17 @@ impl Build {
             return Some("this processor has no AVX-512".to_owned());
         }
         if self.machine == Machine::Aarch64 && cfg!(target_arch = "aarch64") {
-            return Some("it is this machine".to_owned());
+            return Some("this machine is AArch64".to_owned());
         }
         None
     }
 
-    /// Compiles the program and returns its path; the next build for the same machine takes its place.
+    /// Compiles the program and returns its path. The next build for the same machine overwrites it.
     fn compile(&self) -> Result<PathBuf> {
         let triple = self.machine.triple()?;
         let folder = target().join("golden");
         let mut build = cargo("build --quiet --release --package golden --bin golden");
-        // This machine is named like any other: then the flags are not for what runs while Cargo compiles.
+        // The target is named even for this machine, so that the flags do not apply to build scripts.
         build.args(["--target", &triple, "--target-dir"]).arg(&folder).env("CARGO_ENCODED_RUSTFLAGS", self.flags);
         build.env("CARGO_TARGET_AARCH64_UNKNOWN_LINUX_GNU_LINKER", "aarch64-linux-gnu-gcc");
         self.setting.iter().for_each(|setting| _ = build.args(["--config", setting]));
@@ -218,7 +218,7 @@ impl Build {
         Ok(folder.join(triple).join("release").join(name))
     }
 
-    /// Runs the program on a capture that has been written.
+    /// Runs the program on a capture file.
     fn measure(&self, golden: &Path, case: &Case, detail: &str) -> Result<Record> {
         let record = format!("{}.record", case.name);
         let mut command = self.machine.runner(golden);
@@ -234,7 +234,7 @@ fn has_avx2() -> bool {
     return false;
 }
 
-/// The instructions that x86-64-v4 stands for.
+/// Whether the processor has the instructions of x86-64-v4.
 fn has_avx512() -> bool {
     #[cfg(target_arch = "x86_64")]
     return std::is_x86_feature_detected!("avx512f")
@@ -247,7 +247,7 @@ fn has_avx512() -> bool {
 }
 
 impl Machine {
-    /// The compiler's name for it.
+    /// The target triple.
     fn triple(self) -> Result<String> {
         Ok(match self {
             Self::This | Self::OldX86 => run(&mut program("rustc", "--print host-tuple"))?.trim().to_owned(),
@@ -267,7 +267,7 @@ impl Machine {
         }
     }
 
-    /// What runs a program for it; the program sees the folder in which this is started.
+    /// The command that runs a program for it. The program has access to the current folder.
     fn runner(self, built: &Path) -> Command {
         let through = |name: &str, arguments: &str| {
             let mut command = program(name, arguments);

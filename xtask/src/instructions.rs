@@ -1,4 +1,4 @@
-//! How many instructions each stage takes: what noise does not move, so that a stage that got slower is seen.
+//! Counts the instructions of each stage. Unlike times, the counts have no noise, so that a slower stage is visible.
 
 use crate::{
     Result,
@@ -9,29 +9,29 @@ use crate::{
 use golden::case::Case;
 use std::{fs, path::PathBuf};
 
-/// Small enough for a machine that is interpreted.
+/// Small enough for callgrind, which interprets the program.
 const CAPTURE: Case = Case { name: "medium", preset: "default", views: 20, size: (320, 240) };
-/// More instructions than the committed table has by this share are worth a warning.
+/// Relative increase over the committed table that gives a warning.
 const TOLERANCE: f64 = 0.1;
 const VALGRIND: Package = ("valgrind", "/usr/bin/valgrind");
-/// The table's name in BENCHMARKS.md.
+/// Name of the table in BENCHMARKS.md.
 const NAME: &str = "instructions";
 const FILE: &str = "BENCHMARKS.md";
 
-/// Counts, compares with the committed table, and tells what has changed.
+/// Counts, compares with the committed table, and prints the changes.
 pub fn table() -> Result<String> {
     setup::debian(&[VALGRIND])?;
     let counts = count()?;
     match committed() {
         Ok(before) => compare(&before, &counts),
-        Err(why) => eprintln!("warning: compared with nothing: {why}"),
+        Err(why) => eprintln!("warning: there is no committed table to compare with: {why}"),
     }
     let mut table = Table::new(&[String::from("stage"), format!("million instructions, {}", conditions()?)]);
     counts.iter().for_each(|(stage, millions)| table.row(&[stage.clone(), figure(Some(*millions), 3)]));
     Ok(table.text())
 }
 
-/// What counts depend on besides the source.
+/// What the counts depend on besides the source.
 fn conditions() -> Result<String> {
     let compiler = run(&mut program("rustc", "--version"))?;
     let version = compiler.split(' ').nth(1).unwrap_or("unknown");
@@ -39,7 +39,7 @@ fn conditions() -> Result<String> {
     Ok(format!("{views} views of {width} x {height}, {}, rustc {version}", std::env::consts::ARCH))
 }
 
-/// Where a capture is for `tests/speed`; it is rendered here.
+/// Renders a capture for `tests/speed` and returns its path.
 pub fn capture(case: &Case) -> Result<PathBuf> {
     let folder = target().join("speed");
     let path = folder.join(format!("{}.capture", case.name));
@@ -49,7 +49,7 @@ pub fn capture(case: &Case) -> Result<PathBuf> {
     Ok(path)
 }
 
-/// Millions of instructions of each stage, of what is between them, and of all.
+/// Millions of instructions of each stage, between the stages, and in total.
 fn count() -> Result<Vec<(String, f64)>> {
     run(&mut cargo("build --quiet --release --package speed"))?;
     let capture = capture(&CAPTURE)?;
@@ -62,12 +62,12 @@ fn count() -> Result<Vec<(String, f64)>> {
     let mut valgrind = program("valgrind", "--quiet --tool=callgrind --dump-before=speed::boundary");
     valgrind.arg(format!("--callgrind-out-file={}", folder.join("out").display()));
     let printed = run(valgrind.arg(target().join("release/speed")).arg(capture).arg("1"))?;
-    // The last two lines are of the frame and the hash.
+    // The last two lines are the frame and the hash.
     let lines: Vec<&str> = printed.lines().collect();
     let stages = lines[..lines.len().saturating_sub(2)].iter().filter_map(|line| line.split(' ').next());
 
-    // The counters start anew at every boundary: dump 1 is what comes before the first stage, 2 that stage, 3 what
-    // comes after it, 4 the second stage, ...
+    // Every boundary resets the counters. Dump 1 is before the first stage, dump 2 the first stage, dump 3 between the
+    // first and the second, dump 4 the second stage, and so on.
     let mut counts = Vec::new();
     let mut between = 0.0;
     for (i, stage) in stages.enumerate() {
@@ -81,14 +81,16 @@ fn count() -> Result<Vec<(String, f64)>> {
     Ok(counts)
 }
 
-/// Millions of instructions in one of callgrind's dumps.
+/// Millions of instructions in a dump of callgrind.
 fn millions(dump: &PathBuf) -> Result<f64> {
     let text = fs::read_to_string(dump).map_err(|e| format!("{}: {e}", dump.display()))?;
     let total = text.lines().find_map(|line| line.strip_prefix("totals: ")?.trim().parse::<f64>().ok());
-    total.map(|count| count / 1e6).ok_or_else(|| format!("{}: no totals", dump.display()))
+    total
+        .map(|count| count / 1e6)
+        .ok_or_else(|| format!("{}: there are no totals: check the version of valgrind", dump.display()))
 }
 
-/// The table of the last commit.
+/// The table in the last commit.
 fn committed() -> Result<Vec<(String, f64)>> {
     let text = run(program("git", "show").arg(format!("HEAD:{FILE}")).current_dir(root()))?;
     let rows = content(&text, NAME)?.lines().skip(2);
@@ -97,20 +99,20 @@ fn committed() -> Result<Vec<(String, f64)>> {
         let (stage, millions) = (cells.next()?.to_owned(), cells.next()?.parse().ok()?);
         Some((stage, millions))
     };
-    rows.map(|line| row(line).ok_or_else(|| format!("{FILE}: `{line}` is no row of {NAME}"))).collect()
+    rows.map(|line| row(line).ok_or_else(|| format!("{FILE}: `{line}` is not a row of {NAME}"))).collect()
 }
 
-/// Prints how far each stage is from before, and warns of those that take more.
+/// Prints the change of each stage, and warns about those that have become slower.
 fn compare(before: &[(String, f64)], now: &[(String, f64)]) {
     for (stage, millions) in now {
         let Some((_, old)) = before.iter().find(|(name, _)| name == stage) else {
-            eprintln!("{stage:14} {millions:10.3} million instructions, none before");
+            eprintln!("{stage:14} {millions:10.3} million instructions, not in the committed table");
             continue;
         };
         let change = millions / old - 1.0;
         eprintln!("{stage:14} {millions:10.3} million instructions, {:+.3} %", 100.0 * change);
         if change > TOLERANCE {
-            eprintln!("warning: {stage} takes {:.1} % more instructions than committed", 100.0 * change);
+            eprintln!("warning: {stage} takes {:.1} % more instructions than in the committed table", 100.0 * change);
         }
     }
 }

@@ -1,4 +1,4 @@
-//! Set-up and checks: `cargo xtask demo | test | golden | players | bench | web | wasm | install | header`.
+//! Set-up and checks. `cargo xtask --help` lists the tasks.
 
 mod abi;
 mod abi_check;
@@ -15,6 +15,7 @@ mod no_std;
 mod oldest_compiler;
 mod players;
 mod process;
+mod publish;
 mod result;
 mod sample;
 mod serve;
@@ -39,25 +40,25 @@ struct Arguments {
 
 #[derive(Debug, Subcommand)]
 enum Task {
-    /// Reconstruct a sample capture, made on the spot, into out/demo; then build the page that does the same, and serve it
+    /// Render and reconstruct a sample capture into out/demo, then build and serve the page that does the same
     Demo {
-        /// Neither build the page nor serve it
+        /// Do not build and serve the page
         #[arg(long)]
         no_serve: bool,
     },
-    /// Check everything; first print what is missing on this machine and will be installed
+    /// Make all checks, after printing what is missing on this machine and will be installed
     Test {
-        /// Also the long checks of the C library (which install compilers and tools) and the captured scenes:
-        /// PCMVS_DATA names their folder, PCMVS_SCORE the tool that scores them
+        /// Include the long checks of the C library, which install compilers and tools, and those of the captured scenes.
+        /// PCMVS_DATA names the folder of the scenes, PCMVS_SCORE the tool that scores them
         #[arg(long)]
         all: bool,
-        /// Install nothing: skip the checks that need something missing
+        /// Install nothing, and skip the checks that need something missing
         #[arg(long)]
         no_install: bool,
     },
-    /// Check that results are the golden ones, in all builds and on all machines that can be had here
+    /// Check that all builds give the golden results, on all machines that are available or can be emulated
     Golden {
-        /// Write tests/golden/golden.txt anew instead: for changes that are meant to change results
+        /// Write a new tests/golden/golden.txt instead, for a change that is meant to change results
         #[arg(long)]
         renew: bool,
     },
@@ -68,34 +69,34 @@ enum Task {
         /// Only build the static site, in web/dist
         #[arg(long)]
         dist: bool,
-        /// Build it and drive it in Chromium, which is installed if it is missing
+        /// Build it and test it in Chromium, which is installed if it is missing
         #[arg(long, conflicts_with = "dist")]
         test: bool,
-        /// Build it, measure in Chromium, and renew the browser's table of BENCHMARKS.md
+        /// Build it, measure in Chromium, and renew the browser table of BENCHMARKS.md
         #[arg(long, conflicts_with_all = ["dist", "test"])]
         bench: bool,
     },
-    /// Play a clip in three.js, Babylon.js and model-viewer, in a browser, and compare with our own pictures of it
+    /// Play a clip in three.js, Babylon.js and model-viewer, and compare with our own pictures of it
     Players,
-    /// Build the npm package, in wasm/pkg
+    /// Build the npm package in wasm/pkg
     Wasm,
-    /// Build the C library and install it with headers, pkg-config file and CMake package
+    /// Build the C library, and install it with headers, pkg-config file and CMake package
     Install {
-        /// The folder that gets include and lib; it may be moved afterwards
+        /// Folder in which include and lib are created. It can be moved afterwards
         #[arg(long, required_unless_present = "check")]
         prefix: Option<std::path::PathBuf>,
-        /// Make the C library's long checks instead (installs compilers and tools)
+        /// Make the long checks of the C library instead, which install compilers and tools
         #[arg(long)]
         check: bool,
     },
-    /// Write include/pcmvs.h anew from the sources
+    /// Generate include/pcmvs.h from the sources
     Header,
     /// Measure on the captured scenes and renew the tables of BENCHMARKS.md
     Bench {
-        /// One scene only, and the tables go to the terminal
+        /// Use one scene only, and print the tables
         #[arg(long)]
         quick: bool,
-        /// One table only: scores, ablations-default, configurations, ablations-paper,
+        /// Renew one table only: scores, ablations-default, configurations, ablations-paper,
         /// scaling, threads, meshing, instructions or wasm
         #[arg(long)]
         part: Option<String>,

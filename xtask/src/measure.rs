@@ -10,7 +10,7 @@ use std::{
     path::{Path, PathBuf},
 };
 
-/// The captured scenes and the tool that scores meshes of them. They are no part of the project.
+/// The captured scenes and the tool that scores their meshes. They are not part of the project.
 pub struct Captured {
     data: PathBuf,
     tool: PathBuf,
@@ -22,21 +22,21 @@ pub struct Captured {
 pub struct Job<'a> {
     pub scene: &'a str,
     pub preset: &'a str,
-    /// Frames as the command line takes them; all without.
+    /// Frames in the syntax of the command line; `None` for all.
     pub frames: Option<&'a str>,
-    /// Cameras as the command line takes them; all without.
+    /// Cameras in the syntax of the command line; `None` for all.
     pub cameras: Option<&'a str>,
-    /// Parameters that differ from the preset's.
+    /// Overrides of the preset's parameters.
     pub set: &'a [String],
 }
 
 impl<'a> Job<'a> {
-    /// All of a scene with a preset.
+    /// All frames and cameras of a scene with a preset.
     pub fn new(scene: &'a str, preset: &'a str) -> Self {
         Self { scene, preset, frames: None, cameras: None, set: &[] }
     }
 
-    /// Name of its folder: what differs from a plain run, in letters that every file system takes.
+    /// Name of the result folder: what distinguishes the job, in characters that every file system accepts.
     fn folder(&self) -> String {
         let mut name = format!("{}-{}", self.scene, self.preset);
         for part in self.frames.iter().chain(&self.cameras).copied().chain(self.set.iter().map(String::as_str)) {
@@ -47,7 +47,7 @@ impl<'a> Job<'a> {
     }
 }
 
-/// What came out, one score and one report a frame.
+/// Results: one score and one report per frame.
 #[derive(Debug, Clone)]
 pub struct Measured {
     pub scores: Vec<Value>,
@@ -55,13 +55,13 @@ pub struct Measured {
 }
 
 impl Measured {
-    /// Mean of a figure over the frames; absent where the scene cannot give it.
+    /// Mean of a figure over the frames; `None` if the scene has no such figure.
     pub fn mean(&self, key: &str) -> Option<f64> {
         let values: Option<Vec<f64>> = self.scores.iter().map(|s| s[key].as_f64()).collect();
         values.filter(|v| !v.is_empty()).map(|v| v.iter().sum::<f64>() / v.len() as f64)
     }
 
-    /// Mean seconds a frame of each step, in the order in which they ran.
+    /// Mean seconds per frame of each step, in the order in which they ran.
     pub fn seconds(&self) -> Vec<(String, f64)> {
         let mut steps: Vec<(String, f64)> = Vec::new();
         for (step, seconds) in self.frames.iter().filter_map(|f| f["seconds"].as_object()).flatten() {
@@ -74,12 +74,12 @@ impl Measured {
         steps
     }
 
-    /// Mean seconds a frame, all steps.
+    /// Mean seconds per frame of all steps.
     pub fn total_seconds(&self) -> f64 {
         self.seconds().iter().map(|(_, s)| s).sum()
     }
 
-    /// Most memory over all frames, MiB.
+    /// Peak memory over all frames, in MiB.
     pub fn peak_mebibytes(&self) -> f64 {
         let bytes = self.frames.iter().filter_map(|f| f["peak_memory"].as_f64());
         bytes.fold(f64::NAN, f64::max) / f64::from(1 << 20)
@@ -87,12 +87,11 @@ impl Measured {
 }
 
 impl Captured {
-    /// Finds data and tool, and builds the command.
-    /// The inner error says what is not there.
+    /// Finds the data and the tool, and builds the command. The inner error names what is missing.
     pub fn find() -> Result<std::result::Result<Self, String>> {
         let place = |variable: &str| {
             let path = PathBuf::from(env::var_os(variable).ok_or_else(|| format!("{variable} is not set"))?);
-            path.canonicalize().map_err(|_| format!("{} is not there: set {variable}", path.display()))
+            path.canonicalize().map_err(|_| format!("{} does not exist: set {variable}", path.display()))
         };
         let found = place("PCMVS_DATA").and_then(|data| Ok((data, place("PCMVS_SCORE")?)));
         let (data, tool) = match found {
@@ -104,8 +103,8 @@ impl Captured {
         Ok(Ok(Self { data, tool, pcmvs: target().join("release/pcmvs") }))
     }
 
-    /// Reconstructs on one thread and scores every frame. What an earlier run has done stays. PLY, because the scoring
-    /// tool's reader takes the colours of a GLB with a material for a texture and drops them.
+    /// Reconstructs on one thread and scores every frame. Results of an earlier run are kept. The meshes are PLY files,
+    /// because the reader of the scoring tool drops vertex colours of a GLB that has a material.
     pub fn measure(&self, job: &Job) -> Result<Measured> {
         let (scene, out) = (self.data.join(job.scene), target().join("captured").join(job.folder()));
         let mut command =
@@ -137,12 +136,12 @@ impl Captured {
     }
 }
 
-/// Builds the command, together with what the demo needs so that neither builds it anew.
+/// Builds the command with the same features as the demo, so that neither rebuilds it.
 pub fn build() -> Result<()> {
     run(&mut cargo("build --quiet --release --package pcmvs-cli --package studio --bins")).map(drop)
 }
 
-/// What the command's report has of each frame.
+/// The frames of the command's report.
 pub fn reported_frames(folder: &Path) -> Result<Vec<Value>> {
     Ok(read_json(&folder.join("report.json"))?["frames"].as_array().cloned().unwrap_or_default())
 }
@@ -152,7 +151,7 @@ fn read_json(path: &Path) -> Result<Value> {
     serde_json::from_slice(&bytes).map_err(|e| format!("{}: {e}", path.display()))
 }
 
-/// The cameras with masks, if some have none: silhouettes can be compared only there.
+/// The cameras with masks, if some have none. Silhouettes can be compared only there.
 fn masked_cameras(scene: &Path, index: u64) -> Result<Option<String>> {
     let file = read_json(&scene.join("scene.json"))?;
     let frame = file["frames"].as_array().into_iter().flatten().find(|f| f["index"] == index);
@@ -161,12 +160,12 @@ fn masked_cameras(scene: &Path, index: u64) -> Result<Option<String>> {
     Ok((masked.len() < masks.len()).then(|| masked.join(",")))
 }
 
-/// Where Python's packages go.
+/// Folder for Python packages.
 pub fn packages() -> PathBuf {
     target().join("python")
 }
 
-/// What the scoring tool imports.
+/// Packages that the scoring tool imports.
 pub fn install_packages() -> Result<()> {
     let mut check = program("python3", "-c");
     if run(check.arg("import open3d, trimesh, PIL, scipy").env("PYTHONPATH", packages())).is_ok() {

@@ -1,4 +1,4 @@
-//! Other programs: quiet when they succeed, in full when they fail.
+//! Runs other programs. Their output is shown only if they fail.
 
 use crate::Result;
 use std::{
@@ -12,26 +12,27 @@ pub fn root() -> &'static Path {
     Path::new(env!("CARGO_MANIFEST_DIR")).parent().unwrap_or(Path::new("."))
 }
 
-/// Where Cargo builds.
+/// Cargo's target folder.
 pub fn target() -> PathBuf {
     env::var_os("CARGO_TARGET_DIR").map_or_else(|| root().join("target"), PathBuf::from)
 }
 
-/// A program to be run in the workspace's folder; arguments are separated by spaces.
+/// A program that runs in the workspace's folder. Arguments are separated by spaces.
 pub fn program(name: impl AsRef<std::ffi::OsStr>, arguments: &str) -> Command {
     let mut command = Command::new(name);
     command.current_dir(root()).args(arguments.split_whitespace()).stdin(Stdio::null());
     command
 }
 
-/// Cargo itself, as it runs this task.
+/// The Cargo that runs this task.
 pub fn cargo(arguments: &str) -> Command {
     let mut command = program(env::var_os("CARGO").unwrap_or("cargo".into()), arguments);
     cargo_environment(&mut command);
     command
 }
 
-/// Removes what the outer `cargo run` has set for this package. A nested Cargo would build everything anew because of it.
+/// Removes the variables that the outer `cargo run` sets for this package, which would make a nested Cargo rebuild
+/// everything.
 pub fn cargo_environment(command: &mut Command) -> &mut Command {
     for (name, _) in env::vars_os() {
         if name.to_string_lossy().starts_with("CARGO_PKG_") || name == "CARGO_MANIFEST_DIR" {
@@ -41,7 +42,7 @@ pub fn cargo_environment(command: &mut Command) -> &mut Command {
     command
 }
 
-/// Runs a program and returns what it printed. If it fails, the error has the command and all of its output.
+/// Runs a program and returns its output. If it fails, the error contains the command and all of its output.
 pub fn run(command: &mut Command) -> Result<String> {
     let line = describe(command);
     let output = command.output().map_err(|e| format!("{line}\ncannot be run: {e}"))?;

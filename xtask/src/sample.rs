@@ -1,4 +1,4 @@
-//! The capture that the page reconstructs by itself: a clip of the studio's figure, small enough to ship.
+//! The sample of the page: a clip of the studio's figure, small enough to ship.
 
 use image::{ColorType, ExtendedColorType, ImageEncoder, ImageFormat, codecs::jpeg::JpegEncoder};
 use std::{fs, path::Path};
@@ -7,11 +7,11 @@ use studio::{Capture, Faults, Ring, Subject, capture::record};
 const VIEWS: u32 = 20;
 const SIZE: (u32, u32) = (512, 384);
 const FRAMES: usize = 8;
-/// Frames a second: the clip lasts as long as one wave of the figure's hand, so that it loops.
+/// Frames per second. The clip lasts as long as one wave of the figure's hand, so that it loops.
 const FPS: f64 = 8.0;
 const JPEG_QUALITY: u8 = 85;
 
-/// Renders the sample into a scene folder, unless it is there already.
+/// Renders the sample into a scene folder, unless the folder exists.
 pub fn make(folder: &Path) -> Result<(), String> {
     if folder.join("scene.json").exists() {
         return Ok(());
@@ -48,12 +48,12 @@ pub fn make(folder: &Path) -> Result<(), String> {
         }
         capture.frames.push(frame);
     }
-    let mut scene = capture.scene_file();
+    let mut scene = capture.scene();
+    scene.fps = Some(FPS);
     for path in scene.frames.iter_mut().flat_map(|frame| &mut frame.images) {
-        *path = path.replace(".png", ".jpg");
+        path.set_extension("jpg");
     }
-    let mut scene = serde_json::to_value(&scene).map_err(|e| fail(&e))?;
-    scene["fps"] = FPS.into();
-    // Last, so that a folder that has it is whole.
+    let scene = serde_json::to_value(&scene).map_err(|e| fail(&e))?;
+    // Written last, so that a folder that contains it is complete.
     fs::write(folder.join("scene.json"), format!("{scene:#}\n")).map_err(|e| fail(&e))
 }

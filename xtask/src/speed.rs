@@ -1,4 +1,4 @@
-//! How time grows with views and pixels, what a second thread brings, and meshing beside another solver.
+//! Measures how time grows with views and pixels, the gain of a second thread, and meshing against another solver.
 
 use crate::{
     Result,
@@ -20,7 +20,7 @@ struct Run {
 }
 
 impl Run {
-    /// Mean seconds a frame of the steps that `wanted` names.
+    /// Mean seconds per frame of the steps that `wanted` names.
     fn seconds(&self, wanted: impl Fn(&str) -> bool) -> f64 {
         self.measured.seconds().iter().filter(|(name, _)| wanted(name)).map(|(_, s)| s).sum()
     }
@@ -30,7 +30,7 @@ fn folder() -> PathBuf {
     target().join("speed")
 }
 
-/// Renders a capture of the studio's figure, unless it is there.
+/// Renders a capture of the studio's figure, unless it exists.
 fn capture(views: u32, (width, height): (u32, u32), frames: u32) -> Result<PathBuf> {
     let scene = folder().join(format!("{views}x{width}x{frames}"));
     if !scene.join("scene.json").exists() {
@@ -82,7 +82,7 @@ pub fn scaling() -> Result<String> {
     Ok(table.text())
 }
 
-/// What two threads bring over one, for one frame and for many.
+/// The gain of two threads over one, for one frame and for many.
 pub fn threads() -> Result<String> {
     build()?;
     let mut table = Table::new(&["two threads instead of one", "1: s", "2: s", "times"]);
@@ -99,7 +99,7 @@ pub fn threads() -> Result<String> {
     Ok(table.text())
 }
 
-/// Open3D's meshing, which is Kazhdan's PoissonRecon, of the same points: seconds of processor time on one thread.
+/// Meshes the same points with Open3D, which uses Kazhdan's PoissonRecon. Seconds of processor time on one thread.
 const OTHER: &str = "
 import sys, time, numpy as np, open3d as o3d
 for name in ['exact', 'noisy']:
@@ -115,7 +115,7 @@ for name in ['exact', 'noisy']:
     print(name, seconds, len(p), error.mean() * 1e3, np.quantile(error, 0.99) * 1e3)
 ";
 
-/// Meshing alone, of 200,000 points on a torus, exact and noisy, beside Open3D's.
+/// Meshing of 200,000 points on a torus, exact and noisy, compared with Open3D.
 pub fn meshing() -> Result<String> {
     fs::create_dir_all(folder()).map_err(|e| format!("{}: {e}", folder().display()))?;
     install_packages()?;
@@ -142,7 +142,7 @@ pub fn meshing() -> Result<String> {
     Ok(table.text())
 }
 
-/// A line of a solver: the cloud's name; seconds, vertices, mean and 99 % error.
+/// Parses a solver's line: name of the cloud, seconds, vertices, mean error and 99 % quantile of the error.
 fn meshed(line: &str) -> Result<(&str, [f64; 4])> {
     let unexpected = || format!("unexpected output: {line}");
     let (cloud, figures) = line.split_once(' ').ok_or_else(unexpected)?;

@@ -1,4 +1,4 @@
-//! Generated parts of a Markdown file: what stands between two markers is replaced, all else is left alone.
+//! Generated parts of a Markdown file. The text between two markers is replaced, and all other text is kept.
 
 use crate::Result;
 use std::{fs, path::Path};
@@ -9,7 +9,7 @@ pub struct Table {
 }
 
 impl Table {
-    /// With its header; the first column is aligned left, figures right.
+    /// A table with its header. The first column is aligned left, the figures right.
     pub fn new<S: AsRef<str>>(header: &[S]) -> Self {
         let mut rule = String::from("|---|");
         rule.push_str(&"---:|".repeat(header.len() - 1));
@@ -25,24 +25,24 @@ impl Table {
         self.lines.push(format!("| {} |", cells.join(" | ")));
     }
 
-    /// As text.
+    /// The Markdown text.
     pub fn text(&self) -> String {
         self.lines.join("\n")
     }
 }
 
-/// A figure with so many digits after the point; a dash where there is none.
+/// A figure with this many digits after the point, or a dash if there is none.
 pub fn figure(value: Option<f64>, digits: usize) -> String {
     value.map_or_else(|| String::from("–"), |v| format!("{v:.digits$}"))
 }
 
-/// What stands between `<!-- begin: name -->` and `<!-- end: name -->` of a file's text.
+/// The text between `<!-- begin: name -->` and `<!-- end: name -->`.
 pub fn content<'a>(text: &'a str, name: &str) -> Result<&'a str> {
     let [_, content, _] = split(text, name)?;
     Ok(content.trim())
 }
 
-/// Text before, between and after the markers of a name, which belong to the outer parts.
+/// The text before, between and after the markers of a name. The markers belong to the outer parts.
 fn split<'a>(text: &'a str, name: &str) -> Result<[&'a str; 3]> {
     let [begin, end] = ["begin", "end"].map(|word| format!("<!-- {word}: {name} -->"));
     let inner = text.find(&begin).map(|at| at + begin.len());
@@ -51,7 +51,7 @@ fn split<'a>(text: &'a str, name: &str) -> Result<[&'a str; 3]> {
     Ok([&text[..from], &text[from..to], &text[to..]])
 }
 
-/// Puts `content` between `<!-- begin: name -->` and `<!-- end: name -->` of a file's text.
+/// Replaces the text between `<!-- begin: name -->` and `<!-- end: name -->`.
 pub fn replace(text: &str, name: &str, content: &str) -> Result<String> {
     let [before, _, after] = split(text, name)?;
     Ok(format!("{before}\n{}\n{after}", content.trim_end()))

@@ -1,8 +1,9 @@
-//! `cargo xtask test`: all checks, the quick ones first.
+//! `cargo xtask test`: all checks, quick ones first.
 
 use crate::{
     Result, abi_check, captured, golden, no_std, oldest_compiler, players,
     process::{cargo, program, root, run as run_program, target},
+    publish,
     setup::Need,
     steps::{Outcome, Steps, passed},
     web,
@@ -12,7 +13,7 @@ use std::{fs, path::PathBuf};
 /// A minimal toolchain has neither of them.
 const RUSTFMT: Need = Need::Component("rustfmt", "fmt --version");
 const CLIPPY: Need = Need::Component("clippy", "clippy --version");
-/// Of the glTF validator.
+/// For the glTF validator.
 const VALIDATOR: Need = Need::Npm("tests/gltf");
 
 /// What the checks need besides the toolchain.
@@ -29,7 +30,7 @@ fn needs(all: bool) -> Vec<Need> {
     needs
 }
 
-/// Checks everything; with `all` also what takes long. With `install`, checks install what they need.
+/// Makes all checks; with `all`, including the long ones. With `install`, checks install what they need.
 pub fn run(all: bool, install: bool) -> Result<()> {
     let mut steps = Steps::new(install);
     steps.announce(&needs(all));
@@ -51,6 +52,7 @@ pub fn run(all: bool, install: bool) -> Result<()> {
     steps.step("from pictures to meshes", || pipeline().map(Outcome::Passed))?;
     steps.step_with(&[VALIDATOR], "Khronos glTF validator", || validator().map(Outcome::Passed))?;
     web::check(&mut steps, all)?;
+    publish::check(&mut steps, all)?;
     if all {
         players::check(&mut steps)?;
         abi_check::check(&mut steps)?;
@@ -60,7 +62,7 @@ pub fn run(all: bool, install: bool) -> Result<()> {
     Ok(())
 }
 
-/// The long checks of the C library alone.
+/// Makes only the long checks of the C library.
 pub fn c_library() -> Result<()> {
     let mut steps = Steps::default();
     steps.announce(&abi_check::NEEDS);
@@ -85,9 +87,9 @@ fn smoke() -> PathBuf {
     target().join("smoke")
 }
 
-/// What the demo does, small: pictures from the studio, meshes by every preset.
+/// A small version of the demo: pictures from the studio, meshes with every preset.
 fn pipeline() -> Result<String> {
-    // The tests have built the commands that they run: nothing is built twice.
+    // The tests have built these commands.
     let binary = |name: &str| target().join("debug").join(name);
     if smoke().exists() {
         fs::remove_dir_all(smoke()).map_err(|e| format!("{}: {e}", smoke().display()))?;

@@ -1,4 +1,4 @@
-//! A tiny capture on disk, and the command run on it.
+//! A tiny capture on disk, and the command that runs on it.
 #![allow(dead_code, reason = "each test uses its part")]
 #![allow(clippy::disallowed_methods, reason = "no result depends on the tests' own numbers")]
 
@@ -28,7 +28,7 @@ impl Capture {
         Self::enlarged(cameras, frames, 1)
     }
 
-    /// The same with pictures so many times as wide and high.
+    /// The same capture with pictures that are this many times as wide and high.
     pub fn enlarged(cameras: usize, frames: u32, scale: u32) -> Self {
         let (width, height, focal) = (WIDTH * scale, HEIGHT * scale, FOCAL * f64::from(scale));
         let middle = DVec2::new(f64::from(width - 1), f64::from(height - 1)) / 2.0;
@@ -88,13 +88,13 @@ impl Capture {
         mask.save(self.path(relative)).unwrap();
     }
 
-    /// `pcmvs reconstruct` with more arguments; the results go to `out`.
+    /// Runs `pcmvs reconstruct` with more arguments. The results go to `out`.
     pub fn run(&self, arguments: &[&str]) -> Output {
         fs::write(self.path("scene.json"), serde_json::to_string_pretty(&self.scene).unwrap()).unwrap();
         self.run_as_written(arguments)
     }
 
-    /// The same with scene.json as it is on disk.
+    /// The same, with scene.json as it is on disk.
     pub fn run_as_written(&self, arguments: &[&str]) -> Output {
         let (scene, out) = (self.folder.path(), self.path("out"));
         let mut command = pcmvs();
@@ -111,7 +111,7 @@ impl Capture {
     }
 }
 
-/// Colour of the ball, and of the wall behind it, in a direction of normalised image coordinates.
+/// Colour of the ball or of the wall behind it, by normalised image coordinates.
 fn colour(camera: &Value, look: DVec2, frame: u32) -> Rgb<u8> {
     let number = |v: &Value| v.as_f64().unwrap();
     let row = |v: &Value| DVec3::new(number(&v[0]), number(&v[1]), number(&v[2]));

@@ -1,8 +1,6 @@
 //! What the tests of meshes share.
 #![allow(dead_code, reason = "each test file is a crate of its own and uses a part")]
 
-use std::collections::{HashMap, HashSet};
-
 use glam::DVec3;
 use pcmvs_core::Mesh;
 
@@ -37,39 +35,10 @@ impl Random {
     }
 }
 
-/// Closed, oriented, two triangles an edge, one fan a vertex, no triangle twice or without area, all finite, unit normals.
+/// The mesh is a closed manifold.
+#[track_caller]
 pub fn assert_manifold(mesh: &Mesh) {
-    assert_eq!(mesh.positions.len(), mesh.normals.len());
-    assert!(mesh.positions.iter().all(|p| p.is_finite()));
-    assert!(mesh.normals.iter().all(|n| (n.length() - 1.0).abs() < 1e-4));
-
-    let mut edges = HashSet::new();
-    let mut triangles = HashSet::new();
-    let mut fans: Vec<HashMap<u32, u32>> = vec![HashMap::new(); mesh.positions.len()];
-    for &t in &mesh.triangles {
-        let mut sorted = t;
-        sorted.sort();
-        assert!(triangles.insert(sorted), "triangle {t:?} twice");
-        let [a, b, c] = t.map(|v| mesh.positions[v as usize].as_dvec3());
-        assert!((b - a).cross(c - a).length() > 0.0, "triangle {t:?} has no area");
-        for k in 0..3 {
-            let (a, b, c) = (t[k], t[(k + 1) % 3], t[(k + 2) % 3]);
-            assert!(edges.insert((a, b)), "edge {a} {b} twice in one direction");
-            fans[a as usize].insert(b, c);
-        }
-    }
-    for &(a, b) in &edges {
-        assert!(edges.contains(&(b, a)), "edge {a} {b} is open");
-    }
-    for (vertex, fan) in fans.iter().enumerate() {
-        let Some(&first) = fan.keys().next() else { panic!("vertex {vertex} has no triangle") };
-        let (mut at, mut seen) = (fan[&first], 1);
-        while at != first {
-            at = fan[&at];
-            seen += 1;
-        }
-        assert_eq!(seen, fan.len(), "vertex {vertex} has more than one fan");
-    }
+    studio::topology::assert_manifold(mesh, "the mesh");
 }
 
 /// Volume that the mesh encloses.

@@ -27,7 +27,7 @@ pub fn read(files: &dyn Files, path: &Path) -> Result<Vec<ImportedView>, Failure
         let remedy = if binary {
             "the model is binary: convert it with `colmap model_converter --output_type TXT`"
         } else {
-            "holds no cameras.txt: name the folder of a COLMAP text model"
+            "there is no cameras.txt: name the folder of a COLMAP text model"
         };
         return Err(Failure::Input(format!("{}: {remedy}", path.display())));
     };
@@ -36,7 +36,7 @@ pub fn read(files: &dyn Files, path: &Path) -> Result<Vec<ImportedView>, Failure
     let mut folders: Vec<PathBuf> = [path.join("images"), path.to_path_buf()].into();
     folders.extend([up(0), up(1), up(2)].into_iter().flatten());
     let mut views = read_images(files, &model.join("images.txt"), &intrinsics, &folders)?;
-    // COLMAP's own order is that of registration.
+    // COLMAP lists images in the order of their registration.
     views.sort_by(|a, b| a.name.cmp(&b.name));
     Ok(views)
 }
@@ -59,7 +59,7 @@ fn read_cameras(files: &dyn Files, file: &Path) -> Result<BTreeMap<u32, Intrinsi
     lines.map(|line| parse(line).map_err(|problem| wrong(line, &problem))).collect()
 }
 
-/// K and distortion of a camera model's parameters.
+/// K and distortion from the parameters of a camera model.
 fn intrinsics(model: &str, params: &[f64]) -> Result<([[f64; 3]; 3], [f64; 5]), String> {
     let (focal, centre, [k1, k2, p1, p2, k3]) = match (model, params) {
         ("SIMPLE_PINHOLE", &[f, cx, cy]) => ([f, f], [cx, cy], [0.0; 5]),
@@ -77,7 +77,7 @@ fn intrinsics(model: &str, params: &[f64]) -> Result<([[f64; 3]; 3], [f64; 5]), 
             ([fx, fy], [cx, cy], [k1, k2, p1, p2, k3])
         }
         ("SIMPLE_PINHOLE" | "PINHOLE" | "SIMPLE_RADIAL" | "RADIAL" | "OPENCV" | "FULL_OPENCV", _) => {
-            return Err(format!("{} parameters are not what {model} has", params.len()));
+            return Err(format!("{} parameters do not fit the model {model}: export the model again", params.len()));
         }
         _ => {
             return Err(format!(
@@ -99,7 +99,7 @@ fn read_images(
     let mut lines = text.lines().filter(|line| !line.starts_with('#'));
     let mut views = Vec::new();
     while let Some(line) = lines.by_ref().find(|line| !line.trim().is_empty()) {
-        // A line of the picture's 2D points follows, which may be empty.
+        // The next line has the 2D points of the image and may be empty.
         lines.next();
         let words: Vec<&str> = line.split_whitespace().collect();
         let [_, pose @ .., _, _] = &words[..words.len().min(10)] else { continue };

@@ -1,4 +1,4 @@
-//! Middlebury's `*_par.txt`: the number of views, then a line each: name, K, R, t by rows (world to camera).
+//! Middlebury's `*_par.txt`: the number of views, then one line per view: name, K, R and t by rows (world to camera).
 
 use super::{
     source::{failure, find_picture, name_of, picture_size, read_text},
@@ -8,7 +8,7 @@ use crate::{failure::Failure, files::Files};
 use pcmvs_core::Camera;
 use std::path::{Path, PathBuf};
 
-/// Reads a folder with one `*_par.txt`, or that file. The pictures are beside it or in `images`.
+/// Reads a folder with one `*_par.txt`, or that file. The pictures are in the same folder or in `images`.
 pub fn read(files: &dyn Files, path: &Path) -> Result<Vec<ImportedView>, Failure> {
     let file = parameters(files, path)?;
     let folder = file.parent().unwrap_or(Path::new(""));
@@ -21,7 +21,10 @@ pub fn read(files: &dyn Files, path: &Path) -> Result<Vec<ImportedView>, Failure
         .ok_or_else(|| wrong(String::from("the first line must be the number of views")))?;
     let views: Vec<ImportedView> = lines.map(|line| view(files, &file, folder, line)).collect::<Result<_, _>>()?;
     if views.len() != count {
-        return Err(wrong(format!("{count} views are announced but {} are there: copy the file again", views.len())));
+        return Err(wrong(format!(
+            "the first line announces {count} views, but there are {}: copy the file again",
+            views.len()
+        )));
     }
     Ok(views)
 }
@@ -36,7 +39,7 @@ fn parameters(files: &dyn Files, path: &Path) -> Result<PathBuf, Failure> {
         (Some(file), true) => Ok(file),
         (found, _) => {
             let count = if found.is_none() { "no" } else { "more than one" };
-            Err(Failure::Input(format!("{}: holds {count} *_par.txt: name the file itself", path.display())))
+            Err(Failure::Input(format!("{}: contains {count} *_par.txt: name the file itself", path.display())))
         }
     }
 }
@@ -49,8 +52,9 @@ fn view(files: &dyn Files, file: &Path, folder: &Path, line: &str) -> Result<Imp
     let Some(Ok(n)) = numbers.map(<[f64; 21]>::try_from) else {
         return Err(failure(file, &name, "21 numbers are needed after the name: K, R and t by rows"));
     };
-    let image = find_picture(files, &[folder.to_path_buf(), folder.join("images")], picture)
-        .ok_or_else(|| failure(file, &name, &format!("its picture `{picture}` is missing: put it beside this file")))?;
+    let image = find_picture(files, &[folder.to_path_buf(), folder.join("images")], picture).ok_or_else(|| {
+        failure(file, &name, &format!("its picture `{picture}` is missing: put it into the folder of this file"))
+    })?;
     let [width, height] = picture_size(files, &image, &name)?;
     let nine = |start: usize| rows(std::array::from_fn(|i| n[start + i]));
     let camera = Camera { width, height, k: nine(0), distortion: [0.0; 5], r: nine(9), t: [n[18], n[19], n[20]] };

@@ -31,13 +31,13 @@ pub enum Source {
     Middlebury,
     /// A folder with a text model: cameras.txt and images.txt.
     Colmap,
-    /// A YAML or JSON file of OpenCV's FileStorage, or a folder of one such file a camera.
+    /// A YAML or JSON file of OpenCV's FileStorage, or a folder with one such file per camera.
     Opencv,
     /// transforms.json or its folder.
     Transforms,
 }
 
-/// Reads another program's calibration as a scene of one frame, whose picture paths are those of the source.
+/// Reads the calibration of another program as a scene with one frame. Picture paths are those of the source.
 pub fn import(files: &dyn Files, source: Source, path: &Path) -> Result<Scene, Failure> {
     let views = match source {
         Source::Middlebury => middlebury::read(files, path)?,
@@ -49,7 +49,7 @@ pub fn import(files: &dyn Files, source: Source, path: &Path) -> Result<Scene, F
     let (mut cameras, mut images, mut masks) = (Vec::new(), Vec::new(), Vec::new());
     for view in &views {
         if !names.insert(view.name.as_str()) {
-            return Err(failure(path, &view.name, "is there twice: give every camera a name of its own"));
+            return Err(failure(path, &view.name, "occurs twice: give every camera its own name"));
         }
         view.camera.check().map_err(|problem| failure(path, &view.name, &problem))?;
         let [width, height] = picture_size(files, &view.image, &view.name)?;
@@ -66,7 +66,7 @@ pub fn import(files: &dyn Files, source: Source, path: &Path) -> Result<Scene, F
         cameras.push(scene_camera(view));
     }
     if cameras.is_empty() {
-        return Err(Failure::Input(format!("{}: holds no camera", path.display())));
+        return Err(Failure::Input(format!("{}: contains no camera", path.display())));
     }
     Ok(Scene {
         version: VERSION,

@@ -1,16 +1,16 @@
-//! OpenCV calibrations, YAML or JSON as FileStorage writes them. World to camera and the first pixel's centre are
-//! those of a scene.
+//! OpenCV calibrations in YAML or JSON, as FileStorage writes them. World to camera and the centre of the first pixel
+//! follow the convention of a scene.
 //!
-//! A file is one camera, or holds several: as a list `cameras`, or as named maps. A folder is one file a camera. Keys
-//! (the first that is there counts):
+//! A file contains one camera, or several as a list `cameras` or as named maps. A folder contains one file per camera.
+//! Of the keys below, the first that exists is used:
 //! - K: `camera_matrix`, `cameraMatrix`, `K`, `intrinsic_matrix`
-//! - distortion k1 k2 p1 p2 k3: `distortion_coefficients`, `distCoeffs`, `dist_coeffs`, `D`, `distortion`; none: zero
-//! - rotation, 3x3 or Rodrigues' vector: `R`, `rotation_matrix`, `rotation`, `rvec`
+//! - distortion k1 k2 p1 p2 k3: `distortion_coefficients`, `distCoeffs`, `dist_coeffs`, `D`, `distortion`; default: zero
+//! - rotation, as a 3x3 matrix or Rodrigues' vector: `R`, `rotation_matrix`, `rotation`, `rvec`
 //! - translation: `t`, `tvec`, `T`, `translation`
-//! - size: `image_width` and `image_height`, `width` and `height`, or `image_size`; none: the picture's own
-//! - name: `name`; none: the map's key or the file's stem
-//! - picture: `image`, `image_path`, `file`; none: the camera's name, here or in `images`
-//! - mask: `mask`, `mask_path`; none: searched in `masks`
+//! - size: `image_width` and `image_height`, `width` and `height`, or `image_size`; default: the size of the picture
+//! - name: `name`; default: the key in the map, or the stem of the file
+//! - picture: `image`, `image_path`, `file`; default: a picture with the camera's name, in this folder or in `images`
+//! - mask: `mask`, `mask_path`; default: searched for in `masks`
 
 use super::{
     opencv_storage,
@@ -30,7 +30,7 @@ const ROTATION: &[&str] = &["R", "rotation_matrix", "rotation", "rvec"];
 const TRANSLATION: &[&str] = &["t", "tvec", "T", "translation"];
 const SIZES: [[&str; 2]; 2] = [["image_width", "image_height"], ["width", "height"]];
 
-/// Reads a file, or all YAML and JSON files of a folder that hold a camera.
+/// Reads a file, or all YAML and JSON files of a folder that contain a camera.
 pub fn read(files: &dyn Files, path: &Path) -> Result<Vec<ImportedView>, Failure> {
     let mut views = Vec::new();
     for file in calibrations(files, path)? {
@@ -41,7 +41,7 @@ pub fn read(files: &dyn Files, path: &Path) -> Result<Vec<ImportedView>, Failure
         }
     }
     if views.is_empty() {
-        return Err(Failure::Input(format!("{}: holds no camera: one of {K:?} is needed", path.display())));
+        return Err(Failure::Input(format!("{}: contains no camera: one of the keys {K:?} is needed", path.display())));
     }
     Ok(views)
 }
@@ -61,7 +61,7 @@ fn find<'a>(camera: &'a Value, keys: &[&str]) -> Option<&'a Value> {
     keys.iter().find_map(|key| camera.get(key))
 }
 
-/// Names and maps of the cameras in a file.
+/// Names and values of the cameras in a file.
 fn cameras(value: &Value, stem: String) -> Vec<(String, &Value)> {
     let named = |camera: &Value, otherwise: String| camera["name"].as_str().map_or(otherwise, str::to_owned);
     let is_camera = |value: &Value| find(value, K).is_some();
@@ -132,7 +132,7 @@ fn distortion(value: &Value) -> Result<[f64; 5], String> {
     Ok(std::array::from_fn(|i| numbers.get(i).copied().unwrap_or(0.0)))
 }
 
-/// A rotation from nine numbers by rows, or from Rodrigues' vector (axis times angle).
+/// A rotation from nine numbers by rows, or from Rodrigues' vector (axis times angle in radians).
 fn rotation(numbers: &[f64]) -> Result<[[f64; 3]; 3], String> {
     match *numbers {
         [x, y, z] => {

@@ -6,7 +6,7 @@ use serde_json::{Map, Value};
 use std::path::Path;
 use yaml_rust2::{Yaml, YamlLoader};
 
-/// Reads a file; its extension tells the format.
+/// Reads a file. Its extension decides the format.
 pub fn read(files: &dyn Files, path: &Path) -> Result<Value, Failure> {
     let text = read_text(files, path)?;
     let value = if path.extension().is_some_and(|e| e.eq_ignore_ascii_case("json")) {
@@ -18,7 +18,7 @@ pub fn read(files: &dyn Files, path: &Path) -> Result<Value, Failure> {
 }
 
 fn from_yaml(text: &str) -> Result<Value, String> {
-    // `%YAML:1.0`, which OpenCV writes, is no directive that YAML knows.
+    // OpenCV writes `%YAML:1.0`, which is not a valid YAML directive.
     let body: String =
         text.lines().map(|line| if line.starts_with('%') { "" } else { line }).flat_map(|l| [l, "\n"]).collect();
     let documents = YamlLoader::load_from_str(&body).map_err(|e| e.to_string())?;
@@ -29,7 +29,7 @@ fn to_json(yaml: Yaml) -> Value {
     match yaml {
         Yaml::Integer(i) => i.into(),
         Yaml::Boolean(b) => b.into(),
-        // Numbers that JSON cannot hold (.nan) stay text and are found out where a number is needed.
+        // Numbers that JSON cannot represent (.nan) stay text. They are reported where a number is needed.
         Yaml::Real(text) => text.parse::<f64>().ok().filter(|v| v.is_finite()).map_or(text.into(), Value::from),
         Yaml::String(text) => text.into(),
         Yaml::Array(items) => items.into_iter().map(to_json).collect(),
@@ -41,7 +41,7 @@ fn to_json(yaml: Yaml) -> Value {
     }
 }
 
-/// All numbers of a matrix by rows: FileStorage's `data`, nested lists or a plain list.
+/// All numbers of a matrix by rows, from FileStorage's `data`, nested lists or a flat list.
 pub fn numbers(value: &Value) -> Result<Vec<f64>, String> {
     match value {
         Value::Object(matrix) => match matrix.get("data") {
@@ -53,7 +53,7 @@ pub fn numbers(value: &Value) -> Result<Vec<f64>, String> {
             Ok(parts?.concat())
         }
         Value::Number(number) => Ok(number.as_f64().into_iter().collect()),
-        // YAML 1.0 has spellings (`0.`) that a YAML 1.2 reader takes for text.
+        // A YAML 1.2 reader takes some numbers of YAML 1.0 (`0.`) for text.
         Value::String(text) => match text.parse::<f64>() {
             Ok(v) if v.is_finite() => Ok(vec![v]),
             _ => Err(format!("`{text}` is not a finite number")),

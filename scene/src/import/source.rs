@@ -3,7 +3,7 @@
 use crate::{failure::Failure, files::Files, pictures::Picture};
 use std::path::{Path, PathBuf};
 
-/// What is wrong with a camera, and in which file.
+/// An error message that names camera and file.
 pub fn failure(path: &Path, camera: &str, problem: &str) -> Failure {
     Failure::Input(format!("camera `{camera}`: {}: {problem}", path.display()))
 }
@@ -14,7 +14,7 @@ pub fn read(files: &dyn Files, path: &Path) -> Result<Vec<u8>, Failure> {
 
 pub fn read_text(files: &dyn Files, path: &Path) -> Result<String, Failure> {
     String::from_utf8(read(files, path)?)
-        .map_err(|_| Failure::Input(format!("{}: this is not UTF-8 text: save it as UTF-8", path.display())))
+        .map_err(|_| Failure::Input(format!("{}: the file is not UTF-8 text: save it as UTF-8", path.display())))
 }
 
 /// Width and height of a picture.
@@ -23,15 +23,15 @@ pub fn picture_size(files: &dyn Files, path: &Path, camera: &str) -> Result<[u32
     Ok([picture.view().width, picture.view().height])
 }
 
-/// The first of the folders that holds a file of this name, with or without a picture's extension.
+/// The file of this name, with or without the extension of a picture, in the first folder that contains one.
 pub fn find_picture(files: &dyn Files, folders: &[PathBuf], name: &str) -> Option<PathBuf> {
     let spelled =
         |folder: &PathBuf| ["", ".png", ".jpg", ".jpeg"].map(|extension| folder.join(format!("{name}{extension}")));
     folders.iter().flat_map(spelled).find(|path| files.is_file(path))
 }
 
-/// A mask in a folder `masks` beside the pictures, beside their folder or in the capture's: of the same stem, or of the
-/// picture's whole name with another extension added.
+/// A mask in a folder `masks`: in the folder of the pictures, next to it, or in the capture's folder. It has the stem of
+/// the picture, or the picture's full name with another extension added.
 pub fn usual_mask(files: &dyn Files, capture: &Path, image: &Path) -> Option<PathBuf> {
     let folder = image.parent()?;
     let capture = if files.is_folder(capture) { capture } else { capture.parent()? };
@@ -42,7 +42,7 @@ pub fn usual_mask(files: &dyn Files, capture: &Path, image: &Path) -> Option<Pat
     find(name(image.file_stem())?).or_else(|| find(name(image.file_name())?))
 }
 
-/// A camera's name from its picture's path: folders become part of the name.
+/// A camera name from the path of its picture. Folders become part of the name.
 pub fn name_of(path: &str) -> String {
     let path = Path::new(path.trim_start_matches("./")).with_extension("");
     path.to_string_lossy().replace(['/', '\\'], "_")

@@ -1,5 +1,5 @@
 //! NeRF's transforms.json (Blender, instant-ngp, nerfstudio): camera to world with OpenGL's axes (x right, y up,
-//! z backward), the picture spanning 0..w so that the first pixel's centre is at (0.5, 0.5).
+//! z backward). The picture spans 0..w, so that the centre of the first pixel is at (0.5, 0.5).
 
 use super::{
     source::{failure, find_picture, name_of, picture_size, read_text},
@@ -28,7 +28,7 @@ struct Frame {
     own: Intrinsics,
 }
 
-/// All may stand once for all frames or in a frame.
+/// Each may be given once for all frames or for a single frame.
 #[derive(Deserialize)]
 struct Intrinsics {
     w: Option<f64>,
@@ -47,7 +47,7 @@ struct Intrinsics {
     p2: Option<f64>,
 }
 
-/// Reads transforms.json or a folder that holds it (or transforms_train.json).
+/// Reads transforms.json, or a folder that contains it or transforms_train.json.
 pub fn read(files: &dyn Files, path: &Path) -> Result<Vec<ImportedView>, Failure> {
     let candidates = ["transforms.json", "transforms_train.json"].map(|name| path.join(name));
     let file = if files.is_folder(path) {
@@ -102,7 +102,7 @@ fn view(
 /// World to camera with y down and z forward, from camera to world with y up and z backward.
 fn pose(matrix: &[[f64; 4]]) -> Option<([[f64; 3]; 3], [f64; 3])> {
     let ([a, b, c] | [a, b, c, _]) = matrix else { return None };
-    // The matrix' rows as columns: its rotation's inverse.
+    // The rows are taken as columns, which gives the inverse rotation.
     let rotation = DMat3::from_cols_array_2d(&[a, b, c].map(|row| [row[0], row[1], row[2]]));
     let rotation = DMat3::from_diagonal(DVec3::new(1.0, -1.0, -1.0)) * rotation;
     let translation = -(rotation * DVec3::new(a[3], b[3], c[3]));

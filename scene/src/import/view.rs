@@ -10,11 +10,11 @@ pub struct ImportedView {
     pub camera: Camera,
     /// The photograph.
     pub image: PathBuf,
-    /// Its mask; where the source does not say, the usual places are searched.
+    /// Its mask, if the source names it. Otherwise the usual folders are searched.
     pub mask: Option<PathBuf>,
 }
 
-/// Rows of three from nine numbers.
+/// Three rows from nine numbers.
 pub fn rows(m: [f64; 9]) -> [[f64; 3]; 3] {
     [[m[0], m[1], m[2]], [m[3], m[4], m[5]], [m[6], m[7], m[8]]]
 }

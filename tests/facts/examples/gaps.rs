@@ -1,5 +1,5 @@
-//! The longest time between two calls of a host's progress, by stage, in milliseconds: the fastest of three runs, of a
-//! capture of 20 views of 1024 x 768. Ends with an error where a stage is silent for longer than it may be.
+//! Longest time between two progress calls of each stage, in milliseconds: the fastest of three runs on a capture of 20
+//! views of 1024 x 768. Fails if a stage exceeds the limit.
 #![allow(clippy::disallowed_methods, reason = "no result depends on the example's own numbers")]
 
 use facts::Shot;
@@ -11,10 +11,10 @@ use std::{
 };
 use studio::{Faults, Ring, Subject};
 
-/// Longest that a host may have to wait.
+/// Limit for the time between two calls.
 const LONGEST: Duration = Duration::from_millis(50);
 
-/// When the host last heard of the work, and the longest silence of each stage.
+/// Time of the last call, and the longest time between calls of each stage.
 struct Silences(Mutex<(Instant, [Duration; ORDER.len()])>);
 
 impl Silences {

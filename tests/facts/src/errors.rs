@@ -1,19 +1,19 @@
-//! How far a mesh is from the truth, in footprints, where at least two cameras see the truth.
+//! Errors of a mesh in footprints, where at least two cameras see the true surface.
 
 use crate::Shot;
 use glam::DVec3;
 use pcmvs_core::Mesh;
 use studio::score::{self, TriangleGrid};
 
-/// Points of each surface that are measured.
+/// Number of points that are measured on each surface.
 const SAMPLES: usize = 5000;
-/// Distances in footprints beyond which only "far" is said.
+/// Largest distance in footprints that is measured. Larger ones count as this.
 const FAR: f64 = 10.0;
 
-/// Distances in footprints, ascending, of what at least two cameras see.
+/// Distances in footprints, ascending, of surface points that at least two cameras see.
 #[derive(Debug, Clone)]
 pub struct Errors {
-    /// From points of the mesh to the truth. Points count whose nearest point of the truth is seen.
+    /// From points of the mesh to the truth, if the nearest true point is seen.
     pub accuracy: Vec<f64>,
     /// From points of the truth to the mesh.
     pub completeness: Vec<f64>,
@@ -44,7 +44,7 @@ impl Errors {
         Self { accuracy, completeness }
     }
 
-    /// Fails unless a share of both is within a bound.
+    /// Fails unless a share of both lies within a bound.
     pub fn assert_within(&self, share: f64, bound: f64, what: &str) {
         let (a, c) = (quantile(&self.accuracy, share), quantile(&self.completeness, share));
         println!("{what}: {share} of the mesh within {a:.3} footprints, of the truth within {c:.3}");
@@ -53,7 +53,7 @@ impl Errors {
     }
 }
 
-/// The value that a share (0..=1) of ascending values does not exceed.
+/// The quantile of ascending values at a share (0..=1).
 pub fn quantile(ascending: &[f64], share: f64) -> f64 {
     ascending[(libm::ceil(share * ascending.len() as f64) as usize).clamp(1, ascending.len()) - 1]
 }

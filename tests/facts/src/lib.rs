@@ -1,11 +1,11 @@
-//! Facts of the whole method on scenes whose truth is known: what the tests of this package share.
+//! Shared code of the tests that check the whole method on solids with known ground truth.
 
 pub mod errors;
 pub mod outline;
 pub mod shot;
 pub mod threads;
-pub mod topology;
 
 pub use errors::Errors;
 pub use shot::Shot;
+pub use studio::topology;
 pub use threads::Threads;

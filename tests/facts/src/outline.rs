@@ -1,15 +1,15 @@
-//! The true silhouettes, from the scene's own function and not from rendered masks.
+//! The true silhouettes, from the signed distance function of a solid instead of rendered masks.
 
 use crate::Shot;
 use glam::DVec3;
 use pcmvs_core::Camera;
 use studio::Solid;
 
-/// Pixels inside an outline beyond which only "inside" is said.
-const DEEP: f64 = 2.0;
+/// Largest distance from an outline that is measured, in pixels. Points deeper inside count as this deep.
+const MAX_MARGIN: f64 = 2.0;
 
-/// How far inside the true outline a camera sees a world point, in pixels, negative outside; exact near 0, at most
-/// `DEEP`. None where the point is not in the picture.
+/// Distance of a world point from the true outline in a camera's picture, in pixels: positive inside, exact near 0, at most
+/// `MAX_MARGIN`. None if the point is not in the picture.
 pub fn margin(solid: &Solid, camera: &Camera, point: DVec3) -> Option<f64> {
     let (pixel, depth) = camera.project(point)?;
     let (right, bottom) = (f64::from(camera.width) - 1.0, f64::from(camera.height) - 1.0);
@@ -23,27 +23,27 @@ pub fn margin(solid: &Solid, camera: &Camera, point: DVec3) -> Option<f64> {
     let cosine = depth / to.length();
     let middle = (centre - eye).dot(direction);
     let (mut t, mut most) = (middle - radius, f64::MIN);
-    // Beyond the scene's ball a ray only goes away from the scene.
+    // Behind the bounding ball the ray only moves away from the solid.
     while t < middle + radius {
         let d = scene.distance(eye + direction * t);
         let pixels = -d * focal / (t * cosine);
         most = most.max(pixels);
-        if pixels > DEEP {
-            return Some(DEEP);
+        if pixels > MAX_MARGIN {
+            return Some(MAX_MARGIN);
         }
         t += (0.9 * d.abs()).max(0.05 * t * cosine / focal);
     }
     Some(most)
 }
 
-/// Least margin over the cameras that see a point and have a mask: positive inside the true outlines' hull. What fewer
-/// than two of them see is outside.
+/// Smallest margin over the cameras that see a point and have a mask: positive inside the hull of the true outlines. A
+/// point that fewer than two of them see is outside.
 pub fn hull_margin(shot: &Shot, point: DVec3) -> f64 {
     let (least, count) = seen_margin(shot, point);
     if count < 2 { f64::NEG_INFINITY } else { least }
 }
 
-/// Least margin over the cameras that see a point and have a mask, and how many do.
+/// Smallest margin over the cameras that see a point and have a mask, and the number of these cameras.
 pub fn seen_margin(shot: &Shot, point: DVec3) -> (f64, usize) {
     let masked = shot.cameras.iter().zip(&shot.frame.masks).filter(|(_, mask)| mask.is_some());
     let margins = masked.filter_map(|(camera, _)| margin(shot.truth(), camera, point));

@@ -1,4 +1,4 @@
-//! A studio scene, recorded once, and what the core makes of it.
+//! One recorded frame of the studio, and its reconstruction.
 
 use glam::DVec3;
 use pcmvs_core::{
@@ -7,11 +7,11 @@ use pcmvs_core::{
 };
 use studio::{Capture, CapturedFrame, Faults, Ring, Solid, Subject, TriangleMesh};
 
-/// One frame as a dome recorded it.
+/// One recorded frame.
 pub struct Shot {
-    /// The calibration handed out.
+    /// The given calibration.
     pub cameras: Vec<Camera>,
-    /// Pictures, masks and the truth.
+    /// Pictures, masks and ground truth.
     pub frame: CapturedFrame,
 }
 
@@ -22,12 +22,12 @@ impl Shot {
         Self { cameras: capture.cameras, frame: capture.frames.remove(0) }
     }
 
-    /// A dome of `count` cameras with pictures of 320 x 240: enough for what does not depend on resolution.
+    /// A dome of `count` cameras with pictures of 320 x 240, for facts that do not depend on resolution.
     pub fn small(subject: Subject, count: u32) -> Self {
         Self::new(subject, &Ring { count, ..Ring::default() }.sized(320, 240).cameras(), &Faults::default())
     }
 
-    /// The truth.
+    /// The ground truth.
     pub fn truth(&self) -> &Solid {
         &self.frame.truth
     }
@@ -44,7 +44,7 @@ impl Shot {
         (0..self.cameras.len()).map(|i| ViewInput { image: image(i), mask: mask(i) }).collect()
     }
 
-    /// Pictures and silhouettes without distortion.
+    /// Undistorted pictures and silhouettes.
     pub fn views(&self, rig: &Rig) -> Vec<View> {
         let inputs = self.inputs();
         (0..inputs.len()).map(|i| View::new(rig, i, &inputs[i]).expect("the studio's pictures are sound")).collect()
@@ -76,7 +76,7 @@ impl Shot {
         reconstruct(&self.rig(), &self.inputs(), params, executor, progress)
     }
 
-    /// A mesh of the core in the world.
+    /// A mesh of the core in world coordinates.
     pub fn in_world(&self, mesh: &Mesh) -> TriangleMesh {
         TriangleMesh::of_core(&mesh.positions, &mesh.triangles, self.rig().origin())
     }

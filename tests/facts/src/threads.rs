@@ -1,15 +1,10 @@
 //! A host's threads.
 
-use pcmvs_core::Executor;
-use std::{
-    sync::{
-        Mutex,
-        atomic::{AtomicUsize, Ordering},
-    },
-    thread,
-};
+use pcmvs_core::{Executor, Pool};
+use rayon::{ThreadPoolBuilder, prelude::*};
+use std::mem::take;
 
-/// Runs jobs on this many threads, each taking the next job that is left.
+/// Runs jobs on this many threads.
 #[derive(Debug, Clone, Copy)]
 pub struct Threads(pub usize);
 
@@ -20,27 +15,11 @@ impl Executor for Threads {
         count: usize,
         job: impl Fn(&mut S, usize) -> T + Sync,
     ) -> Vec<T> {
-        let spare = Mutex::new(spare);
-        let next = AtomicUsize::new(0);
-        let done = Mutex::new(Vec::new());
-        thread::scope(|scope| {
-            for _ in 0..self.0 {
-                scope.spawn(|| {
-                    let mut scratch = spare.lock().expect("no job panics").pop().unwrap_or_default();
-                    loop {
-                        let i = next.fetch_add(1, Ordering::Relaxed);
-                        if i >= count {
-                            spare.lock().expect("no job panics").push(scratch);
-                            return;
-                        }
-                        let result = job(&mut scratch, i);
-                        done.lock().expect("no job panics").push((i, result));
-                    }
-                });
-            }
-        });
-        let mut done = done.into_inner().expect("no job panics");
-        done.sort_by_key(|&(i, _)| i);
-        done.into_iter().map(|(_, result)| result).collect()
+        let threads = ThreadPoolBuilder::new().num_threads(self.0).build().expect("threads can be started");
+        let mut scratches = Pool::from(take(spare));
+        let piece = |i| scratches.with(|scratch| job(scratch, i));
+        let results = threads.install(|| (0..count).into_par_iter().with_max_len(1).map(piece).collect());
+        *spare = take(scratches.spare());
+        results
     }
 }

@@ -1,4 +1,4 @@
-//! Analytic scenes at 20 views of 640 x 480: how near the truth the default preset comes.
+//! Errors of the default preset on analytic solids, with 20 views of 640 x 480.
 
 use facts::{
     Errors, Shot, Threads,
@@ -14,7 +14,7 @@ use pcmvs_core::{
 use std::sync::LazyLock;
 use studio::{Faults, Ring, Subject};
 
-/// A scene and what the default preset makes of it.
+/// A subject and its reconstruction with the default preset.
 struct Case {
     name: &'static str,
     shot: Shot,
@@ -28,8 +28,8 @@ impl Case {
         Self { name, shot, result: result.expect("an analytic scene can be reconstructed") }
     }
 
-    /// What issues call an analytic scene's bound: 90 % of the surface within 0.6 footprints, both ways, no vertex
-    /// more than half a footprint outside the hull; and one closed surface a body.
+    /// Fails unless 90 % of both surfaces lie within 0.6 footprints of the other, no vertex is more than half a footprint
+    /// outside the hull, and there is one closed surface per body.
     fn assert_good(&self, bodies: usize) {
         let (name, mesh) = (self.name, &self.result.mesh);
         assert_sound(mesh, name);
@@ -73,7 +73,7 @@ impl Case {
         assert!(turned < 5.0, "{name}: {turned} degrees");
     }
 
-    /// No camera sees an implicit point: the hull is in front, or it projects onto the contour.
+    /// No camera sees an implicit point: the hull is in front of it, or it projects onto the contour.
     fn assert_implicit(&self) {
         let views = self.views();
         let hull = carve(&views);
@@ -85,7 +85,7 @@ impl Case {
             if silhouette.sample(pixel.x, pixel.y).is_none_or(|inside| inside < 2.0) {
                 return false;
             }
-            // Of a pixel at an edge of what hides the point it cannot be told what it sees.
+            // A pixel at the edge of the occluder may see either surface.
             [(0.0, 0.0), (-0.7, 0.0), (0.7, 0.0), (0.0, -0.7), (0.0, 0.7)].iter().all(|(dx, dy)| {
                 let ray = view.camera.ray(pixel.x + dx, pixel.y + dy);
                 let slack = 2.0 * view.camera.footprint(pixel.z);

@@ -1,4 +1,4 @@
-//! Progress can be followed, and the host can stop at any of its steps.
+//! Progress is consistent, and the host can cancel at any step.
 
 use facts::{Shot, Threads};
 use pcmvs_core::{Error, Params, Preset, Progress, Serial, Silent, Stage, frame::position};
@@ -13,7 +13,7 @@ static SHOT: LazyLock<Shot> = LazyLock::new(|| {
     Shot::new(Subject::Torus, &cameras, &Faults::default())
 });
 
-/// Refuses one step, and only that one.
+/// Refuses exactly one step.
 struct StopAt {
     step: u32,
     steps: AtomicU32,
@@ -31,7 +31,7 @@ impl Progress for StopAt {
     }
 }
 
-/// Whichever step is refused, the answer is that it was cancelled; afterwards all is as before.
+/// Refusing any step gives `Cancelled`, and the next run is not affected.
 #[test]
 fn every_step_can_cancel() {
     for preset in [Preset::Default, Preset::Paper, Preset::Hull] {
@@ -75,7 +75,7 @@ impl Progress for Log {
     }
 }
 
-/// Stages follow each other in their order; within one, progress never goes back nor beyond its total.
+/// Stages follow their order, and progress within a stage neither decreases nor exceeds its total.
 #[test]
 fn progress_goes_forward() {
     for preset in [Preset::Default, Preset::Paper, Preset::Hull] {

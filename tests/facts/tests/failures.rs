@@ -1,4 +1,4 @@
-//! What cannot be reconstructed is refused with an error that names the culprit.
+//! Input that cannot be reconstructed gives an error that names the camera or picture.
 
 use facts::Shot;
 use pcmvs_core::{Camera, Error, ImageRef, Mask, Params, PixelFormat, Preset, Rig, Serial, Silent, reconstruct};
@@ -70,12 +70,12 @@ fn masks_without_a_contour() {
     }
 }
 
-/// Silhouettes of which no two meet in space.
+/// Silhouettes whose cones do not intersect in space.
 #[test]
 fn an_empty_hull() {
     let error = refusal(|shot| {
         for (i, mask) in shot.frame.masks.iter_mut().enumerate() {
-            // A spot in a corner of every picture, upper and lower ones by turns.
+            // A spot in a corner of every picture, alternately at the top and at the bottom.
             let (x0, y0) = (10 + 280 * (i % 2), 10 + 200 * (i % 2));
             let mask = mask.as_mut().expect("all have masks");
             for (j, v) in mask.iter_mut().enumerate() {

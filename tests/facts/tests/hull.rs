@@ -14,7 +14,7 @@ static SPHERE: LazyLock<Shot> = LazyLock::new(|| Shot::small(Subject::Sphere, 20
 static TORUS: LazyLock<Shot> = LazyLock::new(|| Shot::small(Subject::Torus, 12));
 static TWO: LazyLock<Shot> = LazyLock::new(|| Shot::small(Subject::TwoBodies, 8));
 
-/// A contour is known to this many pixels, away from corners.
+/// Accuracy of a contour in pixels, away from corners.
 const CONTOUR: f64 = 0.25;
 
 fn carve(views: &[View]) -> VisualHull {
@@ -25,7 +25,7 @@ fn single(p: DVec3, rig: &Rig) -> Vec3 {
     (p - rig.origin()).as_vec3()
 }
 
-/// A point of a ball somewhat larger than the scene's.
+/// A random point in a ball slightly larger than the bounding ball.
 fn around(solid: &Solid, random: &mut Random) -> DVec3 {
     let (centre, radius) = scene.ball();
     centre + DVec3::new(random.signed(), random.signed(), random.signed()) * radius * 1.1
@@ -71,7 +71,7 @@ fn volume(views: &[View]) -> f64 {
     components(&mesh).iter().map(|c| c.volume).sum()
 }
 
-/// Every further view takes something away, never of the object; views from all sides leave little more than it.
+/// Every further view makes the hull smaller, and many views leave little more than the object.
 #[test]
 fn the_hull_shrinks_to_the_object() {
     let truth = 4.0 / 3.0 * core::f64::consts::PI * 0.45 * 0.45 * 0.45;
@@ -91,7 +91,7 @@ fn the_hull_shrinks_to_the_object() {
     assert!((1.0..1.01).contains(&ratio), "{ratio}");
 }
 
-/// A view without a mask is as good as none.
+/// A view without a mask does not change the hull.
 #[test]
 fn a_view_without_mask_carves_nothing() {
     let rig = TORUS.rig();
@@ -104,11 +104,11 @@ fn a_view_without_mask_carves_nothing() {
     assert!(volume(&unmasked) > volume(&all));
 }
 
-/// A picture that shows a part of the object says nothing of the rest.
+/// A picture that shows a part of the object does not carve the rest.
 #[test]
 fn what_a_picture_does_not_show_stays() {
     let mut shot = Shot::small(Subject::Sphere, 12);
-    // Some see the left half only, one a quarter.
+    // Some see only the left half, one sees a quarter.
     for (i, width, height) in [(0, 160, 240), (4, 150, 240), (7, 165, 110)] {
         crop(&mut shot, i, width, height);
     }
@@ -121,7 +121,7 @@ fn what_a_picture_does_not_show_stays() {
     }
     assert_sound(&hull.mesh(&mut Workspace::default()), "cropped");
     assert_eq!(components(&hull.mesh(&mut Workspace::default())).len(), 1);
-    // What they do show, they carve.
+    // They carve what they do show.
     let (mut carved, mut random) = (0, Random::new(9, 0));
     for _ in 0..4000 {
         let p = around(shot.truth(), &mut random);
@@ -148,7 +148,7 @@ fn crop(shot: &mut Shot, camera: usize, width: u32, height: u32) {
     (shot.cameras[camera].width, shot.cameras[camera].height) = (width, height);
 }
 
-/// Space that fewer than two masks show is not the object's, whatever one of them says.
+/// Space that fewer than two masks show is outside, whatever the one mask contains.
 #[test]
 fn one_mask_is_not_enough() {
     let mut shot = Shot::small(Subject::Sphere, 12).of_cameras(&[0, 3, 7, 9, 10]);
@@ -171,7 +171,7 @@ fn one_mask_is_not_enough() {
     assert!(alone > 100, "{alone}");
 }
 
-/// The hull's own mesh is sound, thin or not, and lies on the hull's surface.
+/// The mesh of the hull is sound even where it is thin, and lies on the surface of the hull.
 #[test]
 fn the_hulls_mesh_is_closed() {
     let plate = Shot::small(Subject::Plate, 8);

@@ -1,4 +1,4 @@
-//! What must not change a result.
+//! Changes of the input that must not change the result.
 
 use facts::{Shot, Threads, errors::quantile, topology::assert_sound};
 use glam::{DMat3, DVec3};
@@ -31,7 +31,7 @@ fn threads_give_the_same_bytes() {
     }
 }
 
-/// Cameras given in another order are the same cameras.
+/// The order of the cameras does not matter.
 #[test]
 fn the_order_of_the_cameras_changes_nothing() {
     for order in [[9, 8, 7, 6, 5, 4, 3, 2, 1, 0], [4, 0, 7, 2, 9, 5, 1, 8, 6, 3]] {
@@ -66,7 +66,7 @@ impl Change {
         self.rotation.transpose() * (p - self.shift) / self.scale
     }
 
-    /// Distances in footprints between the result in the changed world and the one in the studio's, ascending.
+    /// Distances in footprints between the result in the changed world and the original one, ascending.
     fn differences(&self) -> Vec<f64> {
         let chosen: Vec<usize> = (0..SHOT.cameras.len()).collect();
         let mut shot = SHOT.of_cameras(&chosen);
@@ -91,7 +91,7 @@ impl Change {
     }
 }
 
-/// Units may be millimetres or kilometres.
+/// The unit of length does not matter.
 #[test]
 fn units_do_not_matter() {
     for scale in [1000.0, 0.001] {
@@ -101,7 +101,7 @@ fn units_do_not_matter() {
     }
 }
 
-/// The world's origin may be anywhere.
+/// The origin of the world does not matter.
 #[test]
 fn the_origin_does_not_matter() {
     let differences = Change { shift: DVec3::new(100.0, -50.0, 20.0), ..Change::NONE }.differences();
@@ -109,7 +109,7 @@ fn the_origin_does_not_matter() {
     assert!(quantile(&differences, 1.0) < 2.0);
 }
 
-/// The world's axes may point anywhere: only the grids, which they orient, leave a trace.
+/// The axes of the world do not matter, apart from the grids, which are aligned to them.
 #[test]
 fn the_axes_do_not_matter() {
     let rotation = DMat3::from_euler(glam::EulerRot::ZYX, 0.6, -0.4, 1.1);

@@ -1,4 +1,4 @@
-//! What a frame needs of memory is known before it is taken.
+//! The memory need of a frame is known before the memory is allocated.
 #![allow(unsafe_code)]
 
 use facts::Shot;
@@ -14,19 +14,19 @@ use std::{
 };
 use studio::{Faults, Ring, Subject};
 
-/// Counts the bytes that are taken, and the most at a time.
+/// Counts allocated bytes and their peak.
 struct Counting;
 
-/// One test at a time: they count together.
+/// Serialises the tests, because they share the counters.
 static ALONE: Mutex<()> = Mutex::new(());
 static TAKEN: AtomicUsize = AtomicUsize::new(0);
-static MOST: AtomicUsize = AtomicUsize::new(0);
+static PEAK: AtomicUsize = AtomicUsize::new(0);
 
-// SAFETY: everything is handed on to the system.
+// SAFETY: all calls are forwarded to the system allocator.
 unsafe impl GlobalAlloc for Counting {
     unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
         let taken = TAKEN.fetch_add(layout.size(), Ordering::Relaxed) + layout.size();
-        MOST.fetch_max(taken, Ordering::Relaxed);
+        PEAK.fetch_max(taken, Ordering::Relaxed);
         unsafe { System.alloc(layout) }
     }
 
@@ -39,7 +39,7 @@ unsafe impl GlobalAlloc for Counting {
 #[global_allocator]
 static ALLOCATOR: Counting = Counting;
 
-/// The last stage that began.
+/// The last stage that started.
 #[derive(Default)]
 struct Last(Mutex<Option<Stage>>);
 
@@ -53,16 +53,16 @@ impl Progress for Last {
     }
 }
 
-/// Reconstructs and tells the most bytes taken at a time.
+/// Reconstructs and returns the peak of allocated bytes.
 fn most(work: impl FnOnce()) -> u64 {
     let before = TAKEN.load(Ordering::Relaxed);
-    MOST.store(before, Ordering::Relaxed);
+    PEAK.store(before, Ordering::Relaxed);
     work();
-    (MOST.load(Ordering::Relaxed) - before) as u64
+    (PEAK.load(Ordering::Relaxed) - before) as u64
 }
 
-/// The formula holds, and is not even twice what is taken where pictures weigh more than the search for the hull does.
-/// A frame that is allowed what it needs is made, with one byte less it is refused before detection begins.
+/// The formula is an upper bound, and less than twice the peak where pictures take more memory than the search for the
+/// hull. With exactly the needed limit a frame succeeds; with one byte less it is refused before detection starts.
 #[test]
 fn a_frame_takes_what_the_formula_says() {
     let _alone = ALONE.lock();
@@ -77,7 +77,7 @@ fn a_frame_takes_what_the_formula_says() {
             let taken = most(|| hull = shot.reconstruct(&params).expect("nothing is wrong").intermediates.hull);
             let carved = VisualHull::new(&views, &params.hull, &Silent).expect("there is a hull");
             let needed = memory::needed(&views, &carved, &hull, &params);
-            assert!(taken <= needed, "{preset:?}, {count} x {width}: {taken} bytes taken, {needed} foretold");
+            assert!(taken <= needed, "{preset:?}, {count} x {width}: {taken} bytes allocated, {needed} predicted");
             assert!(width < 320 || 5 * needed < 9 * taken, "{preset:?}, {count} x {width}: {taken} of {needed}");
 
             let within = |limit: u64, progress: &dyn Progress| {
@@ -86,14 +86,14 @@ fn a_frame_takes_what_the_formula_says() {
             let last = Last::default();
             let refused = within(needed - 1, &last).err();
             assert_eq!(refused, Some(Error::OutOfMemory { needed, limit: needed - 1 }));
-            // What any frame of the rig needs is refused at once.
+            // A limit below the need of any frame of the rig is refused at once.
             let begun = (needed > memory::smallest(&rig)).then_some(Stage::Hull);
             assert_eq!(last.0.into_inner().unwrap(), begun, "{preset:?}, {count} x {width}");
             assert!(within(needed, &Silent).is_ok());
             let mut refused = None;
             let taken = most(|| refused = within(memory::smallest(&rig) - 1, &Silent).err());
             assert!(matches!(refused, Some(Error::OutOfMemory { .. })));
-            assert!(taken < 1 << 20, "{taken} bytes taken before the refusal");
+            assert!(taken < 1 << 20, "{taken} bytes allocated before the refusal");
         }
     }
 }

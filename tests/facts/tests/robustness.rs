@@ -1,4 +1,4 @@
-//! Captures with faults: whatever is wrong with them, the result is sound and its errors are bounded.
+//! Captures with faults give sound results with bounded errors.
 
 use facts::{
     Errors, Shot,
@@ -10,7 +10,7 @@ use studio::{Capture, Faults, Ring, Subject};
 
 static RING: LazyLock<Ring> = LazyLock::new(|| Ring { count: 12, ..Ring::default() }.sized(320, 240));
 
-/// Errors of the default preset, whose result must be sound and of as many pieces as there are bodies.
+/// Errors of the default preset. The mesh must be sound and have as many components as there are bodies.
 fn errors(shot: &Shot, bodies: usize, what: &str) -> Errors {
     let result = shot.reconstruct(&Params::preset(Preset::Default)).expect("faults are no errors");
     assert_sound(&result.mesh, what);
@@ -27,7 +27,7 @@ fn no_fault() {
     errors(&torus(&Faults::default()), 1, "no fault").assert_within(0.9, 0.7, "no fault");
 }
 
-/// Masks a pixel or two too wide make the hull too wide by no more than that.
+/// Masks that are one or two pixels too wide make the hull too wide by no more than that.
 #[test]
 fn wide_masks() {
     let faults = Faults { coarse_masks: 2, ..Faults::default() };
@@ -50,14 +50,14 @@ fn noise_gains_and_blur() {
     errors(&torus(&blur), 1, "blur").assert_within(0.9, 0.8, "blur");
 }
 
-/// A calibration that is half a pixel off costs about as much.
+/// A calibration error of half a pixel costs about as much.
 #[test]
 fn calibration_errors() {
     let faults = Faults { calibration: 0.5, ..Faults::default() };
     errors(&torus(&faults), 1, "calibration").assert_within(0.9, 1.2, "calibration");
 }
 
-/// One camera is a twentieth of a second late while a person dances.
+/// One camera is 50 ms late while the figure dances.
 #[test]
 fn a_view_out_of_step() {
     let cameras = RING.cameras();
@@ -69,14 +69,14 @@ fn a_view_out_of_step() {
     errors(&Shot { cameras, frame }, 1, "out of step").assert_within(0.9, 2.0, "out of step");
 }
 
-/// Bodies apart stay apart.
+/// Separate bodies stay separate.
 #[test]
 fn two_bodies() {
     let shot = Shot::new(Subject::TwoBodies, &RING.cameras(), &Faults { noise: 2.0, ..Faults::default() });
     errors(&shot, 2, "two bodies").assert_within(0.9, 1.0, "two bodies");
 }
 
-/// Every preset gives a sound mesh, of thin things too.
+/// Every preset gives a sound mesh, even of thin bodies.
 #[test]
 fn every_preset_is_sound() {
     for subject in [Subject::Plate, Subject::Figure] {

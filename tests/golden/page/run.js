@@ -1,4 +1,4 @@
-// The same WASI for every host: Node 20's own crashes when the SIMD build reads the large capture.
+// All hosts use this WASI, because the one of Node 20 crashes when the SIMD build reads the large capture.
 import { ConsoleStdout, File, OpenFile, PreopenDirectory, WASI } from "@bjorn3/browser_wasi_shim";
 
 /** Runs a compiled program on a folder with the capture alone; its exit status, what it printed and the record it wrote. */

@@ -1,6 +1,6 @@
 //! The captures, rendered by the studio.
 
-use crate::Scene;
+use crate::CaptureFile;
 use studio::{Capture, Faults, Ring, Subject};
 
 /// A capture and how it is reconstructed.
@@ -12,7 +12,7 @@ pub struct Case {
     pub preset: &'static str,
     /// Cameras on the ring.
     pub views: u32,
-    /// Pixels of a picture, in a row and rows.
+    /// Width and height of the pictures in pixels.
     pub size: (u32, u32),
 }
 
@@ -22,17 +22,17 @@ pub const SMALL: [Case; 2] = [
     Case { name: "small-paper", preset: "paper", views: 10, size: (128, 96) },
 ];
 
-/// Of the size of real captures.
+/// As large as real captures.
 pub const LARGE: Case = Case { name: "large", preset: "default", views: 20, size: (1024, 768) };
 
 impl Case {
-    /// The person, with what real captures have: lenses that distort, sensors that differ.
-    pub fn render(&self) -> Scene {
+    /// Renders the figure with faults of real captures: lens distortion, noise and different gains.
+    pub fn render(&self) -> CaptureFile {
         let ring = Ring { count: self.views, distortion: [-0.1, 0.05, 0.001, -0.001, 0.0], ..Ring::default() };
         let faults = Faults { noise: 1.5, gain: 0.04, ..Faults::default() };
         let mut capture = Capture::still(Subject::Figure, &ring.sized(self.size.0, self.size.1).cameras(), &faults);
         let frame = capture.frames.remove(0);
-        Scene {
+        CaptureFile {
             cameras: capture.cameras,
             pictures: frame.images.into_iter().map(|picture| picture.rgb).collect(),
             masks: frame.masks.into_iter().flatten().collect(),

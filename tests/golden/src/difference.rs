@@ -1,4 +1,4 @@
-//! Where two records part.
+//! The first difference between two records.
 
 use crate::{
     float::hexadecimal,
@@ -6,11 +6,11 @@ use crate::{
 };
 use std::fmt::Write;
 
-/// Differing numbers shown of an array.
+/// Number of differing values that are shown per array.
 const SHOWN: usize = 4;
 
-/// Says in which stage `got` first differs from `expected`, and shows the first numbers that do; `None` if they agree.
-/// Of arrays of which either has only a sample, what both have is compared; their hashes cover the rest.
+/// Describes the first stage in which `got` differs from `expected`, with the first differing numbers; `None` if they
+/// agree. If one of two arrays is a sample, only their common values are compared, and the hashes cover the rest.
 pub fn difference(expected: &Record, got: &Record) -> Option<String> {
     let names = |record: &Record| record.stages.iter().map(|s| s.name.clone()).collect::<Vec<_>>();
     if names(expected) != names(got) {
@@ -31,7 +31,7 @@ pub fn difference(expected: &Record, got: &Record) -> Option<String> {
     Some(text)
 }
 
-/// A line for everything that differs, or nothing.
+/// One line per difference.
 fn compare(expected: &Stage, got: &Stage) -> String {
     let mut text = String::new();
     let names = |stage: &Stage| stage.arrays.iter().map(|a| a.name.clone()).collect::<Vec<_>>();
@@ -53,7 +53,7 @@ fn compare(expected: &Stage, got: &Stage) -> String {
     text
 }
 
-/// How many numbers both have, and index and bits of those that differ.
+/// The number of common values, and index and bits of those that differ.
 fn numbers(expected: &Array, got: &Array) -> (usize, Vec<(usize, u32, u32)>) {
     let (mut common, mut differing) = (0, Vec::new());
     let mut rest = got.values.iter().peekable();

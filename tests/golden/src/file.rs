@@ -1,4 +1,4 @@
-//! `golden.txt`: a [`Record`] for every case.
+//! `golden.txt`: one [`Record`] per case.
 
 use crate::Record;
 
@@ -8,7 +8,7 @@ const HEAD: &str = "\
 # INDEX:BITS in hexadecimal.
 ";
 
-/// The file's text.
+/// The text of the file.
 pub fn write<'a>(records: impl IntoIterator<Item = (&'a str, &'a Record)>) -> String {
     let sections = records.into_iter().map(|(case, record)| format!("\ncase {case}\n{record}"));
     HEAD.to_owned() + &sections.collect::<String>()
@@ -17,7 +17,7 @@ pub fn write<'a>(records: impl IntoIterator<Item = (&'a str, &'a Record)>) -> St
 /// The record of a case.
 ///
 /// # Errors
-/// If there is none or it cannot be read.
+/// There is no such case, or its record cannot be read.
 pub fn find(text: &str, case: &str) -> Result<Record, String> {
     let fail =
         |problem: &str| format!("tests/golden/golden.txt: {problem}: write it anew with `cargo xtask golden --renew`");

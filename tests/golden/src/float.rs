@@ -1,6 +1,6 @@
-//! Floating-point numbers in which every bit shows.
+//! Floating-point numbers as text that shows every bit.
 
-/// A number as C's `%a` writes it.
+/// A number in the format `%a` of C.
 pub fn hexadecimal(v: f32) -> String {
     if !v.is_finite() {
         return format!("{v} (bits {:08x})", v.to_bits());

@@ -1,10 +1,11 @@
-//! The same bytes everywhere: what every stage gives for a few captures, and how that is compared.
+//! Golden results: the outputs of every stage for a few captures, which must be the same bytes on every machine.
 //!
-//! `golden.txt` has for every [`case`] the hash of each stage's output, how many numbers that is, and some of them.
+//! `golden.txt` contains, for every [`case`], the hash of each stage's output, the number of its values, and some of them.
 //! `cargo xtask test` runs the program `golden`, which reads a capture and writes such a [`Record`], in several builds
-//! and on several machines (`xtask/src/golden.rs`); `cargo xtask golden --renew` writes the file anew after a change
-//! that is meant to change results.
+//! and on several machines (`xtask/src/golden.rs`). `cargo xtask golden --renew` writes a new file after a change that is
+//! meant to change results.
 
+mod capture_file;
 #[cfg(feature = "studio")]
 pub mod case;
 mod difference;
@@ -12,13 +13,12 @@ pub mod file;
 mod float;
 mod measure;
 mod record;
-mod scene;
 
+pub use capture_file::CaptureFile;
 pub use difference::difference;
 pub use measure::{measure, preset};
 pub use record::{Array, Detail, Record, Stage};
-pub use scene::Scene;
 
-/// What to do if results have changed and were meant to.
-pub const RENEW: &str = "If results are meant to change: `cargo xtask golden --renew`, and commit tests/golden/golden.txt with the change.\n\
-     If not, look for what changed in the first stage that differs.";
+/// Advice if results have changed.
+pub const RENEW: &str = "If results are meant to change, run `cargo xtask golden --renew` and commit tests/golden/golden.txt with the change.\n\
+     If not, look for the cause in the first stage that differs.";

@@ -1,7 +1,7 @@
-//! The program `golden`: reconstructs a capture and writes what every stage gave. It needs nothing but the core and two
-//! files, so that emulators can run it.
+//! The program `golden`: reconstructs a capture and writes the outputs of all stages. It needs only the core and two files,
+//! so that emulators can run it.
 
-use golden::{Detail, Scene, measure, preset};
+use golden::{CaptureFile, Detail, measure, preset};
 use std::{env, fs, process::ExitCode};
 
 const USAGE: &str =
@@ -27,7 +27,8 @@ fn run(arguments: &[&str]) -> Result<(), String> {
         _ => return Err(USAGE.to_owned()),
     };
     let bytes = fs::read(capture).map_err(|e| format!("{capture}: {e}"))?;
-    let scene = Scene::from_bytes(&bytes).ok_or_else(|| format!("{capture}: is cut short: make it anew"))?;
-    let record = measure(&scene, preset, detail).map_err(|e| format!("{capture}: {e}"))?;
+    let file =
+        CaptureFile::from_bytes(&bytes).ok_or_else(|| format!("{capture}: the file is truncated: write it again"))?;
+    let record = measure(&file, preset, detail).map_err(|e| format!("{capture}: {e}"))?;
     fs::write(path, record.to_string()).map_err(|e| format!("{path}: {e}"))
 }

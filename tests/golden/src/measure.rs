@@ -1,15 +1,15 @@
-//! What the core makes of a capture.
+//! Records the outputs of all stages for a capture.
 
 use crate::{
+    capture_file::CaptureFile,
     record::{Array, Detail, Record, Stage},
-    scene::Scene,
 };
 use pcmvs_core::{
     Error, Mesh, Params, Point, Preset, Rig, Serial, Silent, Stage as Core, View, export::glb, hash::Hash64,
     reconstruct,
 };
 
-/// The preset of a name, of those that are recorded.
+/// A preset by name, if results are recorded for it.
 pub fn preset(name: &str) -> Option<Preset> {
     match name {
         "default" => Some(Preset::Default),
@@ -18,18 +18,18 @@ pub fn preset(name: &str) -> Option<Preset> {
     }
 }
 
-/// Reconstructs a capture on one thread and records what every stage gave.
+/// Reconstructs a capture on one thread and records the output of every stage.
 ///
 /// # Errors
 /// Those of [`reconstruct`].
-pub fn measure(scene: &Scene, preset: Preset, detail: Detail) -> Result<Record, Error> {
-    let rig = Rig::new(&scene.cameras)?;
-    let inputs = scene.inputs();
+pub fn measure(capture: &CaptureFile, preset: Preset, detail: Detail) -> Result<Record, Error> {
+    let rig = Rig::new(&capture.cameras)?;
+    let inputs = capture.inputs();
     let result = reconstruct(&rig, &inputs, &Params::preset(preset), &Serial, &Silent)?;
     let (stages, mesh) = (&result.intermediates, &result.mesh);
     let of_stage = |&(stage, hash): &(Core, u64)| {
         let arrays = match stage {
-            Core::Views => views(&rig, scene, detail)?,
+            Core::Views => views(&rig, capture, detail)?,
             Core::Hull => surface(&stages.hull, detail),
             Core::Contours => cloud(stages.frontier.iter().chain(&stages.implicit), detail),
             Core::Coarse => surface(&stages.coarse, detail),
@@ -40,7 +40,7 @@ pub fn measure(scene: &Scene, preset: Preset, detail: Detail) -> Result<Record, 
         };
         Ok(Stage { name: stage.name().to_owned(), hash, arrays })
     };
-    let read = Stage { name: "input".to_owned(), hash: hash(&scene.to_bytes()), arrays: Vec::new() };
+    let read = Stage { name: "input".to_owned(), hash: hash(&capture.to_bytes()), arrays: Vec::new() };
     let file = glb::write(mesh, rig.origin(), &glb::Options::default());
     let words = file.chunks(4).map(|b| b.iter().rev().fold(0, |word, &b| word << 8 | u32::from(b)));
     let written =
@@ -61,10 +61,10 @@ fn rgb([r, g, b]: [u8; 3]) -> u32 {
     u32::from(r) << 16 | u32::from(g) << 8 | u32::from(b)
 }
 
-/// The pictures without distortion and the silhouettes, which the core does not keep.
-fn views(rig: &Rig, scene: &Scene, detail: Detail) -> Result<Vec<Array>, Error> {
+/// The undistorted pictures and the silhouettes, which the core does not keep.
+fn views(rig: &Rig, capture: &CaptureFile, detail: Detail) -> Result<Vec<Array>, Error> {
     let (mut pixels, mut distances) = (Vec::new(), Vec::new());
-    let inputs = scene.inputs();
+    let inputs = capture.inputs();
     for &given in rig.order() {
         let view = View::new(rig, given as usize, &inputs[given as usize])?;
         pixels.extend(view.rgb.chunks_exact(3).map(|p| rgb([p[0], p[1], p[2]])));

@@ -1,4 +1,4 @@
-//! What the stages gave, as text that a person can read and another machine can compare.
+//! Outputs of the stages, as text that people can read and other machines can compare.
 
 use std::{
     fmt::{Display, Formatter, Result as Written},
@@ -8,55 +8,55 @@ use std::{
 /// The output of all stages of one reconstruction.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Record {
-    /// In the order in which they ran.
+    /// The stages in the order in which they ran.
     pub stages: Vec<Stage>,
 }
 
-/// The output of a stage.
+/// The output of one stage.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Stage {
     /// Its name.
     pub name: String,
-    /// Hash of all of it.
+    /// Hash of the whole output.
     pub hash: u64,
-    /// What it consists of.
+    /// The arrays of the output.
     pub arrays: Vec<Array>,
 }
 
-/// Numbers of one kind.
+/// An array of numbers.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Array {
-    /// What they are.
+    /// Name of the array.
     pub name: String,
-    /// Whether their bits are those of `f32`.
+    /// Whether the bits are those of `f32`.
     pub float: bool,
-    /// How many there are.
+    /// Number of values.
     pub length: usize,
-    /// Index and bits of some, or of all, in ascending order.
+    /// Index and bits of some or all values, in ascending order.
     pub values: Vec<(usize, u32)>,
 }
 
-/// How much of an array a record has.
+/// How many values of an array a record contains.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Detail {
-    /// The first numbers and some from everywhere.
+    /// The first values and some from the whole array.
     Sample,
-    /// All numbers.
+    /// All values.
     All,
 }
 
-/// Numbers from an array's beginning, and from all of it, in a sample.
+/// Number of values in a sample from the start of the array, and from all of it.
 const SAMPLE: (usize, usize) = (6, 10);
-/// Values a line.
+/// Values per line.
 const LINE: usize = 8;
 
 impl Array {
-    /// An array of floats. +0 and -0 are one number, as for the core's hashes.
+    /// An array of floats. +0 and -0 count as equal, as in the core's hashes.
     pub fn floats(name: &str, detail: Detail, values: impl IntoIterator<Item = f32>) -> Self {
         Self { float: true, ..Self::words(name, detail, values.into_iter().map(|v| (v + 0.0).to_bits())) }
     }
 
-    /// An array of whole numbers.
+    /// An array of integers.
     pub fn words(name: &str, detail: Detail, values: impl IntoIterator<Item = u32>) -> Self {
         let all: Vec<u32> = values.into_iter().collect();
         let stride = if detail == Detail::All { 1 } else { all.len().div_ceil(SAMPLE.1).max(1) };
@@ -94,7 +94,7 @@ impl FromStr for Record {
     fn from_str(text: &str) -> Result<Self, String> {
         let mut record = Self::default();
         for line in text.lines() {
-            record.add(line).ok_or_else(|| format!("`{line}` is no line of a record"))?;
+            record.add(line).ok_or_else(|| format!("`{line}` is not a line of a record"))?;
         }
         Ok(record)
     }

@@ -1,4 +1,4 @@
-//! The small captures in this build: under `cargo test` that is the one with overflow and debug assertions.
+//! The small captures in this build. `cargo test` has overflow checks and debug assertions.
 
 use golden::{Detail, RENEW, case::SMALL, difference, file, measure, preset};
 

@@ -1,5 +1,5 @@
-// Reconstructs a capture with a build of the npm package, as often as asked, and answers with each round's seconds,
-// those of its stages, and the mesh's hash.
+// Reconstructs a capture several times with a build of the npm package. Answers with the seconds of each round and of its
+// stages, and the hash of the mesh.
 import init, { Frame, Rig } from "/pkg/pcmvs.js";
 
 self.onmessage = async ({ data: { build, capture, rounds } }) => {

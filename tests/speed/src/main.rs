@@ -1,10 +1,10 @@
-//! Reconstructs a frame on one thread with the default preset and prints how long each stage took.
+//! Reconstructs a frame on one thread with the default preset and prints the time of each stage.
 //!
-//! `speed CAPTURE ROUNDS`: the capture is a file of `golden::Scene`. Prints a line for each stage with its name and
-//! the seconds of every round, then `frame` with those of `reconstruct` as a whole, then `hash` with that of the
-//! coloured mesh. Under callgrind, [`boundary`] tells where stages begin and end.
+//! `speed CAPTURE ROUNDS`: the capture is a `golden::CaptureFile`. Prints one line per stage with its name and the seconds
+//! of every round, then `frame` with the seconds of the whole reconstruction, and `hash` with the hash of the coloured
+//! mesh. Under callgrind, [`boundary`] marks the start and the end of stages.
 
-use golden::Scene;
+use golden::CaptureFile;
 use pcmvs_core::{Error, Params, Preset, Progress, Rig, Serial, Stage, export::glb, reconstruct};
 use std::{
     env, error, fs,
@@ -13,16 +13,16 @@ use std::{
     time::Instant,
 };
 
-/// Where callgrind dumps its counters: it must stay a function, wherever it is called.
+/// callgrind dumps its counters when this function is called, so it must not be inlined.
 #[inline(never)]
 fn boundary(now: Instant) -> Instant {
     black_box(now)
 }
 
-/// Seconds by name, in the order in which they were taken.
+/// Seconds by name, in the order of measurement.
 type Seconds = Vec<(&'static str, f64)>;
 
-/// Measures from one mark to the next.
+/// Measures the time of each stage.
 #[derive(Default)]
 struct Clock(Mutex<(Option<Instant>, Seconds)>);
 
@@ -52,8 +52,8 @@ impl Progress for Clock {
 }
 
 /// Seconds of one round and the mesh's hash.
-fn round(rig: &Rig, scene: &Scene) -> Result<(Seconds, u64), Error> {
-    let (clock, inputs) = (Clock::default(), scene.inputs());
+fn round(rig: &Rig, capture: &CaptureFile) -> Result<(Seconds, u64), Error> {
+    let (clock, inputs) = (Clock::default(), capture.inputs());
     let start = Instant::now();
     let result = reconstruct(rig, &inputs, &Params::preset(Preset::Default), &Serial, &clock)?;
     let frame = start.elapsed().as_secs_f64();
@@ -67,11 +67,11 @@ fn round(rig: &Rig, scene: &Scene) -> Result<(Seconds, u64), Error> {
 
 fn main() -> Result<(), Box<dyn error::Error>> {
     let arguments: Vec<String> = env::args().collect();
-    let [_, capture, rounds] = arguments.as_slice() else { return Err("speed CAPTURE ROUNDS".into()) };
-    let scene = Scene::from_bytes(&fs::read(capture)?).ok_or("the capture is cut short")?;
-    let rig = Rig::new(&scene.cameras)?;
-    let rounds = (0..rounds.parse()?).map(|_| round(&rig, &scene)).collect::<Result<Vec<_>, _>>()?;
-    let (first, hash) = rounds.first().ok_or("at least one round")?;
+    let [_, capture, rounds] = arguments.as_slice() else { return Err("usage: speed CAPTURE ROUNDS".into()) };
+    let capture = CaptureFile::from_bytes(&fs::read(capture)?).ok_or("the capture is truncated")?;
+    let rig = Rig::new(&capture.cameras)?;
+    let rounds = (0..rounds.parse()?).map(|_| round(&rig, &capture)).collect::<Result<Vec<_>, _>>()?;
+    let (first, hash) = rounds.first().ok_or("ROUNDS must be at least 1")?;
     for (i, (name, _)) in first.iter().enumerate() {
         let seconds: Vec<String> = rounds.iter().map(|(seconds, _)| seconds[i].1.to_string()).collect();
         println!("{name} {}", seconds.join(" "));

@@ -1,15 +1,15 @@
-//! The green room: a floor and a round wall, unevenly lit.
+//! The green backdrop: a floor and a round wall, unevenly lit.
 
 use crate::noise;
 use glam::DVec3;
 
-/// Radius of the wall in metres; cameras stand inside.
+/// Radius of the wall in metres. The cameras stand inside.
 const WALL: f64 = 6.0;
 
-/// The backdrop's paint (8-bit display values) where the light is even.
+/// Colour of the backdrop's paint in even light, 8-bit display values.
 pub const CHROMA_RGB: [u8; 3] = [46, 158, 66];
 
-/// Display values in 0..1 of what a ray sees behind the subject.
+/// Display values in 0..1 of the backdrop that a ray hits.
 pub fn colour(origin: DVec3, direction: DVec3) -> [f64; 3] {
     let floor = if direction.z < -1e-9 { -origin.z / direction.z } else { f64::MAX };
     let across = origin.x * direction.x + origin.y * direction.y;
@@ -20,7 +20,7 @@ pub fn colour(origin: DVec3, direction: DVec3) -> [f64; 3] {
     let cloudy = 1.0 + 0.07 * noise::value(p / 1.7, 901) + 0.025 * noise::value(p / 0.6, 902);
     let from_middle = libm::sqrt(p.x * p.x + p.y * p.y);
     let light = if floor < wall {
-        // The subject takes light from the floor about its feet.
+        // The subject shades the floor around its feet.
         let shadow = (1.0 - from_middle / 0.6).max(0.0);
         1.06 - 0.05 * from_middle - 0.35 * shadow * shadow
     } else {

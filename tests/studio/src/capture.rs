@@ -1,18 +1,18 @@
-//! A capture: cameras, and every frame's pictures and masks, as a studio would hand them over.
+//! A capture: cameras, and the pictures and masks of every frame.
 
 use crate::{faults::Faults, picture::Picture, render::render, solid::Solid, subject::Subject};
 use pcmvs_core::{Camera, ImageRef, PixelFormat};
 
-/// One instant, in the cameras' order.
+/// What all cameras recorded at one instant, in the order of the cameras.
 #[derive(Debug, Clone)]
 pub struct CapturedFrame {
-    /// Seconds.
+    /// Time in seconds.
     pub time: f64,
-    /// A picture a camera.
+    /// One picture per camera.
     pub images: Vec<Picture>,
-    /// A mask a camera, of its picture's size, 255 on the subject; `None` where nothing is known.
+    /// One mask per camera, of the size of its picture, 255 on the subject; `None` for a camera without a mask.
     pub masks: Vec<Option<Vec<u8>>>,
-    /// The truth.
+    /// The ground truth.
     pub truth: Solid,
 }
 
@@ -24,12 +24,12 @@ impl CapturedFrame {
     }
 }
 
-/// What a dome recorded, and the truth about it.
+/// The recording of a dome, with its ground truth.
 #[derive(Debug, Clone)]
 pub struct Capture {
-    /// Calibration as handed out; wrong where [`Faults::calibration`] says so.
+    /// The given calibration, which has the error of [`Faults::calibration`].
     pub cameras: Vec<Camera>,
-    /// Calibration that is true.
+    /// The true calibration.
     pub true_cameras: Vec<Camera>,
     /// Names of the cameras.
     pub names: Vec<String>,
@@ -38,7 +38,7 @@ pub struct Capture {
 }
 
 impl Capture {
-    /// A dome that has not recorded anything yet.
+    /// A capture without frames.
     pub fn empty(cameras: &[Camera], faults: &Faults) -> Self {
         Self {
             cameras: cameras.iter().enumerate().map(|(i, c)| faults.calibrated(c, i)).collect(),
@@ -48,7 +48,7 @@ impl Capture {
         }
     }
 
-    /// Records a subject at the given times (seconds).
+    /// Records a subject at the given times in seconds.
     pub fn new(subject: Subject, cameras: &[Camera], times: &[f64], faults: &Faults) -> Self {
         let mut capture = Self::empty(cameras, faults);
         for (i, &time) in times.iter().enumerate() {
@@ -63,7 +63,7 @@ impl Capture {
     }
 }
 
-/// One frame of a subject; `cameras` are the true ones.
+/// Records one frame. `cameras` are the true ones.
 pub fn record(subject: Subject, cameras: &[Camera], frame: usize, time: f64, faults: &Faults) -> CapturedFrame {
     let mut out = CapturedFrame { time, images: Vec::new(), masks: Vec::new(), truth: subject.at(time) };
     for (i, camera) in cameras.iter().enumerate() {

@@ -1,38 +1,38 @@
-//! What goes wrong in a real capture, each switched on by itself.
+//! Faults of real captures, each of which can be switched on by itself.
 
 use crate::{noise::Random, picture::Picture, render::Render, rotation::turn};
 use glam::{DMat3, DVec3};
 use image::{ImageFormat, RgbImage, codecs::jpeg::JpegEncoder};
 use pcmvs_core::Camera;
 
-/// Faults of a capture. The default has none. (Lens distortion belongs to the cameras: see [`crate::Ring`].)
+/// Faults of a capture. The default has none. Lens distortion is a property of the cameras, see [`crate::Ring`].
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Faults {
-    /// Standard deviation of the sensor's noise, in 8-bit levels, each channel by itself.
+    /// Standard deviation of the sensor noise in 8-bit levels, independent per channel.
     pub noise: f64,
-    /// Largest deviation of a camera's gain from 1, and half of that again for each channel.
+    /// Largest deviation of a camera's gain from 1. Each channel deviates by up to half of it in addition.
     pub gain: f64,
     /// Standard deviation of a Gaussian blur in pixels.
     pub blur: f64,
-    /// How far, in pixels at the principal point, the calibration handed out is rotated from the true one.
+    /// Rotation of the given calibration against the true one, in pixels at the principal point.
     pub calibration: f64,
     /// Largest difference of a camera's clock in seconds.
     pub clock: f64,
-    /// Indices of cameras whose mask is not known.
+    /// Indices of cameras without masks.
     pub unmasked: Vec<usize>,
-    /// Indices of cameras whose pictures are missing: they are empty in memory and no file is written for them.
+    /// Indices of cameras without pictures. Their pictures are empty in memory and have no file.
     pub missing: Vec<usize>,
-    /// Coarse masks: black and white, up to this many pixels too wide, with jagged edges of that size. 0 is exact.
+    /// Makes masks black and white, up to this many pixels too wide, with jagged edges of that size. 0 is exact.
     pub coarse_masks: u32,
-    /// Black and white masks in place of soft ones.
+    /// Makes masks black and white instead of soft.
     pub binary_masks: bool,
-    /// Quality (1..=100) of a JPEG that pictures went through.
+    /// Quality (1..=100) of the JPEG compression of the pictures.
     pub jpeg: Option<u8>,
-    /// Chooses all that is random.
+    /// Seed of everything random.
     pub seed: u64,
 }
 
-/// Streams of random numbers, so that one fault does not change another.
+/// Streams of random numbers, so that faults do not influence each other.
 #[derive(Clone, Copy)]
 enum Stream {
     Gain = 1,
@@ -46,7 +46,7 @@ impl Faults {
         Random::new(self.seed, ((stream as u64) << 48) | ((camera as u64) << 24) | frame as u64)
     }
 
-    /// The calibration handed out for a camera.
+    /// The given calibration of a camera.
     pub fn calibrated(&self, camera: &Camera, index: usize) -> Camera {
         if self.calibration == 0.0 {
             return *camera;
@@ -95,7 +95,7 @@ impl Faults {
         }
     }
 
-    /// The mask that goes with it: white on the subject.
+    /// The mask of a picture, white on the subject.
     pub fn mask(&self, coverage: &[f64], width: u32, height: u32, camera: usize) -> Option<Vec<u8>> {
         if self.unmasked.contains(&camera) || self.missing.contains(&camera) {
             return None;
@@ -112,7 +112,8 @@ impl Faults {
     }
 }
 
-/// Whole square cells are white as soon as the subject touches one of their pixels: 0 to `size` pixels too wide.
+/// Makes a whole square cell white if the subject touches one of its pixels, so that masks are 0 to `size` pixels too
+/// wide.
 fn coarse(mask: &[u8], width: u32, height: u32, size: u32) -> Vec<u8> {
     let cell = size + 1;
     let columns = width.div_ceil(cell);
@@ -125,7 +126,7 @@ fn coarse(mask: &[u8], width: u32, height: u32, size: u32) -> Vec<u8> {
     pixels().map(|(x, y)| cells[at(x, y)]).collect()
 }
 
-/// Gaussian blur, rows then columns; the border's pixels go on beyond it.
+/// Gaussian blur of rows, then columns. Pixels of the border are repeated outside.
 fn blur(rgb: &[[f64; 3]], width: u32, height: u32, sigma: f64) -> Vec<[f64; 3]> {
     let reach = libm::ceil(3.0 * sigma) as i64;
     let weights: Vec<f64> = (-reach..=reach).map(|i| libm::exp(-0.5 * (i * i) as f64 / (sigma * sigma))).collect();

@@ -1,4 +1,4 @@
-//! A clothed person, articulated: one hand on the hip, the other waves, the legs dance.
+//! An articulated, clothed person: one hand is on the hip, the other waves, the legs dance.
 
 use crate::{
     material::Material::{self, Black, Denim, Face, Hair, Leather, Print, Rubber, Skin},
@@ -12,22 +12,22 @@ const UPPER_ARM: f64 = 0.28;
 const FOREARM: f64 = 0.25;
 const THIGH: f64 = 0.42;
 const SHIN: f64 = 0.41;
-/// Height of the ankle's joint above the sole.
+/// Height of the ankle joint above the sole.
 const ANKLE: f64 = 0.085;
 
-/// A limb's joint angles in radians.
+/// Joint angles of a limb in radians.
 struct Limb {
     /// Forward swing.
     swing: f64,
-    /// Away from the body's middle plane.
+    /// Angle to the middle plane of the body.
     spread: f64,
-    /// About its own axis, inward.
+    /// Rotation around its own axis, inward.
     twist: f64,
-    /// Of the elbow or knee.
+    /// Bend of the elbow or knee.
     bend: f64,
 }
 
-/// The figure's parts at a time in seconds, in the world: feet on the floor about the origin, facing +x.
+/// The parts of the figure at a time in seconds, in the world. The feet stand on the floor at the origin, facing +x.
 pub fn parts(time: f64) -> Vec<Part> {
     let beat = |turns: f64, phase: f64| libm::sin(TAU * (turns * time + phase));
     let legs = [
@@ -38,7 +38,7 @@ pub fn parts(time: f64) -> Vec<Part> {
         Limb { swing: -0.15 + 0.05 * beat(0.7, 0.2), spread: 0.80 + 0.05 * beat(0.7, 0.1), twist: 1.35, bend: 1.62 },
         Limb { swing: 0.25, spread: 1.15 + 0.15 * beat(1.0, 0.1), twist: -1.35, bend: 1.15 + 0.45 * beat(1.0, 0.0) },
     ];
-    // Pose it about the pelvis first, then lower it so that the deeper sole stands on the floor.
+    // Pose the body around the pelvis, then move it so that the lower sole stands on the floor.
     let pose = |height: f64| {
         let sway = 0.03 * beat(0.7, 0.1);
         Pose {
@@ -72,7 +72,7 @@ fn side(index: usize) -> f64 {
     if index == 0 { 1.0 } else { -1.0 }
 }
 
-/// Limbs of either side have patterns of their own.
+/// Left and right limbs have different patterns.
 fn pattern(side: f64) -> u32 {
     if side > 0.0 { 1 } else { 2 }
 }
@@ -92,7 +92,7 @@ fn aimed(parent: &Pose, offset: DVec3, direction: DVec3) -> Pose {
     parent.then(offset, DMat3::from_cols(y.cross(z), y, z))
 }
 
-/// The joint's own frame: -z runs down the limb.
+/// The frame of a joint. -z runs down the limb.
 fn joint(parent: &Pose, offset: DVec3, side: f64, limb: &Limb) -> Pose {
     let direction = turn(side * limb.spread, 0.0, 0.0) * turn(0.0, -limb.swing, 0.0);
     parent.then(offset, direction * turn(0.0, 0.0, -side * limb.twist))
@@ -106,7 +106,7 @@ fn knee(hip: &Pose, limb: &Limb) -> Pose {
     hip.then(DVec3::new(0.0, 0.0, -THIGH), turn(0.0, limb.bend, 0.0))
 }
 
-/// The ankle's joint, level with the floor but turned as the leg is.
+/// The ankle joint, level with the floor and turned like the leg.
 fn foot(pelvis: &Pose, side: f64, limb: &Limb) -> Pose {
     let knee = knee(&hip(pelvis, side, limb), limb);
     let forward = knee.rotation.x_axis;
@@ -168,7 +168,7 @@ fn arm(parts: &mut Vec<Part>, chest: &Pose, side: f64, limb: &Limb) {
     parts.push(cone(shoulder, UPPER_ARM, 0.046, 0.034, Skin).blended(0.004));
     let elbow = shoulder.then(DVec3::new(0.0, 0.0, -UPPER_ARM), turn(0.0, -limb.bend, 0.0));
     parts.push(cone(elbow, FOREARM, 0.036, 0.025, Skin).blended(0.02));
-    // The hand's frame: fingers along -z, the palm faces the body, the thumb is in front.
+    // In the frame of the hand, fingers point along -z, the palm faces the body, and the thumb is in front.
     let wrist = elbow.then(DVec3::new(0.0, 0.0, -FOREARM), turn(0.0, 0.0, 0.0));
     let along = |x: f64, z: f64| wrist.then(DVec3::new(x, 0.0, z), DMat3::IDENTITY);
     parts.push(cone(along(0.0, -0.03), 0.045, 0.036, 0.040, Skin).scaled(1.0, 0.42, 1.0).blended(0.02));

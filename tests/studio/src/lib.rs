@@ -1,9 +1,9 @@
 //! A synthetic capture dome with exact ground truth.
 //!
-//! A [`Subject`] at a time is a [`Scene`]: a signed distance function with colours. A [`Ring`] gives cameras,
-//! [`Capture::new`] records pictures and masks with the [`Faults`] asked for, [`Capture::write`] makes a scene folder of
-//! them. Because the scene is a function, [`score`] states a reconstruction's errors exactly. Everything is the same,
-//! byte for byte, on every machine.
+//! A [`Subject`] at a time is a [`Solid`]: a signed distance function with colours. A [`Ring`] gives cameras,
+//! [`Capture::new`] records pictures and masks with the given [`Faults`], and [`Capture::write`] writes them as a scene
+//! folder. Because the solid is a function, [`score`] measures the errors of a reconstruction exactly. All results are the
+//! same on every machine, byte for byte.
 
 pub mod backdrop;
 pub mod capture;
@@ -22,6 +22,7 @@ mod rotation;
 pub mod score;
 pub mod solid;
 pub mod subject;
+pub mod topology;
 pub mod write;
 
 pub use capture::{Capture, CapturedFrame};

@@ -1,24 +1,25 @@
-//! A contact sheet of a result: photograph, shape and colours side by side, as the same camera sees them.
+//! A contact sheet of a result: photograph, shape and colours side by side, seen by the same camera.
 
-use crate::{picture::Picture, write::SceneFile};
+use crate::picture::Picture;
 use glam::{DVec2, DVec3};
 use pcmvs_core::Camera;
+use pcmvs_scene::{Disk, Scene};
 use std::{error::Error, path::Path};
 
 const BACKGROUND: DVec3 = DVec3::ONE;
-/// Of the shaded surface.
+/// Colour of the shaded surface.
 const CLAY: DVec3 = DVec3::new(0.75, 0.82, 0.95);
-/// Pixels left free around the subject.
+/// Margin around the subject in pixels.
 const MARGIN: u32 = 10;
 
 /// A coloured mesh, read from a GLB.
 #[derive(Debug, Clone, Default)]
 pub struct ColouredMesh {
-    /// In the scene's frame and unit.
+    /// In the frame and unit of the scene.
     pub positions: Vec<DVec3>,
-    /// Unit normals, one a vertex.
+    /// Unit normals, one per vertex.
     pub normals: Vec<DVec3>,
-    /// Linear light in 0..1, one a vertex.
+    /// Linear light in 0..1, one per vertex.
     pub colours: Vec<DVec3>,
     /// Counter-clockwise seen from outside.
     pub faces: Vec<[u32; 3]>,
@@ -28,7 +29,7 @@ impl ColouredMesh {
     /// Reads a GLB whose only mesh has normals and vertex colours.
     ///
     /// # Errors
-    /// The file cannot be read, or something of that is missing.
+    /// The file cannot be read, or normals or colours are missing.
     pub fn read(path: &Path) -> Result<Self, Box<dyn Error>> {
         let gltf::Gltf { document, blob } = gltf::Gltf::from_slice(&std::fs::read(path)?)?;
         let primitive = document.meshes().next().and_then(|m| m.primitives().next()).ok_or("there is no mesh")?;
@@ -45,18 +46,18 @@ impl ColouredMesh {
     }
 }
 
-/// A mesh as a camera sees it, on white.
+/// A mesh as a camera sees it, on a white background.
 #[derive(Debug, Clone)]
 pub struct Drawing {
-    /// Shaded with light from the camera and above it.
+    /// Shaded with light from the camera and from above.
     pub shape: Picture,
-    /// In its own colours; between vertices light is mixed, not its sRGB codes, as glTF wants it.
+    /// In its own colours, which are interpolated in linear light, as glTF requires.
     pub colours: Picture,
-    /// Where the mesh is, pixel by pixel.
+    /// Whether the mesh covers each pixel.
     pub covered: Vec<bool>,
 }
 
-/// Draws the mesh as a camera sees it; of a pixel its centre counts.
+/// Draws the mesh as a camera sees it, with one sample at the centre of each pixel.
 pub fn draw(mesh: &ColouredMesh, camera: &Camera) -> Drawing {
     let (w, h) = (camera.width as usize, camera.height as usize);
     let centre = camera.centre();
@@ -82,7 +83,7 @@ pub fn draw(mesh: &ColouredMesh, camera: &Camera) -> Drawing {
         for y in span(low.y, high.y, h) {
             for x in span(low.x, high.x, w) {
                 let p = DVec2::new(x as f64, y as f64);
-                // Shares of the corners, in the image and (by inverse depth) on the surface.
+                // Barycentric coordinates, first in the image, then (by inverse depth) on the surface.
                 let share =
                     [(c - b).perp_dot(p - b) / area, (a - c).perp_dot(p - c) / area, (b - a).perp_dot(p - a) / area];
                 if share.iter().any(|&s| s < 0.0) {
@@ -116,17 +117,17 @@ fn srgb(v: f64) -> f64 {
     if v <= 0.003_130_8 { 12.92 * v } else { 1.055 * libm::pow(v, 1.0 / 2.4) - 0.055 }
 }
 
-/// The contact sheet of a scene's frame: one group a camera of photograph, shape and colours, cut out round the mesh.
+/// The contact sheet of a frame: photograph, shape and colours for each camera, cropped around the mesh.
 ///
 /// # Errors
 /// A file cannot be read, or there is no such frame or camera.
 pub fn sheet(scene: &Path, frame: u32, mesh: &ColouredMesh, cameras: &[usize]) -> Result<Picture, Box<dyn Error>> {
-    let file: SceneFile = serde_json::from_slice(&std::fs::read(scene.join("scene.json"))?)?;
-    let entry = file.frames.iter().find(|f| f.index == frame).ok_or("there is no such frame")?;
+    let scene = Scene::load(&Disk, scene).map_err(|e| e.to_string())?;
+    let entry = scene.frames.iter().find(|f| f.index == frame).ok_or("there is no such frame")?;
     let mut panels = Vec::new();
     for &i in cameras {
-        let camera = file.cameras.get(i).ok_or("there is no such camera")?.camera();
-        let photograph = image::open(scene.join(&entry.images[i]))?.into_rgb8();
+        let camera = scene.cameras.get(i).ok_or("there is no such camera")?.camera()?;
+        let photograph = image::open(scene.resolve(&entry.images[i]))?.into_rgb8();
         let (width, height) = photograph.dimensions();
         let drawn = draw(mesh, &camera);
         let part = part_with_mesh(&drawn, &camera);

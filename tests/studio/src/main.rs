@@ -1,21 +1,23 @@
 //! The command `studio`: renders a synthetic capture into a scene folder.
 
 use clap::Parser;
+use glam::DVec3;
+use pcmvs_core::export::ply;
 use rayon::prelude::*;
 use std::{fs, io, path::PathBuf, process::ExitCode};
 use studio::{Capture, Faults, Ring, Subject, capture::record, polygonise::polygonise};
 
-/// Renders a synthetic capture: scene.json, images, masks and, if asked for, ground truth meshes.
+/// Renders a synthetic capture: scene.json, images, masks and, with --truth, ground-truth meshes
 #[derive(Debug, Parser)]
 #[command(name = "studio", version)]
 struct Arguments {
-    /// Folder to write
+    /// Folder for the capture
     #[arg(short, long)]
     output: PathBuf,
-    /// The sample: the figure, 20 views of 512x384, 12 frames, with a little noise and gain
+    /// Render the sample: the figure, 20 views of 512x384, 12 frames, with some noise and gain
     #[arg(long, conflicts_with_all = ["scene", "views", "size", "frames", "noise", "gain"])]
     sample: bool,
-    /// What stands in the dome
+    /// Subject in the dome
     #[arg(long, value_enum, default_value = "figure")]
     scene: Subject,
     /// Cameras on the ring
@@ -27,25 +29,25 @@ struct Arguments {
     /// Number of frames
     #[arg(long, default_value_t = 1)]
     frames: u32,
-    /// Frames a second
+    /// Frames per second
     #[arg(long, default_value_t = 25.0)]
     fps: f64,
     /// Lens distortion k1,k2,p1,p2,k3
     #[arg(long, value_parser = lens, allow_hyphen_values = true, default_value = "0,0,0,0,0")]
     distortion: [f64; 5],
-    /// Sensor noise, 8-bit levels (standard deviation)
+    /// Standard deviation of the sensor noise in 8-bit levels
     #[arg(long, default_value_t = 0.0)]
     noise: f64,
     /// Largest difference of a camera's gain from 1
     #[arg(long, default_value_t = 0.0)]
     gain: f64,
-    /// Blur, pixels (standard deviation)
+    /// Standard deviation of the blur in pixels
     #[arg(long, default_value_t = 0.0)]
     blur: f64,
-    /// Calibration error, pixels
+    /// Calibration error in pixels
     #[arg(long, default_value_t = 0.0)]
     calibration: f64,
-    /// Largest difference of a camera's clock, seconds
+    /// Largest difference of a camera's clock in seconds
     #[arg(long, default_value_t = 0.0)]
     clock: f64,
     /// Cameras without masks, by index
@@ -60,13 +62,13 @@ struct Arguments {
     /// Black and white masks
     #[arg(long)]
     binary_masks: bool,
-    /// Quality of a JPEG that pictures go through
+    /// Quality of the pictures' JPEG compression
     #[arg(long, value_parser = clap::value_parser!(u8).range(1..=100))]
     jpeg: Option<u8>,
-    /// Chooses all that is random
+    /// Seed of everything random
     #[arg(long, default_value_t = 0)]
     seed: u64,
-    /// Also write ground truth meshes with triangles of this size in millimetres
+    /// Also write ground-truth meshes with triangles of this size in millimetres
     #[arg(long)]
     truth: Option<f64>,
 }
@@ -75,13 +77,13 @@ fn size(text: &str) -> Result<(u32, u32), String> {
     let parsed = text.split_once('x').and_then(|(w, h)| Some((w.parse().ok()?, h.parse().ok()?)));
     match parsed {
         Some((w, h)) if w > 0 && h > 0 => Ok((w, h)),
-        _ => Err("a size is written 1024x768".to_owned()),
+        _ => Err("write the size as 1024x768".to_owned()),
     }
 }
 
 fn lens(text: &str) -> Result<[f64; 5], String> {
     let numbers: Vec<f64> = text.split(',').map_while(|n| n.trim().parse().ok()).collect();
-    numbers.try_into().map_err(|_| "a lens is written as five numbers k1,k2,p1,p2,k3".to_owned())
+    numbers.try_into().map_err(|_| "write the lens as five numbers k1,k2,p1,p2,k3".to_owned())
 }
 
 fn main() -> ExitCode {
@@ -120,8 +122,8 @@ fn run(a: &Arguments) -> io::Result<()> {
         if let Some(millimetres) = a.truth {
             let folder = a.output.join("gt");
             fs::create_dir_all(&folder)?;
-            let mesh = polygonise(&frame.scene, millimetres / 1000.0);
-            fs::write(folder.join(format!("frame_{i:04}.ply")), mesh.to_ply())?;
+            let mesh = polygonise(&frame.truth, millimetres / 1000.0).to_core(&frame.truth);
+            fs::write(folder.join(format!("frame_{i:04}.ply")), ply::write_mesh(&mesh, DVec3::ZERO))?;
         }
         let entry = capture.write_frame(&a.output, i, &frame)?;
         eprintln!("studio: frame {i} of {}", a.frames);

@@ -1,4 +1,4 @@
-//! What parts are made of: procedural colours in the part's own frame, so that they move with it.
+//! Materials: procedural colours in the frame of a part, so that they move with it.
 
 use crate::noise;
 use glam::DVec3;
@@ -7,22 +7,22 @@ type Rgb = [f64; 3];
 
 const BLACK: Rgb = [0.075, 0.075, 0.085];
 
-/// A procedural texture. Positions are metres in the part's frame (x forward, y left, z up for the figure).
+/// A procedural texture. Positions are in metres in the frame of the part (x forward, y left, z up for the figure).
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Material {
-    /// Printed cloth in three colours, rich in detail from 8 mm to 12 cm.
+    /// Printed cloth in three colours with details from 8 mm to 12 cm.
     Print,
     /// Coarsely printed grey stone, for the simple bodies.
     Stone,
     /// Denim, worn pale in patches, dyed black above 13 cm below the origin.
     Denim,
-    /// Black cloth without any texture.
+    /// Black cloth without texture.
     Black,
-    /// Skin: hardly any texture.
+    /// Skin with very little texture.
     Skin,
-    /// A face, looking along x, about the head's centre.
+    /// A face that looks along x, relative to the centre of the head.
     Face,
-    /// Hair: dark strands along z.
+    /// Hair with dark strands along z.
     Hair,
     /// Leather.
     Leather,
@@ -39,19 +39,19 @@ fn shade(c: Rgb, factor: f64) -> Rgb {
     c.map(|v| v * factor)
 }
 
-/// A soft step from 0 to 1 of the given width about zero.
+/// A smooth step from 0 to 1 of the given width, centred at zero.
 fn step(v: f64, width: f64) -> f64 {
     let t = (v / width + 0.5).clamp(0.0, 1.0);
     t * t * (3.0 - 2.0 * t)
 }
 
-/// Noise of three octaves from `size` (metres) down, in [-1, 1].
+/// Noise in [-1, 1] of three octaves, the largest of `size` metres.
 fn octaves(p: DVec3, size: f64, seed: u32) -> f64 {
     let n = |size: f64, seed: u32| noise::value(p / size, seed);
     0.5 * n(size, seed) + 0.3 * n(size * 0.45, seed + 1) + 0.2 * n(size * 0.2, seed + 2)
 }
 
-/// Whether a point lies in an ellipse of the face, as a soft 0..1.
+/// Smooth membership (0..1) of a point in an ellipse of the face.
 fn spot(y: f64, z: f64, (cy, cz): (f64, f64), (ry, rz): (f64, f64)) -> f64 {
     let (a, b) = ((y - cy) / ry, (z - cz) / rz);
     step(1.0 - (a * a + b * b), 0.8)

@@ -1,12 +1,13 @@
-//! Triangle meshes as the studio measures and writes them.
+//! Triangle meshes that the studio measures and writes.
 
-use crate::noise::Random;
+use crate::{noise::Random, solid::Solid};
 use glam::{DVec3, Vec3};
+use pcmvs_core::Mesh;
 
-/// A triangle mesh; faces are counter-clockwise seen from outside.
+/// A triangle mesh. Faces are counter-clockwise seen from outside.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct TriangleMesh {
-    /// Positions in the world, metres.
+    /// Positions in the world, in metres.
     pub vertices: Vec<DVec3>,
     /// Indices of three vertices each.
     pub faces: Vec<[u32; 3]>,
@@ -23,7 +24,7 @@ impl TriangleMesh {
         self.faces[face].map(|i| self.vertices[i as usize])
     }
 
-    /// Points spread evenly over the surface; the same ones for the same seed.
+    /// Points spread evenly over the surface. The same seed gives the same points.
     pub fn surface_points(&self, count: usize, seed: u64) -> Vec<DVec3> {
         let mut sum = 0.0;
         let area = |f: usize| {
@@ -51,22 +52,13 @@ impl TriangleMesh {
             .collect()
     }
 
-    /// Binary PLY.
-    pub fn to_ply(&self) -> Vec<u8> {
-        let mut out = format!(
-            "ply\nformat binary_little_endian 1.0\nelement vertex {}\nproperty float x\nproperty float y\nproperty float z\n\
-             element face {}\nproperty list uchar int vertex_indices\nend_header\n",
-            self.vertices.len(),
-            self.faces.len()
-        )
-        .into_bytes();
-        for v in &self.vertices {
-            out.extend(v.as_vec3().to_array().into_iter().flat_map(f32::to_le_bytes));
+    /// The mesh in the type of the core, relative to the world's origin, with the normals of the true surface.
+    pub fn to_core(&self, truth: &Solid) -> Mesh {
+        Mesh {
+            positions: self.vertices.iter().map(|p| p.as_vec3()).collect(),
+            normals: self.vertices.iter().map(|&p| truth.normal(p).as_vec3()).collect(),
+            triangles: self.faces.clone(),
+            ..Mesh::default()
         }
-        for f in &self.faces {
-            out.push(3);
-            out.extend(f.iter().flat_map(|i| i.to_le_bytes()));
-        }
-        out
     }
 }

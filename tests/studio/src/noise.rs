@@ -1,8 +1,8 @@
-//! Integer hash noise: the same numbers on every machine.
+//! Noise from integer hashes, with the same numbers on every machine.
 
 use glam::DVec3;
 
-/// Mixes a word so that every bit depends on every other (a 64-bit finaliser).
+/// Mixes a word so that every bit of the result depends on every bit of the input.
 pub fn mix(mut v: u64) -> u64 {
     v = (v ^ (v >> 32)).wrapping_mul(0xd6e8_feb8_6659_fd93);
     v = (v ^ (v >> 32)).wrapping_mul(0xd6e8_feb8_6659_fd93);
@@ -14,7 +14,7 @@ pub fn mix(mut v: u64) -> u64 {
 pub struct Random(u64);
 
 impl Random {
-    /// The stream of a seed; streams of different `(seed, stream)` are unrelated.
+    /// A stream of a seed. Streams of different `(seed, stream)` are unrelated.
     pub fn new(seed: u64, stream: u64) -> Self {
         Self(mix(mix(seed ^ 0x9e37_79b9_7f4a_7c15).wrapping_add(stream)))
     }
@@ -35,7 +35,7 @@ impl Random {
         2.0 * self.uniform() - 1.0
     }
 
-    /// Bell-shaped with mean 0 and standard deviation 1: the sum of four uniform numbers, so never beyond ±3.5.
+    /// Approximately normal with mean 0 and standard deviation 1: a sum of four uniform numbers, never beyond ±3.5.
     pub fn normal(&mut self) -> f64 {
         let word = self.word();
         let sum: u64 = (0..4).map(|i| (word >> (16 * i)) & 0xffff).sum();
@@ -54,7 +54,8 @@ impl Random {
     }
 }
 
-/// Steepest slope of [`value`] along one axis: neighbouring lattice values differ by 2, the fade's slope is 1.5.
+/// Steepest slope of [`value`] along one axis: neighbouring lattice values differ by up to 2, and the slope of the fade is
+/// up to 1.5.
 pub const STEEPEST: f64 = 3.0;
 
 fn cell(x: f64) -> (i32, f64) {
@@ -73,7 +74,7 @@ fn lattice(x: i32, y: i32, z: i32, seed: u32) -> f64 {
     f64::from((h ^ (h >> 16)) >> 8) / f64::from(1_u32 << 23) - 1.0
 }
 
-/// Smooth noise in [-1, 1] on a lattice of unit cells; continuous with its first derivatives.
+/// Smooth noise in [-1, 1] on a lattice of unit cells, with continuous first derivatives.
 pub fn value(p: DVec3, seed: u32) -> f64 {
     let ((ix, x), (iy, y), (iz, z)) = (cell(p.x), cell(p.y), cell(p.z));
     let fade = |t: f64| t * t * (3.0 - 2.0 * t);

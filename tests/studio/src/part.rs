@@ -1,4 +1,4 @@
-//! Bodies that scenes are made of: a shape in a local frame, its relief, its material.
+//! Parts of solids: a shape in a local frame, with relief and material.
 
 use crate::{
     material::Material,
@@ -6,52 +6,52 @@ use crate::{
 };
 use glam::{DMat3, DVec3};
 
-/// A shape in its own frame, given by its exact signed distance.
+/// A shape in its own frame, with an exact signed distance.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Shape {
-    /// A ball about the origin.
+    /// A ball around the origin.
     Ball {
         /// Radius.
         radius: f64,
     },
-    /// A box about the origin.
+    /// A box around the origin.
     Cuboid {
         /// Half its sides.
         half: DVec3,
     },
-    /// A ring about the z axis.
+    /// A torus around the z axis.
     Torus {
-        /// Radius of the ring's middle line.
+        /// Radius of the centre line.
         major: f64,
         /// Radius of the tube.
         minor: f64,
     },
-    /// The hull of two balls, one at the origin and one at (0, 0, -length).
+    /// The convex hull of two balls, one at the origin and one at (0, 0, -length).
     RoundCone(RoundCone),
 }
 
-/// The hull of a ball at the origin and one at (0, 0, -length).
+/// The convex hull of a ball at the origin and one at (0, 0, -length).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct RoundCone {
     length: f64,
     top: f64,
     bottom: f64,
-    /// Lean of the flank's normal towards the narrower end.
+    /// Sine and cosine of the angle by which the normal of the flank leans towards the narrower end.
     sine: f64,
     cosine: f64,
 }
 
 impl RoundCone {
-    /// From the distance of the balls' centres, which is more than their radii differ by, and the radii at the origin
-    /// and at the other end.
+    /// From the distance of the centres, and the radii at the origin and at the other end. The distance must be larger than
+    /// the difference of the radii.
     pub fn new(length: f64, top: f64, bottom: f64) -> Self {
-        assert!(libm::fabs(top - bottom) < length, "one ball holds the other: {top}, {bottom}, {length}");
+        assert!(libm::fabs(top - bottom) < length, "one ball contains the other: {top}, {bottom}, {length}");
         let sine = (top - bottom) / length;
         Self { length, top, bottom, sine, cosine: libm::sqrt(1.0 - sine * sine) }
     }
 
     fn distance(&self, p: DVec3) -> f64 {
-        // In the half plane of radius and depth the flank is a straight line.
+        // The flank is a straight line in the half plane of radius and depth.
         let (r, z) = (libm::sqrt(p.x * p.x + p.y * p.y), -p.z);
         let along = self.cosine * z - self.sine * r;
         if along < 0.0 {
@@ -100,17 +100,17 @@ impl Shape {
 pub struct Pose {
     /// Local to world.
     pub rotation: DMat3,
-    /// Local origin in the world.
+    /// The local origin in the world.
     pub origin: DVec3,
 }
 
 impl Pose {
-    /// The world's own frame moved to a point.
+    /// The axes of the world at a point.
     pub fn at(origin: DVec3) -> Self {
         Self { rotation: DMat3::IDENTITY, origin }
     }
 
-    /// A frame given relative to this one.
+    /// A pose given relative to this one.
     pub fn then(&self, offset: DVec3, rotation: DMat3) -> Self {
         Self { rotation: self.rotation * rotation, origin: self.to_world(offset) }
     }
@@ -130,39 +130,39 @@ impl Pose {
 /// Folds: smooth noise that displaces the surface along its normal.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Relief {
-    /// Largest displacement, out or in.
+    /// Largest displacement, outward or inward.
     pub height: f64,
-    /// Folds a metre along the local axes.
+    /// Folds per metre along the local axes.
     pub density: DVec3,
     /// Lipschitz constant of a distance that has this relief.
     slope: f64,
 }
 
 impl Relief {
-    /// Folds of a height and of a size along the local axes.
+    /// Folds of a height, with a size along each local axis.
     pub fn new(height: f64, size: DVec3) -> Self {
         let density = DVec3::ONE / size;
         Self { height, density, slope: 1.0 + height * STEEPEST * density.length() }
     }
 }
 
-/// A body with a material that moves with it.
+/// A shape with a material that moves with it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Part {
     shape: Shape,
     frame: Pose,
-    /// The frame that colours are given in.
+    /// The frame of the colours.
     cloth: Pose,
     scale: DVec3,
-    /// Distance over which it melts into the parts before it; 0 is a plain union.
+    /// Distance over which it blends with the parts before it. 0 is a plain union.
     pub blend: f64,
     relief: Option<Relief>,
-    /// What it is made of.
+    /// Material.
     pub material: Material,
     seed: u32,
-    /// Centre of a ball around it.
+    /// Centre of a bounding ball.
     pub centre: DVec3,
-    /// Radius of that ball.
+    /// Radius of the bounding ball.
     pub radius: f64,
 }
 
@@ -198,7 +198,7 @@ impl Part {
         self.bounded()
     }
 
-    /// Melts into the parts before it over a distance.
+    /// Blends with the parts before it over a distance.
     pub fn blended(mut self, distance: f64) -> Self {
         self.blend = distance;
         self
@@ -210,25 +210,25 @@ impl Part {
         self.bounded()
     }
 
-    /// Takes its colours from another frame, so that neighbouring parts are of one piece.
+    /// Uses another frame for its colours, so that the texture continues over neighbouring parts.
     pub fn cut_from(mut self, cloth: &Pose) -> Self {
         self.cloth = *cloth;
         self
     }
 
-    /// Gives folds and texture another pattern.
+    /// Chooses another pattern for folds and texture.
     pub fn seeded(mut self, seed: u32) -> Self {
         self.seed = seed;
         self
     }
 
-    /// Whether [`Self::bound`] is the distance itself and not only a bound of it.
+    /// Whether [`Self::bound`] is the exact distance.
     pub fn is_exact(&self) -> bool {
         self.scale == DVec3::ONE && self.relief.is_none() && self.blend == 0.0
     }
 
-    /// A function of slope at most one that vanishes on the surface and is negative inside, for points at a distance
-    /// of `to_centre` from the bounding ball's centre.
+    /// A function with slope at most 1 that is zero on the surface and negative inside. `to_centre` is the distance of the
+    /// point from the centre of the bounding ball.
     #[inline]
     pub fn bound(&self, p: DVec3, to_centre: f64) -> f64 {
         let local = self.frame.to_local(p);
@@ -239,7 +239,7 @@ impl Part {
         };
         let rough = match &self.relief {
             None => plain,
-            // Both branches have slope one at most; far from the folds the first is larger and noise need not be known.
+            // Both branches have slope at most 1. Far from the folds the first is larger, and the noise is not needed.
             Some(relief) => {
                 let slope = relief.slope;
                 let outer = plain - relief.height;
@@ -254,7 +254,7 @@ impl Part {
         if self.is_exact() { rough } else { rough.max(to_centre - self.radius) }
     }
 
-    /// Colour (0..1 display values) of a point of its surface.
+    /// Colour of a surface point, display values in 0..1.
     pub fn colour(&self, p: DVec3) -> [f64; 3] {
         self.material.colour(self.cloth.to_local(p), self.seed)
     }

@@ -1,15 +1,15 @@
-//! Photographs as the studio's cameras take them.
+//! Pictures of the studio's cameras.
 
 use pcmvs_core::{ImageRef, PixelFormat};
 
-/// Packed 8-bit sRGB. A missing picture is 0 x 0.
+/// A packed 8-bit sRGB picture. A missing picture has no pixels.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct Picture {
-    /// Pixels in a row.
+    /// Width in pixels.
     pub width: u32,
-    /// Rows.
+    /// Height in pixels.
     pub height: u32,
-    /// Red, green, blue; row after row.
+    /// Red, green and blue, by rows.
     pub rgb: Vec<u8>,
 }
 

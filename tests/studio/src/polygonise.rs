@@ -1,18 +1,19 @@
-//! Ground truth as a triangle mesh, by marching tetrahedra: slow and plain, independent of the core's mesher.
+//! Ground truth as a triangle mesh, by marching tetrahedra. It is simple, slow and independent of the core's meshing.
 
 use crate::{mesh::TriangleMesh, solid::Solid};
 use glam::DVec3;
 use std::collections::BTreeMap;
 
-/// Cells of a block's side: whole blocks that are far from the surface are skipped.
+/// Cells along a side of a block. Blocks far from the surface are skipped as a whole.
 const BLOCK: i32 = 8;
 
-/// The six tetrahedra of a cube about its main diagonal, as corners (bit 0 is +x, bit 1 is +y, bit 2 is +z). Neighbouring
-/// cubes cut their common face alike.
+/// The six tetrahedra of a cube around its main diagonal, as corners (bit 0 is +x, bit 1 is +y, bit 2 is +z). Neighbouring
+/// cubes divide their common face in the same way.
 const TETRAHEDRA: [[usize; 4]; 6] =
     [[0, 1, 3, 7], [0, 3, 2, 7], [0, 2, 6, 7], [0, 6, 4, 7], [0, 4, 5, 7], [0, 5, 1, 7]];
 
-/// The solid's surface on a grid of the given spacing. Closed and manifold; vertices lie on the surface.
+/// The surface of a solid on a grid of the given spacing. The mesh is closed and manifold, and its vertices lie on the
+/// surface.
 pub fn polygonise(solid: &Solid, spacing: f64) -> TriangleMesh {
     let (centre, radius) = solid.ball();
     let blocks = libm::ceil((radius + 2.0 * spacing) / (spacing * f64::from(BLOCK))) as i32;
@@ -31,7 +32,7 @@ struct Mesher<'a> {
     solid: &'a Solid,
     centre: DVec3,
     spacing: f64,
-    /// Vertices made so far, by the ends of their edges.
+    /// Vertices so far, by the ends of their edges.
     made: BTreeMap<([i32; 3], [i32; 3]), u32>,
     mesh: TriangleMesh,
 }
@@ -83,7 +84,7 @@ impl Mesher<'_> {
         };
         let sum = |nodes: &[[i32; 3]]| nodes.iter().map(|&n| self.position(n)).sum::<DVec3>() / nodes.len() as f64;
         let outward = sum(&outside) - sum(&inside);
-        // Middles of the cut edges span the same orientation as the vertices on them.
+        // The midpoints of the cut edges have the same orientation as the vertices on them.
         let at: Vec<DVec3> = polygon.iter().map(|&(a, b)| 0.5 * (self.position(a) + self.position(b))).collect();
         let flipped = (at[1] - at[0]).cross(at[2] - at[0]).dot(outward) < 0.0;
         let vertices: Vec<u32> = polygon.iter().map(|&(a, b)| self.vertex(a, b)).collect();

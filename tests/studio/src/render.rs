@@ -1,4 +1,4 @@
-//! Pictures by sphere tracing: what an ideal camera sees, and how much of each pixel the subject covers.
+//! Sphere tracing: the picture of an ideal camera, and the share of each pixel that the subject covers.
 
 use crate::{
     backdrop,
@@ -7,23 +7,23 @@ use crate::{
 use glam::{DMat3, DVec2, DVec3};
 use pcmvs_core::Camera;
 
-/// Side of the square tiles that share the start of their rays and the choice of parts.
+/// Side of the square tiles whose pixels share the start of their rays and the choice of parts.
 const TILE: u32 = 8;
-/// Samples of a pixel on an edge: enough that lines in every direction have less than 0.2 pixels between them.
+/// Samples of a pixel on an edge, so many that along every direction they are less than 0.2 pixels apart.
 const EDGE: u32 = 25;
 /// Samples of a pixel's colour.
 const INNER: u32 = 4;
 
-/// A picture in linear steps before a sensor reads it.
+/// A picture before the sensor reads it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Render {
-    /// Display values, 0..1, subject over backdrop, row after row.
+    /// Display values in 0..1 of the subject over the backdrop, by rows.
     pub rgb: Vec<[f64; 3]>,
     /// Share of each pixel that the subject covers.
     pub coverage: Vec<f64>,
 }
 
-/// A camera's rays in the world.
+/// The rays of a camera in the world.
 pub struct Lens<'a> {
     camera: &'a Camera,
     to_world: DMat3,
@@ -31,18 +31,18 @@ pub struct Lens<'a> {
 }
 
 impl<'a> Lens<'a> {
-    /// The rays of a camera, lens distortion included.
+    /// The rays of a camera, including lens distortion.
     pub fn new(camera: &'a Camera) -> Self {
         // The rows of R are the columns of its inverse.
         Self { camera, to_world: DMat3::from_cols_array_2d(&camera.r), centre: camera.centre() }
     }
 
-    /// Where all rays start.
+    /// Origin of all rays.
     pub fn centre(&self) -> DVec3 {
         self.centre
     }
 
-    /// Unit direction of the ray of a pixel position in the (distorted) picture.
+    /// Unit direction of the ray through a position in the distorted picture.
     pub fn ray(&self, x: f64, y: f64) -> DVec3 {
         let k = &self.camera.k;
         let v = (y - k[1][2]) / k[1][1];
@@ -50,7 +50,7 @@ impl<'a> Lens<'a> {
         (self.to_world * self.undistort(DVec2::new(u, v)).extend(1.0)).normalize()
     }
 
-    /// Inverse of the lens distortion by fixed-point iteration, which contracts for every lens that does not fold.
+    /// Inverts the lens distortion by fixed-point iteration, which converges for every lens that does not fold the picture.
     fn undistort(&self, distorted: DVec2) -> DVec2 {
         let mut p = distorted;
         if self.camera.is_distorted() {
@@ -66,14 +66,14 @@ impl<'a> Lens<'a> {
     }
 }
 
-/// What the middle of a pixel sees.
+/// What the centre of a pixel sees.
 #[derive(Clone, Copy)]
 struct Centre {
     /// No surface is nearer than this on any ray of the pixel.
     from: f64,
     /// Distance of the surface, if the ray hits it.
     hit: Option<f64>,
-    /// The subject may cover some of the pixel.
+    /// Whether the subject may cover a part of the pixel.
     near: bool,
 }
 
@@ -89,13 +89,13 @@ struct Renderer<'a> {
 /// A square of pixels that the subject may cover.
 #[derive(Clone, Copy)]
 struct Tile {
-    /// The parts that its rays can meet.
+    /// The parts that its rays can hit.
     parts: Parts,
-    /// The parts that can darken what its rays meet.
+    /// The parts that can occlude ambient light where its rays hit.
     around: Parts,
     /// No surface is nearer than this.
     from: f64,
-    /// Largest distance, at unit length, of a pixel's rays from its middle one.
+    /// Largest distance, at unit length, of the rays of a pixel from its central one.
     pixel: f64,
 }
 
@@ -126,11 +126,11 @@ impl Renderer<'_> {
     /// The largest distance, at unit length, of a rectangle's rays from a ray inside it.
     fn spread(&self, direction: DVec3, (x0, y0): (f64, f64), (x1, y1): (f64, f64)) -> f64 {
         let corners = [(x0, y0), (x1, y0), (x0, y1), (x1, y1)];
-        // Lens distortion can push an edge's middle slightly beyond its corners.
+        // Lens distortion can move the middle of an edge slightly beyond its corners.
         1.05 * corners.into_iter().map(|(x, y)| (self.lens.ray(x, y) - direction).length()).fold(0.0, f64::max)
     }
 
-    /// How far all rays within `spread` of one can go without meeting the surface.
+    /// Distance that all rays within `spread` of a ray can go without hitting the surface.
     fn clear(&self, direction: DVec3, spread: f64, from: f64, parts: Parts) -> f64 {
         let mut t = from;
         while t < self.far {
@@ -144,7 +144,7 @@ impl Renderer<'_> {
         t
     }
 
-    /// Parts that a tile's rays can meet and where those rays can start; `None` if they meet nothing.
+    /// The parts that the rays of a tile can hit and the distance at which these rays can start; `None` if they hit nothing.
     fn tile(&self, x: u32, y: u32) -> Option<Tile> {
         let (x0, y0) = (f64::from(x) - 0.5, f64::from(y) - 0.5);
         let size = f64::from(TILE);
@@ -179,7 +179,7 @@ impl Renderer<'_> {
         Centre { from, hit, near: true }
     }
 
-    /// Whether a neighbour sees something else: nothing, or a surface behind a step in depth.
+    /// Whether a neighbour sees the backdrop, or a surface across a step in depth.
     fn is_edge(&self, x: u32, y: u32, centres: &[Centre]) -> bool {
         let at = |x: u32, y: u32| &centres[(y * self.width + x) as usize];
         let Some(depth) = at(x, y).hit else {
@@ -231,15 +231,15 @@ impl Renderer<'_> {
 
     /// Direction of the `i`th of `count` samples of a pixel.
     fn sample(&self, x: u32, y: u32, i: u32, count: u32) -> DVec3 {
-        // A square grid, sheared both ways.
+        // A square grid, sheared in both directions.
         let side = if count == EDGE { 5 } else { 2 };
         let j = side * (i % side) + i / side;
         let offset = |n: u32| (f64::from(n) + 0.5) / f64::from(count) - 0.5;
         self.lens.ray(f64::from(x) + offset(i), f64::from(y) + offset(j))
     }
 
-    /// Colour of a pixel that the surface covers in one piece: within it the surface is taken for its tangent plane.
-    /// `None` where it is seen too much from the side for that.
+    /// Colour of a pixel that the surface covers without an edge, approximated by the tangent plane. `None` where the view is
+    /// too oblique for that.
     fn inner(&self, x: u32, y: u32, depth: f64, tile: Tile) -> Option<[f64; 3]> {
         let middle = self.lens.ray(f64::from(x), f64::from(y)) * depth;
         let (light, normal) = self.light(self.lens.centre + middle, tile.around);
@@ -256,8 +256,8 @@ impl Renderer<'_> {
         Some(sum.map(|v| v / f64::from(INNER)))
     }
 
-    /// Lambert light from a wide source above and to the front, ambient light from above, creases darkened. It does not
-    /// depend on where the camera stands. Returns the normal as well.
+    /// Lambertian light from a wide source above and in front, ambient light from above, and ambient occlusion. It does not
+    /// depend on the camera. Also returns the normal.
     fn light(&self, p: DVec3, parts: Parts) -> (f64, DVec3) {
         let normal = self.solid.gradient(p, parts).normalize_or_zero();
         let source = DVec3::new(0.48, 0.36, 0.80);

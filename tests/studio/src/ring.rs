@@ -1,34 +1,34 @@
-//! Where the cameras stand.
+//! Positions of the cameras.
 
 use crate::{noise::Random, rotation::turn};
 use core::f64::consts::TAU;
 use glam::{DMat3, DVec3};
 use pcmvs_core::Camera;
 
-/// Cameras spaced evenly on a level circle, looking at one point. The default is the paper's dome: 20 cameras,
-/// 1024 x 768, 3.8 m from the subject and looking down by 20 degrees.
+/// Cameras spaced evenly on a horizontal circle that look at one point. The default is the dome of the paper: 20 cameras
+/// of 1024 x 768 pixels, 3.8 m from the subject, looking down by 20 degrees.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Ring {
-    /// Cameras on it.
+    /// Number of cameras.
     pub count: u32,
     /// Radius of the circle in metres.
     pub radius: f64,
     /// Height of the circle above the floor in metres.
     pub height: f64,
-    /// The point all cameras look at.
+    /// The point that all cameras look at.
     pub look_at: DVec3,
-    /// Pixels in a row.
+    /// Width of the pictures in pixels.
     pub width: u32,
-    /// Rows.
+    /// Height of the pictures in pixels.
     pub height_px: u32,
     /// Vertical field of view in radians.
     pub fov: f64,
-    /// OpenCV's coefficients k1, k2, p1, p2, k3 of every lens.
+    /// Coefficients k1, k2, p1, p2, k3 of every lens, as in OpenCV.
     pub distortion: [f64; 5],
-    /// How far hands have moved the cameras from the even ring: 0.01 is up to 1 % of the distance and of the focal
-    /// length, and about that angle. Poses and calibration stay exact.
+    /// Deviation of the cameras from an even ring: 0.01 is up to 1 % of the distance and of the focal length, and up to 0.01
+    /// radians. Poses and calibration stay exact.
     pub unevenness: f64,
-    /// Chooses the unevenness.
+    /// Seed of the unevenness.
     pub seed: u64,
 }
 
@@ -87,7 +87,7 @@ impl Ring {
     }
 }
 
-/// Several rings, one above another, as one dome.
+/// The cameras of several rings, one above another.
 pub fn dome(rings: &[Ring]) -> Vec<Camera> {
     rings.iter().flat_map(Ring::cameras).collect()
 }

@@ -1,4 +1,4 @@
-//! A reconstruction's errors against the solid itself. Lengths are metres.
+//! Errors of a reconstruction against the solid. Lengths are in metres.
 
 use crate::{mesh::TriangleMesh, solid::Solid};
 use glam::DVec3;
@@ -11,20 +11,20 @@ pub fn errors(solid: &Solid, mesh: &TriangleMesh, samples: usize) -> Vec<f64> {
     errors
 }
 
-/// The distance within which a share (0.9: Middlebury's accuracy) of a mesh's surface lies from the solid's.
+/// The distance from the solid within which a share of a mesh's surface lies. 0.9 gives Middlebury's accuracy.
 pub fn accuracy(solid: &Solid, mesh: &TriangleMesh, share: f64, samples: usize) -> f64 {
     let errors = errors(solid, mesh, samples);
     let rank = libm::ceil(share * errors.len() as f64) as usize;
     libm::fabs(errors[rank.clamp(1, errors.len()) - 1])
 }
 
-/// Share (0..=1) of the given points that a mesh comes within a distance of.
+/// Share (0..=1) of the given points whose distance from a mesh is at most `within`.
 pub fn completeness(points: &[(DVec3, DVec3)], mesh: &TriangleMesh, within: f64) -> f64 {
     let grid = TriangleGrid::new(mesh, within);
     points.iter().filter(|(p, _)| grid.distance(*p).is_some()).count() as f64 / points.len() as f64
 }
 
-/// Whether a camera sees a point of the solid's surface, given its normal: in the picture, facing, nothing in front.
+/// Whether a camera sees a surface point with a normal: it is in the picture, faces the camera and is not occluded.
 pub fn sees(solid: &Solid, camera: &Camera, point: DVec3, normal: DVec3) -> bool {
     let Some((pixel, _)) = camera.project(point) else {
         return false;
@@ -37,7 +37,7 @@ pub fn sees(solid: &Solid, camera: &Camera, point: DVec3, normal: DVec3) -> bool
     let distance = to.length();
     let direction = to / distance;
     let parts = solid.near(camera.centre(), direction, 0.0, 0.0);
-    // A millimetre is left free before the point itself.
+    // Stops a millimetre before the point.
     normal.dot(direction) < -0.05 && solid.trace(camera.centre(), direction, 0.0, distance - 1e-3, parts).is_none()
 }
 
@@ -48,11 +48,11 @@ pub fn seen(solid: &Solid, cameras: &[Camera], least: usize, samples: usize) -> 
     points
 }
 
-/// Triangles in cubic cells, to find the nearest one within the cells' side.
+/// Triangles in cubic cells, for searches of the nearest one within the side of a cell.
 pub struct TriangleGrid<'a> {
     mesh: &'a TriangleMesh,
     reach: f64,
-    /// Cell and triangle, sorted.
+    /// Cells and triangles, sorted.
     entries: Vec<([i32; 3], u32)>,
 }
 
@@ -83,7 +83,7 @@ impl<'a> TriangleGrid<'a> {
         let mut least = f64::MAX;
         for i in x - 1..=x + 1 {
             for j in y - 1..=y + 1 {
-                // Cells that follow each other in z lie together.
+                // Cells that are consecutive in z are consecutive in the list.
                 let from = self.entries.partition_point(|(cell, _)| *cell < [i, j, z - 1]);
                 for (cell, face) in &self.entries[from..] {
                     if *cell > [i, j, z + 1] {

@@ -1,32 +1,26 @@
-//! A solid as a signed distance function with colours: the ground truth itself.
+//! Ground truth: a solid given by a signed distance function with colours.
 
-use crate::{
-    figure,
-    material::Material,
-    noise::Random,
-    part::{Part, Pose, Shape},
-    rotation::turn,
-};
-use glam::{DMat3, DVec3};
+use crate::{noise::Random, part::Part};
+use glam::DVec3;
 
-/// A solid at one instant. Metres, z up, floor at z = 0. Distances are negative inside.
+/// A solid at one instant. Lengths are in metres, z is up, the floor is at z = 0. Distances are negative inside.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Solid {
     parts: Vec<Part>,
-    /// How near the surface each part must be to bend it: it melts into those before, later ones melt into it.
+    /// Distance from each part within which it changes the surface, because it blends with the parts before and after it.
     influence: Vec<f64>,
     centre: DVec3,
     radius: f64,
 }
 
-/// A set of a solid's parts, one bit each.
+/// A set of parts, one bit per part.
 pub type Parts = u64;
 
 /// Reach of ambient occlusion in metres.
 pub(crate) const OCCLUSION: f64 = 0.03;
 
-/// The smaller of two distances, rounded where they differ by less than `width`. Its gradient is a mean of theirs, so
-/// slopes stay at most one; where they differ by more it is the minimum itself.
+/// The minimum of two distances, smooth where they differ by less than `width`. Its gradient is a mean of theirs, so that
+/// its slope is at most 1. Where they differ by more it is the exact minimum.
 fn smooth_min(a: f64, b: f64, width: f64) -> f64 {
     let apart = if a < b { b - a } else { a - b };
     let least = if a < b { a } else { b };
@@ -38,7 +32,7 @@ fn smooth_min(a: f64, b: f64, width: f64) -> f64 {
 }
 
 impl Solid {
-    /// A solid of up to 64 parts; each melts into those before it by its own `blend`.
+    /// A solid of up to 64 parts. Each blends with the parts before it over its own `blend`.
     pub fn new(parts: Vec<Part>) -> Self {
         assert!(!parts.is_empty() && parts.len() <= 64, "a solid has 1 to 64 parts, not {}", parts.len());
         let centre = parts.iter().map(|p| p.centre).sum::<DVec3>() / parts.len() as f64;
@@ -49,7 +43,7 @@ impl Solid {
             .rev()
             .map(|p| {
                 widest = widest.max(p.blend);
-                // A blend reaches as far as its width and, together with the next, bulges by a quarter of it or two.
+                // A blend reaches as far as its width. Together with the next one it bulges by up to two quarters of it.
                 1.5 * widest + 0.002
             })
             .collect();
@@ -62,13 +56,13 @@ impl Solid {
         u64::MAX >> (64 - self.parts.len())
     }
 
-    /// Centre and radius of a ball around the solid.
+    /// Centre and radius of a bounding ball.
     pub fn ball(&self) -> (DVec3, f64) {
         (self.centre, self.radius)
     }
 
-    /// The parts that can matter within `reach` of rays from `origin` that lie within `spread` (at unit distance) of a
-    /// unit direction: the others do not change where such a ray meets the surface.
+    /// The parts that can change where rays from `origin` hit the surface: those within `reach` of rays that lie within
+    /// `spread` (at unit distance) of a unit direction.
     pub fn near(&self, origin: DVec3, direction: DVec3, spread: f64, reach: f64) -> Parts {
         let mut parts = 0;
         for (i, part) in self.parts.iter().enumerate() {
@@ -82,8 +76,8 @@ impl Solid {
         parts
     }
 
-    /// A function of slope at most one that is zero on the surface and negative inside, of the given parts: a safe step
-    /// for sphere tracing. It is the distance itself for scenes without blends, relief or stretching.
+    /// A function of the given parts with slope at most 1 that is zero on the surface and negative inside: a safe step for
+    /// sphere tracing. Without blends, relief and stretching it is the exact distance.
     pub fn bound(&self, p: DVec3, parts: Parts) -> f64 {
         let mut least = f64::MAX;
         let mut rest = parts;
@@ -92,7 +86,7 @@ impl Solid {
             rest &= rest - 1;
             let reach = part.radius + least + part.blend;
             let off = (p - part.centre).length_squared();
-            // A part's bound is never less than the distance to its ball, so this changes nothing.
+            // The bound of a part is never less than the distance to its ball, so skipping it does not change the result.
             if reach <= 0.0 || off >= reach * reach {
                 continue;
             }
@@ -101,8 +95,8 @@ impl Solid {
         least
     }
 
-    /// Signed distance to the surface, negative inside. Exact for the sphere, the box, the plate and the torus, for two
-    /// bodies as well; for the figure correct to first order (bound / |gradient|), that is near the surface.
+    /// Signed distance to the surface, negative inside. It is exact for all subjects but the figure, for which it is correct
+    /// to first order near the surface (bound / |gradient|).
     pub fn distance(&self, p: DVec3) -> f64 {
         let bound = self.bound(p, self.all());
         if self.parts.iter().all(Part::is_exact) {
@@ -111,7 +105,7 @@ impl Solid {
         bound / self.gradient(p, self.all()).length().max(0.1)
     }
 
-    /// Gradient of [`Self::bound`] by differences over the corners of a tetrahedron.
+    /// Gradient of [`Self::bound`] by finite differences over the corners of a tetrahedron.
     pub fn gradient(&self, p: DVec3, parts: Parts) -> DVec3 {
         const STEP: f64 = 1e-5;
         let corners = [
@@ -123,12 +117,12 @@ impl Solid {
         corners.into_iter().map(|c| c * self.bound(p + c * STEP, parts)).sum::<DVec3>() / (4.0 * STEP)
     }
 
-    /// Unit normal, outward.
+    /// Outward unit normal.
     pub fn normal(&self, p: DVec3) -> DVec3 {
         self.gradient(p, self.all()).normalize_or_zero()
     }
 
-    /// Colour without light (display values in 0..1) of a point on the surface.
+    /// Colour of a surface point without light, display values in 0..1.
     pub fn colour(&self, p: DVec3) -> [f64; 3] {
         self.colour_of(p, self.all())
     }
@@ -157,7 +151,7 @@ impl Solid {
         best
     }
 
-    /// How much of the surroundings a surface point sees: 1 is all of it.
+    /// Share of the surroundings that a surface point sees.
     pub(crate) fn openness(&self, p: DVec3, normal: DVec3, parts: Parts) -> f64 {
         let mut closed = 0.0;
         for (share, reach) in [(0.5, OCCLUSION), (0.5, 0.4 * OCCLUSION)] {
@@ -166,12 +160,12 @@ impl Solid {
         1.0 - 0.6 * closed
     }
 
-    /// Distance along a ray (unit direction) to the first surface point between two distances.
+    /// Distance along a ray (unit direction) to the first surface point between `from` and `to`.
     pub fn trace(&self, origin: DVec3, direction: DVec3, from: f64, to: f64, parts: Parts) -> Option<f64> {
         let mut t = from;
         while t < to {
             let d = self.bound(origin + direction * t, parts);
-            // 1e-5 of the distance is a hundredth of a pixel of a 1024-pixel picture.
+            // 1e-5 of the distance is a hundredth of a pixel if the picture is 1024 pixels wide.
             if d < 1e-5 * t {
                 return Some(t);
             }
@@ -180,8 +174,8 @@ impl Solid {
         None
     }
 
-    /// Points spread evenly over the surface (equal chance for equal area) with their normals; the same ones for the
-    /// same seed. They are where random lines meet the surface (Cauchy-Crofton).
+    /// Points uniformly distributed over the surface, with their normals: the intersections with random lines
+    /// (Cauchy-Crofton). The same seed gives the same points.
     pub fn surface_points(&self, count: usize, seed: u64) -> Vec<(DVec3, DVec3)> {
         let mut random = Random::new(seed, 1);
         let mut points = Vec::with_capacity(count);
@@ -200,7 +194,7 @@ impl Solid {
         points
     }
 
-    /// All points where a line through the solid's ball crosses the surface.
+    /// All points where a line through the bounding ball crosses the surface.
     fn crossings(&self, start: DVec3, direction: DVec3, points: &mut Vec<(DVec3, DVec3)>) {
         const STEP: f64 = 2e-4;
         let parts = self.near(start, direction, 0.0, 0.0);

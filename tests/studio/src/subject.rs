@@ -1,4 +1,4 @@
-//! What the studio captures.
+//! The subjects of the studio.
 
 use crate::{
     figure,
@@ -9,20 +9,20 @@ use crate::{
 };
 use glam::{DMat3, DVec3};
 
-/// What stands in the dome.
+/// A subject in the dome.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
 pub enum Subject {
     /// A ball of radius 0.45 m.
     Sphere,
-    /// A turned box of 0.7 x 0.5 x 0.6 m.
+    /// A rotated box of 0.7 x 0.5 x 0.6 m.
     Box,
-    /// A ring of radii 0.42 m and 0.15 m, leaning.
+    /// A leaning torus with radii of 0.42 m and 0.15 m.
     Torus,
-    /// A ball and a box that hide each other from most sides.
+    /// A ball and a box that occlude each other from most sides.
     TwoBodies,
     /// A plate, 12 mm thick.
     Plate,
-    /// A clothed person who dances: the only one that moves.
+    /// A clothed, dancing person: the only subject that moves.
     Figure,
 }
 

@@ -1,4 +1,4 @@
-//! Each fault does what it says and nothing else.
+//! Each fault has the described effect and no other.
 
 use glam::DVec3;
 use std::sync::LazyLock;
@@ -70,10 +70,10 @@ fn calibration_is_off_by_its_pixels() {
     let off = record(Faults { calibration: 1.5, ..Faults::default() });
     assert_eq!(off.frames[0].images, CLEAN.frames[0].images);
     let point = DVec3::new(0.0, 0.0, 0.9);
-    for (told, truth) in off.cameras.iter().zip(&off.true_cameras) {
-        told.check().unwrap();
-        assert!((told.centre() - truth.centre()).length() < 1e-9);
-        let miss = (told.project(point).unwrap().0 - truth.project(point).unwrap().0).length();
+    for (given, truth) in off.cameras.iter().zip(&off.true_cameras) {
+        given.check().unwrap();
+        assert!((given.centre() - truth.centre()).length() < 1e-9);
+        let miss = (given.project(point).unwrap().0 - truth.project(point).unwrap().0).length();
         assert!((miss - 1.5).abs() < 0.03, "{miss}");
     }
 }
@@ -98,7 +98,7 @@ fn views_go_missing() {
     assert!(frame.images[2].rgb.is_empty() && frame.images[2].as_ref().check().is_err());
 }
 
-/// Coarse masks hold the exact ones and reach beyond them by no more than they say.
+/// Coarse masks contain the exact ones and are at most as much wider as requested.
 #[test]
 fn coarse_masks_are_too_wide() {
     let coarse = record(Faults { coarse_masks: 3, ..Faults::default() });

@@ -1,7 +1,8 @@
-//! A written scene folder reads back as it was recorded.
+//! A scene folder that was written reads back as recorded.
 
+use pcmvs_scene::{Disk, Scene};
 use std::{env, fs, process};
-use studio::{Capture, Faults, Ring, Subject, write::SceneFile};
+use studio::{Capture, Faults, Ring, Subject};
 
 #[test]
 fn a_folder_reads_back() {
@@ -13,19 +14,18 @@ fn a_folder_reads_back() {
     capture.write(&folder).unwrap();
 
     let text = fs::read_to_string(folder.join("scene.json")).unwrap();
-    let file: SceneFile = serde_json::from_str(&text).unwrap();
-    assert_eq!(file, capture.scene_file());
-    assert_eq!((file.version, file.units.as_str(), file.up), (1, "m", [0.0, 0.0, 1.0]));
-    assert_eq!(file.cameras.iter().map(|c| c.camera()).collect::<Vec<_>>(), capture.cameras);
+    let scene = Scene::load(&Disk, &folder).unwrap();
+    assert_eq!((scene.version, scene.units.as_deref(), scene.up), (1, Some("m"), Some([0.0, 0.0, 1.0])));
+    assert_eq!(scene.cameras.iter().map(|c| c.camera().unwrap()).collect::<Vec<_>>(), capture.cameras);
     assert!(text.contains("\"K\"") && text.contains("\"R\""));
-    for (entry, frame) in file.frames.iter().zip(&capture.frames) {
-        assert_eq!(entry.masks.iter().map(Option::is_some).collect::<Vec<_>>(), [true, false, false]);
+    for (entry, frame) in scene.frames.iter().zip(&capture.frames) {
+        assert_eq!([0, 1, 2].map(|camera| entry.mask(camera).is_some()), [true, false, false]);
         for i in 0..2 {
             let picture = image::open(folder.join(&entry.images[i])).unwrap();
             assert_eq!(picture.into_rgb8().into_raw(), frame.images[i].rgb);
         }
         assert!(!folder.join(&entry.images[2]).exists());
-        let mask = image::open(folder.join(entry.masks[0].as_ref().unwrap())).unwrap();
+        let mask = image::open(folder.join(entry.mask(0).unwrap())).unwrap();
         assert_eq!(mask.into_luma8().into_raw(), *frame.masks[0].as_ref().unwrap());
     }
     fs::remove_dir_all(&folder).unwrap();

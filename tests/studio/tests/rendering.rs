@@ -1,4 +1,4 @@
-//! Pictures agree with the cameras and the scene.
+//! Pictures agree with the cameras and the solid.
 
 use glam::{DVec2, DVec3};
 use pcmvs_core::{Camera, hash::Hash64};
@@ -19,11 +19,11 @@ fn bilinear<const N: usize>(at: impl Fn(usize) -> [f64; N], width: u32, x: f64, 
     core::array::from_fn(|c| corners.iter().zip(weights).map(|(p, w)| p[c] * w).sum())
 }
 
-/// Where the sphere's outline lies in the picture, projected by the core's camera: a convex polygon.
+/// The outline of the sphere in the picture as a convex polygon, projected by the core's camera.
 fn outline(camera: &Camera) -> Vec<DVec2> {
     let (centre, radius) = (DVec3::new(0.0, 0.0, 0.9), 0.45);
     let to = centre - camera.centre();
-    // Tangent rays touch the sphere on a circle nearer than its middle.
+    // Tangent rays touch the sphere on a circle in front of its centre.
     let nearer = radius * radius / to.length_squared();
     let (middle, across) = (centre - to * nearer, radius * libm::sqrt(1.0 - nearer));
     let u = to.any_orthogonal_vector().normalize();
@@ -35,7 +35,7 @@ fn outline(camera: &Camera) -> Vec<DVec2> {
     (0..1024).map(point).collect()
 }
 
-/// Coverage is the area of each pixel inside the outline: to a tenth of a pixel everywhere, on average far better.
+/// Coverage is the area of each pixel inside the outline, with errors below a tenth of a pixel and a far smaller mean.
 #[test]
 fn outlines_lie_where_points_project() {
     const LINES: u32 = 32;
@@ -74,8 +74,8 @@ fn outlines_lie_where_points_project() {
     }
 }
 
-/// Every surface point is drawn where it projects (a sliver that covers less than a sample may round to the next pixel),
-/// and what is drawn is where seen surface points project.
+/// Every visible surface point is drawn where it projects, and everything drawn is where visible surface points project.
+/// (A sliver smaller than a sample may appear in the next pixel.)
 #[test]
 fn seen_points_are_drawn() {
     let scene = Subject::Figure.at(0.0);
@@ -96,7 +96,7 @@ fn seen_points_are_drawn() {
     assert!(full > 2000 && hit as f64 > 0.7 * full as f64, "{hit} of {full}");
 }
 
-/// A picture through a lens is the picture without it, resampled.
+/// A picture with lens distortion is the resampled picture without it.
 #[test]
 fn distortion_moves_pixels_and_nothing_else() {
     let scene = Subject::Figure.at(0.0);
@@ -117,7 +117,7 @@ fn distortion_moves_pixels_and_nothing_else() {
     assert!(off < 0.8 && moved > 2.0 * off, "{off} levels, {moved} without resampling");
 }
 
-/// The same bytes every time and on every machine.
+/// The bytes are the same every time and on every machine.
 #[test]
 fn bytes_are_golden() {
     let cameras = Ring { count: 3, distortion: LENS, ..Ring::default() }.sized(96, 72).cameras();

@@ -1,4 +1,4 @@
-//! Cameras stand where a dome's cameras stand.
+//! Cameras stand where the cameras of a dome stand.
 
 use glam::DVec3;
 use pcmvs_core::Rig;

@@ -1,4 +1,4 @@
-//! The command `look`: a contact sheet of a reconstruction, photograph beside shape and colours.
+//! The command `look`: a contact sheet of a reconstruction with photographs, shape and colours.
 
 use clap::Parser;
 use image::{
@@ -8,21 +8,21 @@ use image::{
 use std::{error::Error, fs::File, io::BufWriter, path::PathBuf, process::ExitCode};
 use studio::look::{ColouredMesh, sheet};
 
-/// Draws a mesh as cameras of its scene see it, beside the photographs
+/// Draws a mesh as cameras of its scene see it, next to the photographs
 #[derive(Debug, Parser)]
 #[command(name = "look", version)]
 struct Arguments {
     /// Folder with scene.json
     scene: PathBuf,
-    /// The frame's GLB
+    /// GLB file of the frame
     mesh: PathBuf,
-    /// PNG to write
+    /// PNG file to write
     #[arg(short, long)]
     output: PathBuf,
-    /// Frame of the scene
+    /// Index of the frame
     #[arg(long, default_value_t = 0)]
     frame: u32,
-    /// Cameras, by their place in scene.json
+    /// Cameras, by their position in scene.json
     #[arg(long, value_delimiter = ',', default_values_t = [0, 7, 14])]
     cameras: Vec<usize>,
 }

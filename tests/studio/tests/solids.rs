@@ -1,4 +1,4 @@
-//! The scenes are what they claim to be: signed distances, with evenly spread surface points.
+//! Solids are signed distances, with evenly distributed surface points.
 
 use glam::DVec3;
 use std::collections::BTreeMap;
@@ -15,20 +15,20 @@ const ALL: [Subject; 6] =
     [Subject::Sphere, Subject::Box, Subject::Torus, Subject::TwoBodies, Subject::Plate, Subject::Figure];
 const EXACT: [Subject; 5] = [Subject::Sphere, Subject::Box, Subject::Torus, Subject::TwoBodies, Subject::Plate];
 
-/// Random points of a ball somewhat larger than the solid's.
+/// A random point in a ball slightly larger than the bounding ball.
 fn around(solid: &Solid, random: &mut Random) -> DVec3 {
     let (centre, radius) = solid.ball();
     centre + DVec3::new(random.signed(), random.signed(), random.signed()) * radius * 1.2
 }
 
-/// Sphere tracing is only right for functions that never change faster than position does.
+/// Sphere tracing is correct only for functions with slope at most 1.
 #[test]
 fn slope_is_at_most_one() {
     for subject in ALL {
         let solid = subject.at(0.3);
         let mut random = Random::new(1, 0);
         for i in 0..20_000 {
-            // Half of the pairs near the surface, where folds and blends are.
+            // Half of the pairs are near the surface, where folds and blends are.
             let a = if i % 2 == 0 { around(&solid, &mut random) } else { near_surface(&solid, &mut random) };
             let step = [1e-4, 3e-3, 3e-2, 0.3][i / 2 % 4] * random.uniform();
             let b = a + random.direction() * step;
@@ -46,7 +46,7 @@ fn near_surface(solid: &Solid, random: &mut Random) -> DVec3 {
     p + random.direction() * 0.01
 }
 
-/// The distance is that to the nearest of many surface points, to within their spacing.
+/// The distance equals that to the nearest of many surface points, up to their spacing.
 #[test]
 fn distances_are_exact() {
     for subject in EXACT {
@@ -69,7 +69,7 @@ fn distances_are_exact() {
     assert_eq!(sphere.distance(p), (p - DVec3::new(0.0, 0.0, 0.9)).length() - 0.45);
 }
 
-/// A millimetre along the normal is a millimetre of distance, on the figure as well.
+/// A millimetre along the normal changes the distance by a millimetre, even for the figure.
 #[test]
 fn distances_near_the_figure_are_right_to_first_order() {
     let solid = Subject::Figure.at(0.2);
@@ -84,7 +84,7 @@ fn distances_near_the_figure_are_right_to_first_order() {
     assert!(misses[misses.len() * 95 / 100] < 0.05e-3, "{}", misses[misses.len() * 95 / 100]);
 }
 
-/// The torus' inner half has π R - 2 r of 2 π R parts of its area.
+/// The inner half of a torus has π R - 2 r of 2 π R parts of its area.
 #[test]
 fn surface_points_are_even() {
     let torus = Shape::Torus { major: 0.4, minor: 0.2 };
@@ -96,7 +96,7 @@ fn surface_points_are_even() {
     assert_eq!(points, solid.surface_points(40_000, 5));
 }
 
-/// Colours belong to the body, not to the world.
+/// Colours move with the body.
 #[test]
 fn texture_moves_with_its_part() {
     let frames = [0.1, 0.9].map(|time| Pose::at(DVec3::new(time, 2.0 * time, 0.5)));
@@ -111,7 +111,7 @@ fn texture_moves_with_its_part() {
     assert!(different > 40);
 }
 
-/// A person of ordinary height stands on the floor at all times, moves, and is one closed body.
+/// The figure has the height of a person, stands on the floor at all times, moves, and is one closed body.
 #[test]
 fn the_figure_is_a_person() {
     let mut before: Option<Vec<(DVec3, DVec3)>> = None;
@@ -156,7 +156,7 @@ fn assert_closed(faces: &[[u32; 3]]) {
     assert!(edges.iter().all(|((a, b), n)| *n == 1 && edges.get(&(*b, *a)) == Some(&1)));
 }
 
-/// A fine polygon mesh of the truth scores perfectly, one that is grown by 6 mm scores 6 mm.
+/// A fine mesh of the truth has no error, and one that is grown by 6 mm has an error of 6 mm.
 #[test]
 fn scores_are_right() {
     for subject in [Subject::Sphere, Subject::Torus, Subject::Figure] {

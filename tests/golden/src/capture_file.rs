@@ -1,19 +1,19 @@
-//! A capture in one file, so that all machines surely read the same numbers.
+//! A capture in one file, so that all machines read the same numbers.
 
 use pcmvs_core::{Camera, ImageRef, Mask, PixelFormat, ViewInput};
 
-/// One frame: for every camera its calibration, picture and mask.
+/// One frame: calibration, picture and mask of every camera.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Scene {
+pub struct CaptureFile {
     /// Calibration.
     pub cameras: Vec<Camera>,
-    /// Packed sRGB, one a camera.
+    /// Packed sRGB pictures, one per camera.
     pub pictures: Vec<Vec<u8>>,
-    /// White on the subject, one a camera.
+    /// Masks, one per camera, white on the subject.
     pub masks: Vec<Vec<u8>>,
 }
 
-impl Scene {
+impl CaptureFile {
     /// Pictures and masks as the core takes them.
     pub fn inputs(&self) -> Vec<ViewInput<'_>> {
         let input = |(i, camera): (usize, &Camera)| ViewInput {
@@ -23,7 +23,7 @@ impl Scene {
         self.cameras.iter().enumerate().map(input).collect()
     }
 
-    /// The file: cameras one after another, each with its picture and mask; little-endian.
+    /// The bytes of the file: each camera with its picture and mask, little-endian.
     pub fn to_bytes(&self) -> Vec<u8> {
         let mut bytes = Vec::new();
         for (i, camera) in self.cameras.iter().enumerate() {
@@ -40,10 +40,10 @@ impl Scene {
         bytes
     }
 
-    /// Reads what [`Self::to_bytes`] wrote; `None` if it is cut short.
+    /// Reads the bytes of [`Self::to_bytes`]; `None` if they are truncated.
     pub fn from_bytes(bytes: &[u8]) -> Option<Self> {
         let mut rest = Rest(bytes);
-        let mut scene = Self { cameras: Vec::new(), pictures: Vec::new(), masks: Vec::new() };
+        let mut capture = Self { cameras: Vec::new(), pictures: Vec::new(), masks: Vec::new() };
         while !rest.0.is_empty() {
             let [width, height] = [rest.size()?, rest.size()?];
             let camera = Camera {
@@ -55,15 +55,15 @@ impl Scene {
                 t: rest.numbers()?,
             };
             let pixels = (width * height) as usize;
-            scene.pictures.push(rest.take(3 * pixels)?.to_vec());
-            scene.masks.push(rest.take(pixels)?.to_vec());
-            scene.cameras.push(camera);
+            capture.pictures.push(rest.take(3 * pixels)?.to_vec());
+            capture.masks.push(rest.take(pixels)?.to_vec());
+            capture.cameras.push(camera);
         }
-        Some(scene)
+        Some(capture)
     }
 }
 
-/// What is left to read.
+/// The bytes that are not yet read.
 struct Rest<'a>(&'a [u8]);
 
 impl Rest<'_> {
@@ -101,9 +101,9 @@ mod tests {
             t: [f64::MIN_POSITIVE, 1.0 / 3.0, 1e300],
         };
         let pictures = vec![vec![1, 2, 3, 4, 5, 6], vec![6, 5, 4, 3, 2, 1]];
-        let scene = Scene { cameras: vec![camera; 2], pictures, masks: vec![vec![0, 255], vec![255, 0]] };
-        let bytes = scene.to_bytes();
-        assert_eq!(Scene::from_bytes(&bytes), Some(scene));
-        assert_eq!(Scene::from_bytes(&bytes[..bytes.len() - 1]), None);
+        let capture = CaptureFile { cameras: vec![camera; 2], pictures, masks: vec![vec![0, 255], vec![255, 0]] };
+        let bytes = capture.to_bytes();
+        assert_eq!(CaptureFile::from_bytes(&bytes), Some(capture));
+        assert_eq!(CaptureFile::from_bytes(&bytes[..bytes.len() - 1]), None);
     }
 }

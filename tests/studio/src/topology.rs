@@ -1,24 +1,33 @@
-//! What every mesh of the core has to be: a closed, oriented manifold.
+//! Checks that a mesh is a closed, oriented manifold.
 
 use pcmvs_core::Mesh;
 use std::collections::{BTreeMap, BTreeSet};
 
-/// Fails unless a mesh is finite, closed, oriented outward and manifold, without triangles that are given twice or have
-/// no area; `what` says whose mesh it is.
+/// Fails unless a mesh is there, a closed manifold, and oriented outward; `what` names it in the message.
+#[track_caller]
 pub fn assert_sound(mesh: &Mesh, what: &str) {
     assert!(!mesh.triangles.is_empty(), "{what}: there is no mesh");
+    assert_manifold(mesh, what);
+    let inverted = components(mesh).iter().filter(|c| c.volume <= 0.0).count();
+    assert_eq!(inverted, 0, "{what}: components are inside out");
+}
+
+/// Fails unless a mesh is finite, closed, consistently oriented and manifold, with unit normals and without triangles
+/// that are given twice or have no area.
+#[track_caller]
+pub fn assert_manifold(mesh: &Mesh, what: &str) {
     assert_eq!(mesh.positions.len(), mesh.normals.len(), "{what}");
     assert!(mesh.positions.iter().all(|p| p.is_finite()), "{what}: a position is not finite");
     let unit = mesh.normals.iter().all(|n| (n.length() - 1.0).abs() < 1e-4);
     assert!(unit, "{what}: a normal is not a unit vector");
 
-    // For each directed edge the third corner of its triangle.
+    // The third corner of the triangle of each directed edge.
     let mut edges: BTreeMap<(u32, u32), u32> = BTreeMap::new();
     let mut triangles = BTreeSet::new();
     for &t in &mesh.triangles {
         let mut sorted = t;
         sorted.sort_unstable();
-        assert!(triangles.insert(sorted), "{what}: triangle {t:?} is there twice");
+        assert!(triangles.insert(sorted), "{what}: triangle {t:?} occurs twice");
         let [a, b, c] = t.map(|v| mesh.positions[v as usize].as_dvec3());
         assert!((b - a).cross(c - a).length() > 0.0, "{what}: triangle {t:?} has no area");
         for k in 0..3 {
@@ -42,22 +51,20 @@ pub fn assert_sound(mesh: &Mesh, what: &str) {
                 break;
             }
         }
-        assert_eq!(turned, count, "{what}: vertex {vertex} joins two pieces of surface");
+        assert_eq!(turned, count, "{what}: vertex {vertex} joins two fans of triangles");
     }
-    let inverted = components(mesh).iter().filter(|c| c.volume <= 0.0).count();
-    assert_eq!(inverted, 0, "{what}: components that are inside out");
 }
 
-/// A connected piece of surface.
+/// A connected component.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Component {
-    /// Vertices of it.
+    /// Number of vertices.
     pub vertices: u32,
-    /// Volume that it encloses, negative if its triangles face inward.
+    /// Enclosed volume, negative if the triangles face inward.
     pub volume: f64,
 }
 
-/// The connected pieces of a mesh, in the order of their first vertices.
+/// The connected components of a mesh, in the order of their first vertices.
 pub fn components(mesh: &Mesh) -> Vec<Component> {
     let mut root: Vec<u32> = (0..mesh.positions.len() as u32).collect();
     for t in &mesh.triangles {
@@ -83,7 +90,7 @@ pub fn components(mesh: &Mesh) -> Vec<Component> {
     found
 }
 
-/// The first vertex of a vertex's piece; shortens the way there.
+/// The first vertex of a vertex's component. Compresses the path to it.
 fn find(root: &mut [u32], mut v: u32) -> u32 {
     while root[v as usize] != v {
         let next = root[root[v as usize] as usize];

@@ -1,0 +1,69 @@
+//! What is published: four crates and an npm package.
+
+use crate::{
+    Result,
+    process::{cargo, program, root, run},
+    steps::{Outcome, Steps, passed},
+};
+use serde_json::Value;
+
+/// In the order in which they depend on each other.
+const CRATES: [&str; 4] = ["pcmvs-core", "pcmvs-scene", "pcmvs-cli", "pcmvs-ffi"];
+/// What every crate's archive has.
+const NEEDED: [&str; 3] = ["Cargo.toml", "README.md", "src/lib.rs"];
+/// Folders of a crate that are for its developers.
+const OURS: [&str; 3] = ["tests/", "benches/", "abi/"];
+/// What the npm package has. It needs no others.
+const NPM: [&str; 8] = [
+    "README.md",
+    "index.d.ts",
+    "index.js",
+    "package.json",
+    "pcmvs.d.ts",
+    "pcmvs.js",
+    "pcmvs.scalar.wasm",
+    "pcmvs.simd.wasm",
+];
+
+/// Checks the contents of all archives; with `all`, that crates.io would take the crates as far as Cargo can tell.
+pub fn check(steps: &mut Steps, all: bool) -> Result<()> {
+    steps.step("contents of the crates", || CRATES.into_iter().try_for_each(contents).map(passed))?;
+    if all {
+        steps.step("cargo publish --dry-run", || {
+            let mut publish = cargo("publish --quiet --dry-run --allow-dirty");
+            CRATES.iter().for_each(|name| _ = publish.args(["--package", name]));
+            run(&mut publish).map(passed)
+        })?;
+    }
+    if !root().join("wasm/pkg/package.json").exists() {
+        return steps.step("npm pack --dry-run", || {
+            Ok(Outcome::Skipped(String::from("wasm/pkg is missing: cargo xtask wasm")))
+        });
+    }
+    steps.step("npm pack --dry-run", || npm().map(Outcome::Passed))
+}
+
+/// A crate's archive has what it needs, and nothing that only its developers need.
+fn contents(name: &str) -> Result<()> {
+    let list = run(cargo("package --list --allow-dirty --package").arg(name))?;
+    if let Some(missing) = NEEDED.iter().find(|file| !list.lines().any(|line| line == **file)) {
+        return Err(format!("{name}: {missing} is not in its archive: correct `include` in its Cargo.toml"));
+    }
+    match list.lines().find(|line| OURS.iter().any(|folder| line.starts_with(folder))) {
+        Some(file) => Err(format!("{name}: {file} is in its archive: correct `include` in its Cargo.toml")),
+        None => Ok(()),
+    }
+}
+
+/// The npm package has its files and no others; returns its size.
+fn npm() -> Result<String> {
+    let printed = run(program("npm", "pack --dry-run --json").current_dir(root().join("wasm/pkg")))?;
+    let packed: Value = serde_json::from_str(&printed).map_err(|e| format!("npm pack: {e}"))?;
+    let files = packed[0]["files"].as_array().into_iter().flatten().filter_map(|file| file["path"].as_str());
+    let mut files: Vec<&str> = files.collect();
+    files.sort_unstable();
+    if files != NPM {
+        return Err(format!("wasm/pkg: npm would pack {files:?}, not {NPM:?}"));
+    }
+    Ok(format!("{} KiB", packed[0]["size"].as_u64().unwrap_or(0) >> 10))
+}
