@@ -31,7 +31,7 @@ fn shared() -> String {
 }
 
 /// Adds the file's name to an error.
-pub fn problem(path: &Path) -> impl Fn(std::io::Error) -> String + '_ {
+pub fn problem(path: &Path) -> impl Fn(io::Error) -> String + '_ {
     move |error| format!("{}: {error}", path.display())
 }
 

@@ -18,14 +18,14 @@ pub fn margin(solid: &Solid, camera: &Camera, point: DVec3) -> Option<f64> {
     }
     let focal = libm::sqrt(camera.k[0][0] * camera.k[1][1]);
     let eye = camera.centre();
-    let (to, (centre, radius)) = (point - eye, scene.ball());
+    let (to, (centre, radius)) = (point - eye, solid.ball());
     let direction = to.normalize();
     let cosine = depth / to.length();
     let middle = (centre - eye).dot(direction);
     let (mut t, mut most) = (middle - radius, f64::MIN);
     // Behind the bounding ball the ray only moves away from the solid.
     while t < middle + radius {
-        let d = scene.distance(eye + direction * t);
+        let d = solid.distance(eye + direction * t);
         let pixels = -d * focal / (t * cosine);
         most = most.max(pixels);
         if pixels > MAX_MARGIN {

@@ -27,7 +27,7 @@ fn single(p: DVec3, rig: &Rig) -> Vec3 {
 
 /// A random point in a ball slightly larger than the bounding ball.
 fn around(solid: &Solid, random: &mut Random) -> DVec3 {
-    let (centre, radius) = scene.ball();
+    let (centre, radius) = solid.ball();
     centre + DVec3::new(random.signed(), random.signed(), random.signed()) * radius * 1.1
 }
 
