@@ -115,8 +115,6 @@ pub struct Pinhole {
     pub height: u32,
     /// Centre of projection.
     pub centre: Vec3,
-    /// Unit viewing direction.
-    pub forward: Vec3,
     /// Mean focal length in pixels: a surface at depth z has a pixel footprint of z / focal.
     pub focal: f32,
     /// Rows of K·R.
@@ -139,7 +137,6 @@ impl Pinhole {
             width: camera.width,
             height: camera.height,
             centre: single(camera.centre() - origin),
-            forward: single(camera.direction()),
             focal: libm::sqrt(camera.k[0][0] * camera.k[1][1]) as f32,
             rows: [single(t.x_axis), single(t.y_axis), single(t.z_axis)],
             offset: single(k * (r * origin + DVec3::from_array(camera.t))),

@@ -67,7 +67,7 @@ pub enum Preset {
 impl Params {
     /// The parameters of a preset.
     pub fn preset(preset: Preset) -> Self {
-        let clean = CleanParams { radius_pixels: 4.0, density: Some(0.5), flatness: Some(0.5), facing: Some(0.3) };
+        let clean = CleanParams { radius_pixels: 4.0, density: Some(0.5), flatness: Some(0.5), facing: None };
         let vote = VoteParams { smoothing: None, support: Support::SpreadPeaks(1.0), agreement_radius: Some(2) };
         let search = SearchParams {
             neighbours: 4,
@@ -105,7 +105,7 @@ impl Params {
             coarse: Some(coarse),
             detection,
             frontier: Some(FrontierParams { longest_pixels: 40.0 }),
-            implicit: Some(ImplicitParams { contour_pixels: 1.5, hidden_pixels: 3.0 }),
+            implicit: None,
             merging: MergingParams { downsample: None, conflicts: None },
             meshing: MeshingParams {
                 voxel_pixels: 1.5,
@@ -129,8 +129,10 @@ impl Params {
                         vote: VoteParams { smoothing: Some(0.8), support: Support::Peaks, agreement_radius: None },
                         ..search
                     },
+                    clean: CleanParams { facing: Some(0.3), ..clean },
                     ..detection
                 },
+                implicit: Some(ImplicitParams { contour_pixels: 1.5, hidden_pixels: 3.0 }),
                 merging: MergingParams {
                     downsample: Some(DownsampleParams { radius_pixels: 1.0, normal_agreement: 0.5, keep_above: 0.8 }),
                     conflicts: Some(ConflictParams { distance_pixels: 10.0, virtual_views: 50 }),

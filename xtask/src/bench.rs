@@ -9,11 +9,19 @@ use crate::{
 };
 use std::fs;
 
-const SCENES: [&str; 5] = ["akimbo", "suit", "motion", "wd2", "dino-sparse-ring"];
+const SCENES: [&str; 8] =
+    ["akimbo", "suit", "motion", "akimbo-rough", "suit-rough", "motion-rough", "wd2", "dino-sparse-ring"];
 const PRESETS: [&str; 3] = ["hull", "paper", "default"];
 
 /// Scenes with ground truth, each with the frames that the ablations use.
-const ABLATION_SCENES: [(&str, &str); 3] = [("akimbo", "0"), ("suit", "0"), ("motion", "0")];
+const ABLATION_SCENES: [(&str, &str); 6] = [
+    ("akimbo", "0"),
+    ("suit", "0"),
+    ("motion", "0"),
+    ("akimbo-rough", "0"),
+    ("suit-rough", "0"),
+    ("motion-rough", "0"),
+];
 
 /// A step of the paper and the parameters that switch it off.
 struct Ablation {
@@ -37,9 +45,9 @@ const ABLATIONS: [Ablation; 13] = [
     Ablation { name: "hull fallback (§4.2)", off: &["detection.substitution=null"], in_default: true },
     Ablation { name: "density constraint (§4.3)", off: &["detection.clean.density=null"], in_default: true },
     Ablation { name: "PCA constraint (§4.3)", off: &["detection.clean.flatness=null"], in_default: true },
-    Ablation { name: "normal constraint (§4.3)", off: &["detection.clean.facing=null"], in_default: true },
+    Ablation { name: "normal constraint (§4.3)", off: &["detection.clean.facing=null"], in_default: false },
     Ablation { name: "frontier points (§4.4)", off: &["frontier=null"], in_default: true },
-    Ablation { name: "implicit points (§4.4)", off: &["implicit=null"], in_default: true },
+    Ablation { name: "implicit points (§4.4)", off: &["implicit=null"], in_default: false },
     Ablation { name: "downsampling, eq. 2 (§5.1)", off: &["merging.downsample=null"], in_default: false },
     Ablation { name: "conflict cleaning (§5.2)", off: &["merging.conflicts=null"], in_default: false },
     Ablation { name: "virtual views (§5.2)", off: &["merging.conflicts.virtual_views=0"], in_default: false },

@@ -24,7 +24,6 @@ pub struct Rig {
     neighbours: Vec<Vec<u16>>,
     gains: Option<Vec<Vec3>>,
     origin: DVec3,
-    radius: f32,
 }
 
 impl Rig {
@@ -54,8 +53,7 @@ impl Rig {
         let ordered: Vec<_> = order.iter().map(|&i| pinholes[i as usize]).collect();
         let neighbours = (0..ordered.len()).map(|view| neighbours(&ordered, view)).collect();
         let undistortions = cameras.iter().map(Undistortion::new).collect();
-        let (cameras, radius) = (cameras.to_vec(), radius as f32);
-        Ok(Self { cameras, pinholes, undistortions, order, neighbours, gains: None, origin, radius })
+        Ok(Self { cameras: cameras.to_vec(), pinholes, undistortions, order, neighbours, gains: None, origin })
     }
 
     /// The cameras as given.
@@ -127,11 +125,6 @@ impl Rig {
     /// World position of the internal frame's origin: the point nearest to all optical axes.
     pub fn origin(&self) -> DVec3 {
         self.origin
-    }
-
-    /// Largest distance of a camera from the origin.
-    pub fn radius(&self) -> f32 {
-        self.radius
     }
 }
 

@@ -8,7 +8,7 @@ use facts::{
 use glam::{DVec3, Vec3};
 use pcmvs_core::{
     Params, Point, Preset, Reconstruction, Silent, View,
-    contours::{FrontierParams, frontier},
+    contours::{FrontierParams, frontier, implicit},
     hull::VisualHull,
 };
 use std::sync::LazyLock;
@@ -77,7 +77,8 @@ impl Case {
     fn assert_implicit(&self) {
         let views = self.views();
         let hull = carve(&views);
-        let points = &self.result.intermediates.implicit;
+        let params = Params::preset(Preset::Paper).implicit.expect("the paper has implicit points");
+        let points = implicit(&self.result.intermediates.hull, &views, &params, |_| Ok(())).expect("nothing cancels");
         assert!(points.len() > 500, "{}: {}", self.name, points.len());
         let sees = |view: &View, p: &Point| {
             let pixel = view.camera.project(p.position);
