@@ -104,7 +104,7 @@ fn middlebury_is_k_r_t_by_rows() {
     assert_eq!(scene["cameras"][1]["name"], "0002");
     assert_eq!(scene["frames"][0]["masks"], json!([null, "masks/0002.png"]));
     fs::write(folder.path().join("x_par.txt"), text.replacen('2', "3", 1)).unwrap();
-    assert!(refused("middlebury", folder.path()).contains("3 views are announced"));
+    assert!(refused("middlebury", folder.path()).contains("announces 3 views"));
 }
 
 #[test]
