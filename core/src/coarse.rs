@@ -4,7 +4,7 @@
 
 use crate::{
     context::Context,
-    detect::{DetectionParams, Guide, Level, Scratch, detect_view},
+    detect::{DetectionParams, DetectionScratch, Guide, PyramidLevel, detect_view},
     error::Result,
     executor::Executor,
     mesh::{self, MeshingParams, weigh},
@@ -37,12 +37,12 @@ pub fn coarse(
     frontier: &[Point],
     (params, meshing): (&CoarseParams, &MeshingParams),
     executor: &impl Executor,
-    scratch: &mut Vec<Scratch>,
+    scratch: &mut Vec<DetectionScratch>,
     workspace: &mut Workspace,
 ) -> Result<Mesh> {
     let Context { views, hull, progress, .. } = context;
-    let made = executor.map(views.len(), |i| Level::made(&views[i], params.detection.octave));
-    let level = |i: usize| Level::new(&views[i], made[i].as_ref());
+    let made = executor.map(views.len(), |i| PyramidLevel::made(&views[i], params.detection.octave));
+    let level = |i: usize| PyramidLevel::new(&views[i], made[i].as_ref());
     let detecting = Part { of: progress, stage: Stage::Coarse, part: 0, parts: 2 };
     let inner = context.reporting_to(&detecting);
     let guide = Guide::Hull(hull_mesh);

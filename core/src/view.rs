@@ -6,7 +6,7 @@ use crate::{
     hash::Hash64,
     image::{self, ImageRef},
     rig::Rig,
-    silhouette::{self, ChromaKey, Silhouette, chroma, clean_plate},
+    silhouette::{ChromaKey, Silhouette, SilhouetteScratch, chroma, clean_plate},
 };
 use alloc::{format, sync::Arc, vec::Vec};
 
@@ -50,7 +50,7 @@ pub struct View {
 
 /// Buffers for making one view after another; what they hold does not matter.
 #[derive(Debug, Default)]
-pub struct Scratch {
+pub struct ViewScratch {
     /// The photograph as it was taken.
     picture: Vec<u8>,
     /// The mask as it was given.
@@ -58,7 +58,7 @@ pub struct Scratch {
     /// The mask undistorted, and where it has a source.
     coverage: Vec<u8>,
     known: Vec<bool>,
-    distance: silhouette::Scratch,
+    distance: SilhouetteScratch,
 }
 
 /// Hash of views in their order.
@@ -99,7 +99,7 @@ impl View {
     /// # Errors
     /// [`Error::Image`] and [`Error::Silhouette`] name the camera and what does not fit.
     pub fn new(rig: &Rig, index: usize, input: &ViewInput) -> Result<Self> {
-        Self::with_buffers(rig, index, input, &mut Scratch::default(), Buffers::default())
+        Self::with_buffers(rig, index, input, &mut ViewScratch::default(), Buffers::default())
     }
 
     /// [`Self::new`] with buffers to use and the memory of an old view.
@@ -110,13 +110,13 @@ impl View {
         rig: &Rig,
         index: usize,
         input: &ViewInput,
-        scratch: &mut Scratch,
+        scratch: &mut ViewScratch,
         buffers: Buffers,
     ) -> Result<Self> {
         let missing = Error::NoSuchCamera { camera: index as u32, cameras: rig.cameras().len() as u32 };
         let place = rig.place(index).ok_or(missing)?;
         let Buffers { mut rgb, mut luma, distance } = buffers;
-        let Scratch { picture, mask, coverage, known, distance: distance_scratch } = scratch;
+        let ViewScratch { picture, mask, coverage, known, distance: distance_scratch } = scratch;
         let camera = &rig.cameras()[index];
         let fail = |problem| Error::Image { camera: index as u32, problem };
         input.image.check().map_err(fail)?;

@@ -13,7 +13,7 @@ use glam::{Vec2, Vec3};
 /// A depth step of more footprints than this between neighbouring pixels hides something behind it; less is slope.
 const STEP_FOOTPRINTS: f32 = 4.0;
 /// Distances to steps are told apart up to this many pixels.
-const MOST_BORDER: u8 = 4;
+const MAX_BORDER: u8 = 4;
 
 /// Depths of the surface nearest to a camera, over the part of its picture that the mesh covers. Kept from view to
 /// view so that its memory is asked for once.
@@ -125,12 +125,12 @@ impl DepthBuffer {
                 let z = self.inverse[i];
                 if z > 0.0 {
                     let edge = [i - 1, i + 1, i - w, i + w].into_iter().any(|j| step(z, self.inverse[j]));
-                    self.border[i] = if edge { 1 } else { MOST_BORDER };
+                    self.border[i] = if edge { 1 } else { MAX_BORDER };
                 }
             }
         }
         let spread = |border: &mut [u8], i: usize, from: [usize; 4]| {
-            let nearest = from.into_iter().map(|j| border[j]).min().unwrap_or(MOST_BORDER);
+            let nearest = from.into_iter().map(|j| border[j]).min().unwrap_or(MAX_BORDER);
             border[i] = border[i].min(nearest + 1);
         };
         for y in 1..h.max(1) - 1 {

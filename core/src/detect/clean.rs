@@ -1,6 +1,6 @@
 //! §4.3: removes what cannot be surface from a view's points, and gives the rest their normals.
 
-use super::{depth::DepthMap, level::Level};
+use super::{depth::DepthMap, level::PyramidLevel};
 use crate::{
     eigen::{LANES, Lanes, principal},
     math::max,
@@ -31,16 +31,16 @@ const WIDE: usize = 4;
 
 /// A view's points with normals: what is left of a depth map. `rank` tells per pixel how its depth came about.
 pub fn clean(
-    level: &Level,
+    level: &PyramidLevel,
     map: &DepthMap,
     rank: &[Rank],
     view: u16,
     params: &CleanParams,
-    scratch: &mut Scratch,
+    scratch: &mut CleanScratch,
     counts: &mut Counts,
 ) -> PointCloud {
     let (w, h) = (level.camera.width as usize, level.camera.height as usize);
-    let Scratch { planes, fits } = scratch;
+    let CleanScratch { planes, fits } = scratch;
     let points = Points::new(level, map, params, planes);
     let simd = Simd::detect();
     fits.clear();
@@ -64,7 +64,7 @@ pub fn clean(
     let mut cloud = PointCloud::with_capacity(fits.len());
     for fit in fits.iter() {
         let i = fit.pixel as usize;
-        if fit.neighbours < fewest.max(FEWEST) {
+        if fit.neighbours < fewest.max(MIN_NEIGHBOURS) {
             counts.cleaned_density += 1;
             continue;
         }
@@ -87,11 +87,11 @@ pub fn clean(
 }
 
 /// Fewer points than this have no normal.
-const FEWEST: f32 = 4.0;
+const MIN_NEIGHBOURS: f32 = 4.0;
 
 /// Buffers that go from view to view.
 #[derive(Default)]
-pub struct Scratch {
+pub struct CleanScratch {
     planes: [Vec<f32>; 4],
     fits: Vec<Fit>,
 }
@@ -146,7 +146,12 @@ impl Work for FitAt<'_> {
 }
 
 impl<'a> Points<'a> {
-    pub(super) fn new(level: &Level, map: &DepthMap, params: &CleanParams, planes: &'a mut [Vec<f32>; 4]) -> Self {
+    pub(super) fn new(
+        level: &PyramidLevel,
+        map: &DepthMap,
+        params: &CleanParams,
+        planes: &'a mut [Vec<f32>; 4],
+    ) -> Self {
         let (w, h) = (level.camera.width as usize, level.camera.height as usize);
         let reach = libm::ceilf(params.radius_pixels) as usize;
         let step = if reach < WIDE { 1 } else { 2 };

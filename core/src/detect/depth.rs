@@ -1,7 +1,7 @@
 //! §4.1: the depth map of one view, tile by tile.
 
 use super::{
-    level::Level,
+    level::PyramidLevel,
     range::SearchRange,
     sweep::{TILE, TILE_PIXELS, Tile},
     vote::{Curves, VoteParams},
@@ -50,16 +50,16 @@ pub struct DepthMap {
     pub fidelity: Vec<f32>,
 }
 
-/// Sheets swept at most; a tile whose range is deeper is swept in coarser steps.
-const MOST_SHEETS: usize = 256;
+/// Hypotheses swept at most; a tile whose range is deeper is swept in coarser steps.
+const MAX_HYPOTHESES: usize = 256;
 
 /// Finds every pixel's depth. `keep_going` is asked once a row of tiles.
 pub fn depth_map(
-    target: &Level,
-    neighbours: &[&Level],
+    target: &PyramidLevel,
+    neighbours: &[&PyramidLevel],
     range: &SearchRange,
     params: &SearchParams,
-    scratch: &mut Scratch,
+    scratch: &mut SweepScratch,
     map: &mut DepthMap,
     mut keep_going: impl FnMut(usize, usize) -> Result<()>,
 ) -> Result<()> {
@@ -88,25 +88,25 @@ pub fn depth_map(
 
 /// Buffers that go from tile to tile and from view to view.
 #[derive(Default)]
-pub struct Scratch {
+pub struct SweepScratch {
     tile: Tile,
     curves: Curves,
     flat: Vec<f32>,
 }
 
-/// The samples of a tile: sheet i lies at the inverse depth `1/guide - step * (i + first)`.
-struct Sheets {
+/// The samples of a tile: hypothesis i lies at the inverse depth `1/guide - step * (i + first)`.
+struct Hypotheses {
     first: f32,
     step: f32,
     count: usize,
 }
 
-impl Sheets {
+impl Hypotheses {
     fn shift(&self, i: f32) -> f32 {
         self.step * (i + self.first)
     }
 
-    /// Sheet on which a pixel has a depth.
+    /// Hypothesis on which a pixel has a depth.
     fn position(&self, guide: f32, depth: f32) -> f32 {
         (1.0 / guide - 1.0 / depth) / self.step - self.first
     }
@@ -114,12 +114,12 @@ impl Sheets {
 
 /// Finds the depths of one tile's pixels.
 struct TileSweep<'a> {
-    target: &'a Level<'a>,
-    neighbours: &'a [&'a Level<'a>],
+    target: &'a PyramidLevel<'a>,
+    neighbours: &'a [&'a PyramidLevel<'a>],
     range: &'a SearchRange,
     params: &'a SearchParams,
     corner: (usize, usize),
-    scratch: &'a mut Scratch,
+    scratch: &'a mut SweepScratch,
     map: &'a mut DepthMap,
 }
 
@@ -135,26 +135,26 @@ impl Work for TileSweep<'_> {
 #[inline(always)]
 fn sweep_tile(tile: TileSweep) {
     let TileSweep { target, neighbours, range, params, corner: (x0, y0), scratch, map } = tile;
-    let Scratch { tile, curves, flat } = scratch;
+    let SweepScratch { tile, curves, flat } = scratch;
     let (w, h) = (target.camera.width as usize, target.camera.height as usize);
     let pixels = (y0..(y0 + TILE).min(h)).flat_map(move |y| (x0..(x0 + TILE).min(w)).map(move |x| (x, y)));
     let searched = pixels.filter(|&(x, y)| !range.of(y * w + x).is_empty());
     let guide: &[f32] = if params.windows == Windows::Slanted {
         &range.guide
     } else {
-        // The guide of a whole tile is its nearest depth: the sheets are planes.
+        // The guide of a whole tile is its nearest depth: the hypotheses are planes.
         let nearest = searched.clone().map(|(x, y)| range.guide[y * w + x]).fold(f32::INFINITY, f32::min);
         flat.clear();
         flat.resize(w * h, nearest);
         flat
     };
-    let Some(sheets) = sheets(target, neighbours, range, guide, params, searched.clone()) else { return };
+    let Some(hypotheses) = hypotheses(target, neighbours, range, guide, params, searched.clone()) else { return };
     tile.load(target, guide, x0, y0, params.window_radius as usize);
-    curves.reset(sheets.count);
+    curves.reset(hypotheses.count);
     for neighbour in neighbours {
         tile.face(target, neighbour, x0, y0);
         for (i, scores) in curves.scores_mut().iter_mut().enumerate() {
-            tile.score(neighbour, sheets.shift(i as f32), scores);
+            tile.score(neighbour, hypotheses.shift(i as f32), scores);
         }
         curves.vote(&params.vote);
     }
@@ -170,30 +170,30 @@ fn sweep_tile(tile: TileSweep) {
         let guide = guide[pixel];
         let mut best = (0.0, f32::NEG_INFINITY);
         for interval in range.of(pixel) {
-            let last = sheets.count - 2;
-            let first = (libm::ceilf(sheets.position(guide, interval.near)) as usize).clamp(1, last);
-            let last = (libm::floorf(sheets.position(guide, interval.far)) as usize).clamp(first, last);
+            let last = hypotheses.count - 2;
+            let first = (libm::ceilf(hypotheses.position(guide, interval.near)) as usize).clamp(1, last);
+            let last = (libm::floorf(hypotheses.position(guide, interval.far)) as usize).clamp(first, last);
             let found = curves.best((y - y0) * TILE + x - x0, first, last, params.interpolate);
             if found.1 > best.1 {
                 best = found;
             }
         }
         if best.1 > 0.0 {
-            map.depth[pixel] = 1.0 / (1.0 / guide - sheets.shift(best.0));
+            map.depth[pixel] = 1.0 / (1.0 / guide - hypotheses.shift(best.0));
             map.fidelity[pixel] = best.1;
         }
     }
 }
 
-/// Chooses a tile's sheets so that they cover its pixels' intervals, with one to spare at either end.
-fn sheets(
-    target: &Level,
-    neighbours: &[&Level],
+/// Chooses a tile's hypotheses so that they cover its pixels' intervals, with one to spare at either end.
+fn hypotheses(
+    target: &PyramidLevel,
+    neighbours: &[&PyramidLevel],
     range: &SearchRange,
     guide: &[f32],
     params: &SearchParams,
     pixels: impl Iterator<Item = (usize, usize)>,
-) -> Option<Sheets> {
+) -> Option<Hypotheses> {
     let w = target.camera.width as usize;
     let (mut nearest, mut farthest) = (f32::INFINITY, f32::NEG_INFINITY);
     let (mut middle, mut count) = (Vec3::ZERO, 0.0f32);
@@ -220,7 +220,7 @@ fn sheets(
         return None;
     }
     let span = farthest - nearest;
-    let step = (params.step_pixels / speed).max(span / (MOST_SHEETS - 3) as f32);
+    let step = (params.step_pixels / speed).max(span / (MAX_HYPOTHESES - 3) as f32);
     let count = libm::ceilf(span / step) as usize + 3;
-    Some(Sheets { first: nearest / step - 1.0, step, count })
+    Some(Hypotheses { first: nearest / step - 1.0, step, count })
 }

@@ -1,9 +1,9 @@
 //! Detection of one view: its depth map (§4.1), the hull's points where stereo has failed (§4.2), cleaning (§4.3).
 
 use super::{
-    clean::{self, CleanParams},
-    depth::{self, DepthMap, SearchParams},
-    level::Level,
+    clean::{self, CleanParams, CleanScratch},
+    depth::{self, DepthMap, SearchParams, SweepScratch},
+    level::PyramidLevel,
     range::SearchRange,
     substitute::{SubstitutionParams, substitute},
 };
@@ -45,14 +45,14 @@ pub enum Guide<'a> {
 
 /// Buffers for the detection of one view after another. Their content does not matter between views.
 #[derive(Default)]
-pub struct Scratch {
+pub struct DetectionScratch {
     raster: Raster,
     crossings: Crossings,
     range: SearchRange,
-    depth: depth::Scratch,
+    depth: SweepScratch,
     map: DepthMap,
     rank: Vec<Rank>,
-    clean: clean::Scratch,
+    clean: CleanScratch,
 }
 
 /// Detects the points of one view (§4.1 to §4.3). Their weights are left to meshing.
@@ -65,16 +65,16 @@ pub struct Scratch {
 pub fn detect_view<'l>(
     context: Context,
     view: usize,
-    level: impl Fn(usize) -> Level<'l>,
+    level: impl Fn(usize) -> PyramidLevel<'l>,
     guide: Guide,
     params: &DetectionParams,
-    scratch: &mut Scratch,
+    scratch: &mut DetectionScratch,
 ) -> Result<(PointCloud, Counts)> {
     let Context { rig, views, hull, progress } = context;
-    let Scratch { raster, crossings, range, depth, map, rank, clean } = scratch;
+    let DetectionScratch { raster, crossings, range, depth, map, rank, clean } = scratch;
     let neighbours = rig.neighbours(view, params.search.neighbours);
-    let neighbours: Vec<Level> = neighbours.iter().map(|&j| level(j as usize)).collect();
-    let neighbours: Vec<&Level> = neighbours.iter().collect();
+    let neighbours: Vec<PyramidLevel> = neighbours.iter().map(|&j| level(j as usize)).collect();
+    let neighbours: Vec<&PyramidLevel> = neighbours.iter().collect();
     let level = &level(view);
     match guide {
         Guide::Hull(mesh) => {

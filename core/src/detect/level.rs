@@ -5,7 +5,7 @@ use alloc::{borrow::Cow, vec, vec::Vec};
 
 /// Luma and silhouette of a view: its own at full resolution, made at half of it.
 #[derive(Debug, Clone)]
-pub struct Level<'a> {
+pub struct PyramidLevel<'a> {
     /// The camera at this resolution.
     pub camera: Pinhole,
     /// Luma, row after row.
@@ -14,7 +14,7 @@ pub struct Level<'a> {
     pub inside: Cow<'a, [i16]>,
 }
 
-impl<'a> Level<'a> {
+impl<'a> PyramidLevel<'a> {
     /// The view at its full resolution, borrowed.
     pub fn full(view: &'a View) -> Self {
         let inside = match &view.silhouette {
@@ -25,17 +25,17 @@ impl<'a> Level<'a> {
     }
 
     /// The view at an octave, if that is not the view itself: means of 2 x 2 pixels, `octave` times.
-    pub fn made(view: &View, octave: u32) -> Option<Level<'static>> {
-        let full = Level::full(view);
+    pub fn made(view: &View, octave: u32) -> Option<PyramidLevel<'static>> {
+        let full = PyramidLevel::full(view);
         if octave == 0 {
             let Cow::Owned(inside) = full.inside else { return None };
-            return Some(Level { camera: full.camera, luma: view.luma.clone().into(), inside: inside.into() });
+            return Some(PyramidLevel { camera: full.camera, luma: view.luma.clone().into(), inside: inside.into() });
         }
         Some((1..octave).fold(full.halved(), |level, _| level.halved()))
     }
 
     /// The view at an octave: what [`Self::made`] gave for it, or the view itself.
-    pub fn new(view: &'a View, made: Option<&'a Level<'static>>) -> Self {
+    pub fn new(view: &'a View, made: Option<&'a PyramidLevel<'static>>) -> Self {
         made.map_or_else(
             || Self::full(view),
             |made| Self { camera: made.camera, luma: Cow::Borrowed(&made.luma), inside: Cow::Borrowed(&made.inside) },
@@ -43,7 +43,7 @@ impl<'a> Level<'a> {
     }
 
     /// Half the resolution, means of 2 x 2 pixels.
-    fn halved(&self) -> Level<'static> {
+    fn halved(&self) -> PyramidLevel<'static> {
         let camera = self.camera.halved();
         let (w, h, full) = (camera.width as usize, camera.height as usize, self.camera.width as usize);
         let (mut luma, mut inside) = (Vec::with_capacity(w * h), Vec::with_capacity(w * h));
@@ -58,6 +58,6 @@ impl<'a> Level<'a> {
                 inside.push((sum / 8) as i16);
             }
         }
-        Level { camera, luma: luma.into(), inside: inside.into() }
+        PyramidLevel { camera, luma: luma.into(), inside: inside.into() }
     }
 }

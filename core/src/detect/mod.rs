@@ -11,8 +11,8 @@ mod vote;
 
 pub use clean::CleanParams;
 pub use depth::{SearchParams, Windows};
-pub use detect_view::{DetectionParams, Guide, Scratch, detect_view};
-pub use level::Level;
+pub use detect_view::{DetectionParams, DetectionScratch, Guide, detect_view};
+pub use level::PyramidLevel;
 pub use substitute::SubstitutionParams;
 pub use vote::{Support, VoteParams};
 

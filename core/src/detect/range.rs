@@ -1,6 +1,6 @@
 //! Where each pixel's search runs (§4.1): inside the hull, or in a band around a surface found before.
 
-use super::level::Level;
+use super::level::PyramidLevel;
 use crate::raster::{Crossings, Interval, Raster};
 use alloc::vec::Vec;
 
@@ -18,7 +18,7 @@ pub struct SearchRange {
 impl SearchRange {
     /// Becomes the pieces of the silhouette pixels' rays inside the hull, given by its mesh's crossings with them; the
     /// guide is the hull's front.
-    pub fn set_in_hull(&mut self, level: &Level, crossings: &mut Crossings) {
+    pub fn set_in_hull(&mut self, level: &PyramidLevel, crossings: &mut Crossings) {
         self.clear();
         for pixel in 0..level.inside.len() {
             let mut front = 0.0;
@@ -33,7 +33,7 @@ impl SearchRange {
     }
 
     /// Becomes a band of half width `band` (scene units along the ray) round the surface that a camera sees.
-    pub fn set_around_surface(&mut self, level: &Level, surface: &Raster, band: f32) {
+    pub fn set_around_surface(&mut self, level: &PyramidLevel, surface: &Raster, band: f32) {
         self.clear();
         for (&inside, &inverse) in level.inside.iter().zip(&surface.inverse) {
             let depth = if inside > 0 && inverse > 0.0 { 1.0 / inverse } else { 0.0 };

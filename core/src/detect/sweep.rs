@@ -1,11 +1,11 @@
-//! Sheet sweep: scores every sample of a tile of pixels against every neighbouring view.
+//! Hypothesis sweep: scores every sample of a tile of pixels against every neighbouring view.
 //!
 //! Sample i of a pixel lies where the inverse depth is `1/z = 1/g - i Δ`, g the pixel's guide depth: the samples with
-//! the same i form a sheet that runs parallel to the guide surface, so windows follow its slant and its steps. A
-//! neighbour sees the sheet at the homogeneous pixel `M r + e / z`, M r of the pixel's ray, e of the target's centre:
-//! from sheet to sheet that only moves by `Δ e`. A window is warped once a sheet, its sums are shared by all pixels.
+//! the same i form a hypothesis that runs parallel to the guide surface, so windows follow its slant and its steps. A
+//! neighbour sees the hypothesis at the homogeneous pixel `M r + e / z`, M r of the pixel's ray, e of the target's centre:
+//! from hypothesis to hypothesis that only moves by `Δ e`. A window is warped once a hypothesis, its sums are shared by all pixels.
 
-use super::level::Level;
+use super::level::PyramidLevel;
 use crate::math::{inverse_sqrt, max, split};
 use core::ops::Range;
 use glam::Vec3;
@@ -42,7 +42,7 @@ pub struct Tile {
     guide: [Row; WIDTH],
     /// Where a neighbour sees the guide: homogeneous pixels.
     seen: [[Row; 3]; WIDTH],
-    /// How `seen` moves from sheet to sheet.
+    /// How `seen` moves from hypothesis to hypothesis.
     epipole: Vec3,
     /// Warped, weighted luma of a neighbour.
     warped: [Row; WIDTH],
@@ -50,7 +50,7 @@ pub struct Tile {
     moments: [Moments; TILE],
 }
 
-/// A row's window sums that no sheet changes.
+/// A row's window sums that no hypothesis changes.
 #[derive(Default, Clone, Copy)]
 struct Moments {
     inverse_count: [f32; TILE],
@@ -61,7 +61,7 @@ struct Moments {
 
 impl Tile {
     /// Reads the target's pixels round the tile at (x0, y0); `guide` is a depth a pixel, 0 where the pixel is not searched.
-    pub fn load(&mut self, level: &Level, guide: &[f32], x0: usize, y0: usize, radius: usize) {
+    pub fn load(&mut self, level: &PyramidLevel, guide: &[f32], x0: usize, y0: usize, radius: usize) {
         debug_assert!(radius <= MAX_RADIUS);
         self.radius = radius;
         let (w, h) = (level.camera.width as i32, level.camera.height as i32);
@@ -97,7 +97,7 @@ impl Tile {
         self.sum_target();
     }
 
-    /// Window sums that no sheet changes.
+    /// Window sums that no hypothesis changes.
     fn sum_target(&mut self) {
         let (r, size) = (self.radius, TILE + 2 * self.radius);
         for y in self.rows.clone() {
@@ -127,7 +127,7 @@ impl Tile {
     }
 
     /// Prepares the sweep against a neighbour.
-    pub fn face(&mut self, target: &Level, neighbour: &Level, x0: usize, y0: usize) {
+    pub fn face(&mut self, target: &PyramidLevel, neighbour: &PyramidLevel, x0: usize, y0: usize) {
         let (rows, offset) = neighbour.camera.projection();
         let c = target.camera.centre;
         self.epipole = Vec3::new(rows[0].dot(c), rows[1].dot(c), rows[2].dot(c)) + offset;
@@ -144,10 +144,10 @@ impl Tile {
         }
     }
 
-    /// ZNCC in [-1, 1] of the tile's windows with the faced neighbour's, on the sheet `shift` = i Δ behind the guide.
+    /// ZNCC in [-1, 1] of the tile's windows with the faced neighbour's, on the hypothesis `shift` = i Δ behind the guide.
     /// Rows without pixels to search keep what `out` held.
     #[inline(always)]
-    pub fn score(&mut self, neighbour: &Level, shift: f32, out: &mut [f32; TILE_PIXELS]) {
+    pub fn score(&mut self, neighbour: &PyramidLevel, shift: f32, out: &mut [f32; TILE_PIXELS]) {
         let shift = self.epipole * shift;
         let (r, rows) = (self.radius, self.rows.clone());
         let mut visible = false;
@@ -173,7 +173,7 @@ impl Tile {
 
 /// A neighbour's weighted luma along a row, bilinear, less `mean`; false if no pixel falls into its picture.
 #[inline(always)]
-fn warp(seen: &[Row; 3], shift: Vec3, neighbour: &Level, mean: f32, weight: &Row, out: &mut Row) -> bool {
+fn warp(seen: &[Row; 3], shift: Vec3, neighbour: &PyramidLevel, mean: f32, weight: &Row, out: &mut Row) -> bool {
     let (w, h) = (neighbour.camera.width as usize, neighbour.camera.height as usize);
     let (right, bottom) = (w as f32 - 1.001, h as f32 - 1.001);
     let luma: &[u8] = &neighbour.luma;

@@ -3,7 +3,7 @@
 use super::{
     clean::{CleanParams, FitAt, Fits, Points},
     depth::DepthMap,
-    level::Level,
+    level::PyramidLevel,
     sweep::{MAX_RADIUS, NOISE_VARIANCE, TILE, TILE_PIXELS, Tile},
     vote::{Curves, Support, VoteParams},
 };
@@ -33,12 +33,12 @@ impl Random {
 }
 
 /// A view from x along z, with a picture of `luma` and an object that fills it but for every seventh pixel or so.
-fn level(x: f64, random: &mut Random, mut luma: impl FnMut(&mut Random) -> u8) -> Level<'static> {
+fn level(x: f64, random: &mut Random, mut luma: impl FnMut(&mut Random) -> u8) -> PyramidLevel<'static> {
     let k = [[60.0, 0.0, 23.5], [0.0, 60.0, 19.5], [0.0, 0.0, 1.0]];
     let r = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
     let camera = Camera { width: WIDTH, height: HEIGHT, k, distortion: [0.0; 5], r, t: [-x, 0.0, 0.0] };
     let pixels = 0..WIDTH * HEIGHT;
-    Level {
+    PyramidLevel {
         camera: Pinhole::new(&camera, DVec3::ZERO),
         luma: pixels.clone().map(|_| luma(random)).collect(),
         inside: pixels.map(|_| if random.next().is_multiple_of(7) { -64 } else { 64 }).collect(),
@@ -46,7 +46,7 @@ fn level(x: f64, random: &mut Random, mut luma: impl FnMut(&mut Random) -> u8) -
 }
 
 /// Brightness between pixels.
-fn bilinear(level: &Level, u: f64, v: f64) -> f64 {
+fn bilinear(level: &PyramidLevel, u: f64, v: f64) -> f64 {
     let at = |x: usize, y: usize| f64::from(level.luma[y * WIDTH as usize + x]);
     let (x, y) = (u as usize, v as usize);
     let (fx, fy) = (u - x as f64, v - y as f64);
@@ -91,8 +91,8 @@ fn scores_are_zncc() {
 
 /// All that a tile goes through; what came out, bit by bit.
 struct Sweep<'a> {
-    target: &'a Level<'a>,
-    neighbour: &'a Level<'a>,
+    target: &'a PyramidLevel<'a>,
+    neighbour: &'a PyramidLevel<'a>,
     guide: &'a [f32],
     radius: usize,
 }

@@ -31,14 +31,14 @@ pub enum Support {
     SpreadPeaks(f32),
 }
 
-/// Scores of a tile: one neighbour's on every sheet, and what all have voted.
+/// Scores of a tile: one neighbour's on every hypothesis, and what all have voted.
 #[derive(Debug, Default)]
 pub struct Curves {
-    /// `[sheet][pixel]`: a neighbour's scores.
+    /// `[hypothesis][pixel]`: a neighbour's scores.
     scores: Vec<[f32; TILE_PIXELS]>,
     /// The same smoothed, unless they are taken as they are.
     smooth: Vec<[f32; TILE_PIXELS]>,
-    /// `[sheet][pixel]`: support gathered from all neighbours.
+    /// `[hypothesis][pixel]`: support gathered from all neighbours.
     votes: Vec<[f32; TILE_PIXELS]>,
     /// Weights of the smoothing.
     gaussian: Vec<f32>,
@@ -56,17 +56,17 @@ impl Curves {
         (self.gaussian, self.spread) = (gaussian(params.smoothing.unwrap_or(0.0)), Spread::new(spread));
     }
 
-    /// Makes room for a tile with `sheets` sheets.
-    pub fn reset(&mut self, sheets: usize) {
-        self.scores.resize(sheets, [0.0; TILE_PIXELS]);
+    /// Makes room for a tile with `hypotheses` hypotheses.
+    pub fn reset(&mut self, hypotheses: usize) {
+        self.scores.resize(hypotheses, [0.0; TILE_PIXELS]);
         if self.gaussian.len() > 1 {
-            self.smooth.resize(sheets, [0.0; TILE_PIXELS]);
+            self.smooth.resize(hypotheses, [0.0; TILE_PIXELS]);
         }
         self.votes.clear();
-        self.votes.resize(sheets, [0.0; TILE_PIXELS]);
+        self.votes.resize(hypotheses, [0.0; TILE_PIXELS]);
     }
 
-    /// Where the scores of a neighbour on each sheet go.
+    /// Where the scores of a neighbour on each hypothesis go.
     pub fn scores_mut(&mut self) -> &mut [[f32; TILE_PIXELS]] {
         &mut self.scores
     }
@@ -107,7 +107,7 @@ impl Curves {
         }
     }
 
-    /// The best supported sheet among `first..=last` for a pixel: its position, fractional where `refine` asks, and
+    /// The best supported hypothesis among `first..=last` for a pixel: its position, fractional where `refine` asks, and
     /// the support, the fidelity of §4.1.
     pub fn best(&self, pixel: usize, first: usize, last: usize, refine: bool) -> (f32, f32) {
         let (mut best, mut support) = (first, f32::NEG_INFINITY);
@@ -136,7 +136,7 @@ fn gaussian(sigma: f32) -> Vec<f32> {
     half
 }
 
-/// Convolves along the sheets; beyond the ends the end's value goes on.
+/// Convolves along the hypotheses; beyond the ends the end's value goes on.
 #[inline(always)]
 fn smooth(curve: &[[f32; TILE_PIXELS]], kernel: &[f32], out: &mut [[f32; TILE_PIXELS]]) {
     let last = curve.len() - 1;
@@ -174,16 +174,16 @@ fn box_sum(values: &[f32; TILE_PIXELS], radius: usize) -> [f32; TILE_PIXELS] {
 /// A kernel's weights round a peak, for each of its places between two samples.
 #[derive(Debug, Default)]
 struct Spread {
-    /// Sheets on either side that a peak reaches.
+    /// Hypotheses on either side that a peak reaches.
     reach: usize,
-    /// `[place][sheet]`.
+    /// `[place][hypothesis]`.
     weights: Vec<[f32; Spread::WIDEST]>,
 }
 
 impl Spread {
     /// Places between two samples that are told apart.
     const PLACES: usize = 32;
-    /// Most sheets that a peak reaches.
+    /// Most hypotheses that a peak reaches.
     const WIDEST: usize = 16;
 
     /// Of standard deviation `sigma`, in samples; 0 leaves a peak where it is.

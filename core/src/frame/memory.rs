@@ -1,9 +1,9 @@
 //! Working memory of a frame.
 
 use crate::{
-    detect,
+    detect::DetectionScratch,
     executor::Pool,
-    view::{self, Buffers},
+    view::{Buffers, ViewScratch},
     workspace::Workspace,
 };
 
@@ -15,11 +15,11 @@ pub struct Memory {
     limit: Option<u64>,
     pub(super) workspace: Workspace,
     /// Buffers for making views.
-    pub(super) view_scratch: Pool<view::Scratch>,
+    pub(super) view_scratch: Pool<ViewScratch>,
     /// Pictures and distances of the frame before.
     pub(super) buffers: Pool<Buffers>,
     /// Buffers of detection.
-    pub(super) detection: Pool<detect::Scratch>,
+    pub(super) detection: Pool<DetectionScratch>,
 }
 
 impl Memory {

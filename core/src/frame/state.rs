@@ -3,7 +3,7 @@
 use super::{intermediates::Intermediates, memory::Memory, prior::Prior, reconstruction::Reconstruction};
 use crate::{
     context::Context,
-    detect::{Guide, Level, detect_view},
+    detect::{Guide, PyramidLevel, detect_view},
     error::{Error, Result},
     hull::VisualHull,
     memory,
@@ -40,7 +40,7 @@ pub struct Frame<R> {
     pub(super) views: Vec<View>,
     pub(super) hull: Option<VisualHull>,
     /// The views at the octave of detection where that is not the view itself: each is made by the first that needs it.
-    octaves: Vec<Once<Option<Level<'static>>>>,
+    octaves: Vec<Once<Option<PyramidLevel<'static>>>>,
     /// Points of each view, until all are there.
     pub(super) found: Vec<Mutex<Option<(PointCloud, Counts)>>>,
     pub(super) intermediates: Intermediates,
@@ -170,10 +170,10 @@ impl<R: Deref<Target = Rig>> Frame<R> {
     }
 
     /// A view at the octave of detection.
-    fn level(&self, place: usize) -> Level<'_> {
+    fn level(&self, place: usize) -> PyramidLevel<'_> {
         let view = &self.views[place];
-        let made = self.octaves[place].call_once(|| Level::made(view, self.params.detection.octave));
-        Level::new(view, made.as_ref())
+        let made = self.octaves[place].call_once(|| PyramidLevel::made(view, self.params.detection.octave));
+        PyramidLevel::new(view, made.as_ref())
     }
 
     /// Views, as places in the rig's order, whose points are not there.

@@ -1,6 +1,6 @@
 //! §5.2: of two points that claim the same pixel the less certain one goes.
 
-use super::virtual_view::Eye;
+use super::virtual_view::Viewpoint;
 use crate::{
     error::Result,
     point_cloud::{Point, PointCloud, Rank},
@@ -20,10 +20,10 @@ pub struct ConflictParams {
 
 const NONE: u32 = u32::MAX;
 
-/// Removes conflicting points, seen from each eye in turn; `step` is told after each how many are done.
+/// Removes conflicting points, seen from each viewpoint in turn; `step` is told after each how many are done.
 pub fn clean_conflicts(
     cloud: &mut PointCloud,
-    eyes: &[Eye],
+    viewpoints: &[Viewpoint],
     cameras: usize,
     distance: f32,
     counts: &mut Counts,
@@ -32,15 +32,15 @@ pub fn clean_conflicts(
     let mut next = vec![NONE; cloud.len()];
     let mut seen: Vec<(u32, f32)> = Vec::new();
     let mut dead = vec![false; cloud.len()];
-    for (v, eye) in eyes.iter().enumerate() {
+    for (v, viewpoint) in viewpoints.iter().enumerate() {
         step(v)?;
-        let mut first = vec![NONE; eye.pixels()];
-        // A linked list a pixel, of the points that face the eye (criterion 4).
+        let mut first = vec![NONE; viewpoint.pixels()];
+        // A linked list a pixel, of the points that face the viewpoint (criterion 4).
         for (i, s) in cloud.iter().enumerate().rev() {
-            if dead[i] || s.normal.dot(eye.camera.centre - s.position) <= 0.0 {
+            if dead[i] || s.normal.dot(viewpoint.camera.centre - s.position) <= 0.0 {
                 continue;
             }
-            if let Some(pixel) = eye.pixel(s.position) {
+            if let Some(pixel) = viewpoint.pixel(s.position) {
                 next[i] = first[pixel];
                 first[pixel] = i as u32;
             }
@@ -49,7 +49,7 @@ pub fn clean_conflicts(
             seen.clear();
             let mut i = head;
             while i != NONE {
-                seen.push((i, eye.camera.depth(cloud[i as usize].position)));
+                seen.push((i, viewpoint.camera.depth(cloud[i as usize].position)));
                 i = next[i as usize];
             }
             for &(i, depth) in &seen {

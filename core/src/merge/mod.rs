@@ -10,7 +10,7 @@ pub use downsample::DownsampleParams;
 
 use crate::{context::Context, error::Result, point_cloud::PointCloud, progress, report::Counts, stage::Stage};
 use alloc::vec::Vec;
-use virtual_view::Eye;
+use virtual_view::Viewpoint;
 
 /// Merging (§5).
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -51,12 +51,17 @@ pub fn merge(
         let distances = views.iter().map(|v| (v.camera.centre - target).length());
         let distance = distances.fold(0.0, |s: f32, d| s + d) / views.len() as f32;
         let radius = 0.5 * (upper - lower).length();
-        let mut eyes: Vec<Eye> = views.iter().map(|v| Eye { camera: v.camera }).collect();
-        eyes.extend(virtual_view::virtual_views(p.virtual_views, target, distance, radius, footprint));
-        let total = eyes.len() as u32;
-        conflict::clean_conflicts(&mut cloud, &eyes, views.len(), p.distance_pixels * footprint, counts, |done| {
-            progress::step(progress, Stage::Merge, done as u32, total)
-        })?;
+        let mut viewpoints: Vec<Viewpoint> = views.iter().map(|v| Viewpoint { camera: v.camera }).collect();
+        viewpoints.extend(virtual_view::virtual_views(p.virtual_views, target, distance, radius, footprint));
+        let total = viewpoints.len() as u32;
+        conflict::clean_conflicts(
+            &mut cloud,
+            &viewpoints,
+            views.len(),
+            p.distance_pixels * footprint,
+            counts,
+            |done| progress::step(progress, Stage::Merge, done as u32, total),
+        )?;
     }
     counts.merged = cloud.len() as u32;
     Ok(cloud)

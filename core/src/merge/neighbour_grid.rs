@@ -15,7 +15,7 @@ pub struct NeighbourGrid {
 }
 
 /// More cells than this a point make the cells larger.
-const MOST_CELLS_PER_POINT: usize = 32;
+const MAX_CELLS_PER_POINT: usize = 32;
 
 impl NeighbourGrid {
     /// Sorts points for queries within `radius`.
@@ -31,7 +31,7 @@ impl NeighbourGrid {
         let mut cell = radius;
         let cells = |cell: f32| [0, 1, 2].map(|a| ((upper[a] - lower[a]) / cell) as i32 + 1);
         let volume = |s: [i32; 3]| s.iter().map(|&v| f64::from(v)).product::<f64>();
-        while volume(cells(cell)) > (count * MOST_CELLS_PER_POINT + 4096) as f64 {
+        while volume(cells(cell)) > (count * MAX_CELLS_PER_POINT + 4096) as f64 {
             cell *= 1.5;
         }
         let size = cells(cell);

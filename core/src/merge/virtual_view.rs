@@ -5,12 +5,12 @@ use alloc::vec::Vec;
 use glam::{DVec3, Vec3};
 
 /// A view that only tells which points fall onto the same pixel.
-pub struct Eye {
+pub struct Viewpoint {
     /// Its camera.
     pub camera: Pinhole,
 }
 
-impl Eye {
+impl Viewpoint {
     /// Number of pixels.
     pub fn pixels(&self) -> usize {
         self.camera.width as usize * self.camera.height as usize
@@ -27,7 +27,7 @@ impl Eye {
 
 /// `count` virtual views evenly on the sphere of radius `distance` round `target`, that see a ball of `radius` with
 /// pixels of `footprint`.
-pub fn virtual_views(count: u32, target: Vec3, distance: f32, radius: f32, footprint: f32) -> Vec<Eye> {
+pub fn virtual_views(count: u32, target: Vec3, distance: f32, radius: f32, footprint: f32) -> Vec<Viewpoint> {
     let focal = f64::from(distance / footprint);
     let size = (2.2 * radius / footprint) as u32 + 1;
     (0..count)
@@ -50,7 +50,7 @@ pub fn virtual_views(count: u32, target: Vec3, distance: f32, radius: f32, footp
                 r: [right.to_array(), down.to_array(), forward.to_array()],
                 t: [-right.dot(centre), -down.dot(centre), -forward.dot(centre)],
             };
-            Eye { camera: Pinhole::new(&camera, DVec3::ZERO) }
+            Viewpoint { camera: Pinhole::new(&camera, DVec3::ZERO) }
         })
         .collect()
 }

@@ -4,9 +4,9 @@ use crate::{camera::Pinhole, math::ordered};
 use alloc::vec::Vec;
 
 /// Cosine of 6°: views nearer than that see too little parallax.
-const NEAREST_COSINE: f32 = 0.9945;
+const MAX_COSINE: f32 = 0.9945;
 /// Cosine of 65°: views further apart hardly share a surface.
-const FARTHEST_COSINE: f32 = 0.4226;
+const MIN_COSINE: f32 = 0.4226;
 
 /// The views that a view can be compared with: the smallest angle to it first, ties by index; as seen from the origin,
 /// on which the cameras look.
@@ -18,7 +18,7 @@ pub fn neighbours(cameras: &[Pinhole], view: usize) -> Vec<u16> {
         .enumerate()
         .filter(|&(i, _)| i != view)
         .map(|(i, c)| (toward(c).dot(own), i as u64))
-        .filter(|&(cosine, _)| cosine < NEAREST_COSINE && cosine > FARTHEST_COSINE)
+        .filter(|&(cosine, _)| cosine < MAX_COSINE && cosine > MIN_COSINE)
         .map(|(cosine, i)| u64::from(ordered(-cosine)) << 16 | i)
         .collect();
     others.sort_unstable();

@@ -22,10 +22,10 @@ pub(super) fn signed_distance(
     height: usize,
     coverage: &[u8],
     known: impl Fn(usize) -> bool,
-    scratch: &mut Scratch,
+    scratch: &mut SilhouetteScratch,
     out: &mut Vec<i16>,
 ) {
-    let Scratch { half, smooth: smoothed, columns, rows } = scratch;
+    let SilhouetteScratch { half, smooth: smoothed, columns, rows } = scratch;
     smooth(width, height, coverage, half, smoothed);
     columns.clear(height, width);
     seed(width, height, smoothed, known, columns);
@@ -44,7 +44,7 @@ pub(super) fn signed_distance(
 
 /// Buffers that go from view to view.
 #[derive(Debug, Default)]
-pub(crate) struct Scratch {
+pub(crate) struct SilhouetteScratch {
     /// Coverage smoothed along the rows only.
     half: Vec<u16>,
     smooth: Vec<u16>,

@@ -7,7 +7,7 @@ mod distance;
 mod matte;
 
 pub use chroma::ChromaKey;
-pub(crate) use distance::Scratch;
+pub(crate) use distance::SilhouetteScratch;
 
 use alloc::{format, string::String, vec::Vec};
 
@@ -38,7 +38,7 @@ impl Silhouette {
         coverage: &[u8],
         known: impl Fn(usize) -> bool,
     ) -> Result<Self, String> {
-        Self::with_buffers(width, height, coverage, known, &mut Scratch::default(), Vec::new())
+        Self::with_buffers(width, height, coverage, known, &mut SilhouetteScratch::default(), Vec::new())
     }
 
     /// [`Self::from_coverage`] with buffers to use; the distances go to `distance`.
@@ -47,7 +47,7 @@ impl Silhouette {
         height: u32,
         coverage: &[u8],
         known: impl Fn(usize) -> bool,
-        scratch: &mut Scratch,
+        scratch: &mut SilhouetteScratch,
         mut distance: Vec<i16>,
     ) -> Result<Self, String> {
         if width < 2 || height < 2 {

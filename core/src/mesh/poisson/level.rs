@@ -8,7 +8,7 @@ use crate::surface::neighbourhood::Neighbourhood;
 use crate::workspace::Workspace;
 
 /// A level's grid and the indicator function χ on it: 1 inside the object, 0 outside.
-pub(super) struct Level {
+pub(super) struct GridLevel {
     pub(super) grid: SparseGrid,
     pub(super) chi: Vec<f32>,
 }
@@ -18,7 +18,7 @@ const REACH: f32 = 2.0;
 const REACH_COARSE: f32 = 5.0;
 
 /// χ at a node of the last of the levels, from a coarser one where the last stores nothing.
-fn value(levels: &[Level], [x, y, z]: [i32; 3]) -> f32 {
+fn value(levels: &[GridLevel], [x, y, z]: [i32; 3]) -> f32 {
     let Some((level, coarser)) = levels.split_last() else { return 0.0 };
     let (slot, local) = level.grid.locate(x, y, z);
     if slot < SparseGrid::INSIDE {
@@ -32,7 +32,7 @@ fn value(levels: &[Level], [x, y, z]: [i32; 3]) -> f32 {
     sum * 0.125
 }
 
-impl Level {
+impl GridLevel {
     /// The coarsest level: all of the domain.
     pub(super) fn coarsest(finest: &SparseGrid, level: usize, workspace: &mut Workspace) -> Self {
         let dims = finest.dims.map(|v| v >> level);
@@ -43,7 +43,7 @@ impl Level {
 
     /// The next finer level: the blocks that points reach or that χ = `iso` can pass, with χ interpolated.
     pub(super) fn refine(
-        levels: &[Level],
+        levels: &[GridLevel],
         samples: &[Sample],
         level: usize,
         iso: f32,
@@ -65,7 +65,7 @@ impl Level {
 }
 
 /// For each block of the next finer level: inside, outside, or (0) with nodes on both sides of `iso` in it or near it.
-fn states(coarse: &Level, iso: f32) -> Vec<u32> {
+fn states(coarse: &GridLevel, iso: f32) -> Vec<u32> {
     let grid = &coarse.grid;
     let [w, h, d] = grid.dims.map(|v| 2 * v as usize);
     let mut states = vec![SparseGrid::OUTSIDE; w * h * d];

@@ -25,7 +25,7 @@ use crate::math::{from_ordered, max, ordered};
 use crate::point_cloud::Point;
 use crate::surface::Envelope;
 use crate::workspace::Workspace;
-use level::Level;
+use level::GridLevel;
 use samples::Sample;
 use solution::{MARGIN, Solution};
 use solve::Operator;
@@ -68,15 +68,15 @@ pub(super) fn solve(
         samples.push(samples::coarser(&samples[level - 1], settled, workspace));
     }
 
-    let mut levels: Vec<Level> = Vec::with_capacity(count);
+    let mut levels: Vec<GridLevel> = Vec::with_capacity(count);
     let mut sparse: Vec<f32> = Vec::new();
     let (mut iso, mut cells, mut held) = (0.5, Vec::new(), None);
     for level in (0..count).rev() {
         let samples = samples.pop().expect("there is one list a level");
         let mut next = if levels.is_empty() {
-            Level::coarsest(&finest, level, workspace)
+            GridLevel::coarsest(&finest, level, workspace)
         } else {
-            Level::refine(&levels, &samples, level, iso, workspace)
+            GridLevel::refine(&levels, &samples, level, iso, workspace)
         };
         steps.step()?;
         let mut rhs = right_hand_side(&levels, &mut sparse, &samples, &next.grid, level, workspace);
@@ -130,7 +130,7 @@ pub(super) fn solve(
 /// The right-hand side of a level: samples as detailed as the level or finer act here, coarser ones through `sparse`,
 /// which holds their part on the level above and is brought to this one.
 fn right_hand_side(
-    levels: &[Level],
+    levels: &[GridLevel],
     sparse: &mut Vec<f32>,
     samples: &[Sample],
     grid: &SparseGrid,

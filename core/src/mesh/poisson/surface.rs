@@ -3,7 +3,7 @@
 use alloc::vec::Vec;
 use glam::Vec3;
 
-use super::level::Level;
+use super::level::GridLevel;
 use super::profile::{SMOOTHED, SOLVED};
 use super::smooth;
 use super::solution::{MARGIN, Solution};
@@ -19,7 +19,12 @@ const TOLERANCE: f32 = 0.1;
 ///
 /// χ is smoothed but where a value that the envelope holds is in the smoothing's reach: near the silhouettes' contours,
 /// which say where the surface ends, it would be rounded off.
-pub(super) fn distances(level: &Level, iso: f32, envelope: Option<&Vec<f32>>, workspace: &mut Workspace) -> Vec<f32> {
+pub(super) fn distances(
+    level: &GridLevel,
+    iso: f32,
+    envelope: Option<&Vec<f32>>,
+    workspace: &mut Workspace,
+) -> Vec<f32> {
     let mut distances = smooth::smooth(&level.grid, &level.chi, [1.0, 0.0], workspace);
     for (node, (distance, &chi)) in distances.iter_mut().zip(&level.chi).enumerate() {
         let share = envelope.map_or(1.0, |envelope| min(max(envelope[node] + (MARGIN - smooth::REACH), 0.0), 1.0));
