@@ -1,19 +1,22 @@
-//! Calibrated cameras: what the host gives ([`Camera`]) and the undistorted form that the stages use ([`Pinhole`]).
+//! Calibrated cameras: the form that the host passes in ([`Camera`]) and the undistorted form that the stages use
+//! ([`Pinhole`]).
 
 use alloc::{format, string::String};
 use glam::{DMat3, DVec2, DVec3, Vec3};
 
-/// A calibrated camera. World to pixel is `x = K · distort(R X + t)`: x right, y down, z forward, the first pixel's
-/// centre at (0, 0). Matrices are row-major. Lengths are in the scene's unit.
+/// A calibrated camera.
+///
+/// A world point X projects to the pixel `x = K · distort(R X + t)`, as in OpenCV. Camera axes are x right, y down and
+/// z forward. The centre of the first pixel is at (0, 0). Matrices are row-major. Lengths are in the scene's unit.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Camera {
-    /// Pixels in a row of its pictures.
+    /// Width of its pictures in pixels.
     pub width: u32,
-    /// Rows of its pictures.
+    /// Height of its pictures in pixels.
     pub height: u32,
-    /// Intrinsic matrix; last row 0 0 1. Skew is allowed.
+    /// Intrinsic matrix. Its last row is 0 0 1. Skew is allowed.
     pub k: [[f64; 3]; 3],
-    /// OpenCV's coefficients k1, k2, p1, p2, k3.
+    /// OpenCV's distortion coefficients k1, k2, p1, p2, k3.
     pub distortion: [f64; 5],
     /// Rotation, world to camera.
     pub r: [[f64; 3]; 3],
@@ -26,11 +29,13 @@ fn matrix(rows: &[[f64; 3]; 3]) -> DMat3 {
 }
 
 impl Camera {
-    /// Says what is wrong with the calibration and what to do, if anything is.
+    /// Checks the calibration. The error states what is wrong and how to correct it.
     pub fn check(&self) -> Result<(), String> {
         let numbers = self.k.iter().chain(&self.r).flatten().chain(&self.t).chain(&self.distortion);
         if numbers.into_iter().any(|v| !v.is_finite()) {
-            return Err(String::from("K, R, t or the distortion holds a number that is not finite: calibrate again"));
+            return Err(String::from(
+                "K, R, t or the distortion contains a number that is not finite: calibrate again",
+            ));
         }
         if self.width == 0 || self.height == 0 {
             return Err(format!("the calibrated size is {} x {} pixels", self.width, self.height));
@@ -40,7 +45,10 @@ impl Camera {
             return Err(String::from("K must be upper triangular with last row 0 0 1"));
         }
         if k[0][0] <= 0.0 || k[1][1] <= 0.0 {
-            return Err(format!("K is singular or mirrors: focal lengths are {} and {}", k[0][0], k[1][1]));
+            return Err(format!(
+                "K is singular or mirrors the picture: its focal lengths are {} and {}, but both must be positive",
+                k[0][0], k[1][1]
+            ));
         }
         let r = matrix(&self.r);
         if r.determinant() < 0.0 {
@@ -56,17 +64,17 @@ impl Camera {
         Ok(())
     }
 
-    /// Centre of projection in the world.
+    /// Centre of projection in world coordinates.
     pub fn centre(&self) -> DVec3 {
         -(matrix(&self.r).transpose() * DVec3::from_array(self.t))
     }
 
-    /// Viewing direction (unit) in the world.
+    /// Unit viewing direction in world coordinates.
     pub fn direction(&self) -> DVec3 {
         DVec3::from_array(self.r[2])
     }
 
-    /// Pixel of a world point and its depth, or `None` behind the camera.
+    /// The pixel and the depth of a world point, or `None` if the point is behind the camera.
     pub fn project(&self, world: DVec3) -> Option<(DVec2, f64)> {
         let c = matrix(&self.r) * world + DVec3::from_array(self.t);
         if c.z <= 0.0 {
@@ -76,7 +84,8 @@ impl Camera {
         Some((pixel.truncate(), c.z))
     }
 
-    /// OpenCV's lens distortion of normalised image coordinates.
+    /// Applies the lens distortion to normalised image coordinates: the Brown-Conrady model as in OpenCV, with three
+    /// radial and two tangential coefficients.
     pub fn distort(&self, p: DVec2) -> DVec2 {
         let [k1, k2, p1, p2, k3] = self.distortion;
         let r2 = p.length_squared();
@@ -87,31 +96,32 @@ impl Camera {
         )
     }
 
-    /// Whether the lens bends lines at all.
+    /// Whether any distortion coefficient is non-zero.
     pub fn is_distorted(&self) -> bool {
         self.distortion != [0.0; 5]
     }
 
-    /// Normalised coordinates K⁻¹ (x, y, 1) of an ideal pixel.
+    /// Normalised coordinates K⁻¹ (x, y, 1) of an ideal (undistorted) pixel.
     pub fn normalise(&self, pixel: DVec2) -> DVec2 {
         let k = &self.k;
         let y = (pixel.y - k[1][2]) / k[1][1];
         DVec2::new((pixel.x - k[0][2] - k[0][1] * y) / k[0][0], y)
     }
 
-    /// Where the ideal (undistorted) pixel lies in the real picture.
+    /// Position in the real (distorted) picture of an ideal (undistorted) pixel.
     pub fn distort_pixel(&self, pixel: DVec2) -> DVec2 {
         (matrix(&self.k) * self.distort(self.normalise(pixel)).extend(1.0)).truncate()
     }
 }
 
-/// A camera without lens distortion in single precision, relative to the rig's origin. Same K and size as its
-/// [`Camera`]; pictures are resampled to it once (see [`crate::view`]).
+/// A camera without lens distortion, in single precision and relative to the rig's origin.
+///
+/// It has the same K and picture size as its [`Camera`]. Pictures are resampled to it once (see [`crate::view`]).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Pinhole {
-    /// Pixels in a row.
+    /// Width in pixels.
     pub width: u32,
-    /// Rows.
+    /// Height in pixels.
     pub height: u32,
     /// Centre of projection.
     pub centre: Vec3,
@@ -121,12 +131,12 @@ pub struct Pinhole {
     rows: [Vec3; 3],
     /// K·(R·origin + t).
     offset: Vec3,
-    /// Columns of (K·R)⁻¹: pixel (u, v, 1) to the direction whose depth is one.
+    /// Columns of (K·R)⁻¹, which maps the pixel (u, v, 1) to the direction of unit depth.
     columns: [Vec3; 3],
 }
 
 impl Pinhole {
-    /// The camera seen from `origin`, ignoring its distortion.
+    /// The camera relative to `origin`, without its distortion.
     pub fn new(camera: &Camera, origin: DVec3) -> Self {
         let (k, r) = (matrix(&camera.k), matrix(&camera.r));
         let kr = k * r;
@@ -144,20 +154,20 @@ impl Pinhole {
         }
     }
 
-    /// Pixel (x, y) and depth (z) of a point; the pixel is meaningless where the depth is not positive.
+    /// Pixel (x, y) and depth (z) of a point. The pixel is meaningless if the depth is not positive.
     #[inline]
     pub fn project(&self, p: Vec3) -> Vec3 {
         let z = self.rows[2].dot(p) + self.offset.z;
         Vec3::new((self.rows[0].dot(p) + self.offset.x) / z, (self.rows[1].dot(p) + self.offset.y) / z, z)
     }
 
-    /// Direction of a pixel's ray, scaled so that `centre + depth * ray` has that depth.
+    /// Direction of a pixel's ray, scaled so that the point `centre + depth * ray` has that depth.
     #[inline]
     pub fn ray(&self, u: f32, v: f32) -> Vec3 {
         self.columns[0] * u + self.columns[1] * v + self.columns[2]
     }
 
-    /// The point that a pixel sees at a depth.
+    /// The point on a pixel's ray at a depth.
     #[inline]
     pub fn unproject(&self, u: f32, v: f32, depth: f32) -> Vec3 {
         self.centre + self.ray(u, v) * depth
@@ -169,15 +179,15 @@ impl Pinhole {
         self.rows[2].dot(p) + self.offset.z
     }
 
-    /// Size of a pixel on a surface that faces the camera at a depth.
+    /// Footprint: the size of a pixel on a surface that faces the camera at a depth.
     #[inline]
     pub fn footprint(&self, depth: f32) -> f32 {
         depth / self.focal
     }
 
-    /// The camera of a picture at half the resolution, whose pixels are means of 2 x 2.
+    /// The camera of the picture at half the resolution, in which each pixel is the mean of 2 x 2 pixels.
     pub fn halved(&self) -> Self {
-        // u' = (u - 1/2) / 2, so that centres of 2 x 2 squares become integers.
+        // u' = (u - 1/2) / 2 maps the centres of 2 x 2 squares to integers.
         let scale = |row: Vec3, z: Vec3| (row - z * 0.5) * 0.5;
         let offset = |v: f32| (v - self.offset.z * 0.5) * 0.5;
         Self {
@@ -195,7 +205,7 @@ impl Pinhole {
         }
     }
 
-    /// Rows of K·R and K·(R·origin + t), from which plane-induced homographies are made.
+    /// The rows of K·R, and K·(R·origin + t). The plane sweep derives its warps from them.
     pub fn projection(&self) -> ([Vec3; 3], Vec3) {
         (self.rows, self.offset)
     }

@@ -1,6 +1,6 @@
-//! The coarse pass: detection (§4) and meshing (§6) at a lower resolution, whose mesh guides the detection that follows.
+//! The coarse pass: detection (§4) and meshing (§6) at a lower resolution. Its mesh guides the detection that follows.
 //!
-//! Not in the paper, which searches the whole hull at full resolution.
+//! The paper has no coarse pass: it searches the whole hull at full resolution.
 
 use crate::{
     context::Context,
@@ -16,18 +16,20 @@ use crate::{
 use alloc::vec::Vec;
 use core::iter::once;
 
-/// A pass of detection and meshing whose result guides the next.
+/// Parameters of the coarse pass.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
 pub struct CoarseParams {
-    /// How it detects.
+    /// Detection in this pass.
     pub detection: DetectionParams,
-    /// Distance of its mesh's grid nodes in pixels of footprint.
+    /// Spacing of the meshing grid's nodes, in pixels of footprint.
     pub voxel_pixels: f32,
 }
 
-/// The mesh of the coarse pass. `hull_mesh` is the hull's own mesh, `frontier` the weighted frontier points. `scratch` holds
-/// buffers for pieces of work; the executor adds more if more pieces run at the same time.
+/// Runs the coarse pass and returns its mesh.
+///
+/// `hull_mesh` is the hull's own mesh and `frontier` the weighted frontier points. `scratch` holds one buffer per job
+/// that runs at the same time; the executor adds more if there are too few.
 ///
 /// # Errors
 /// [`crate::Error::NoSurface`] and [`crate::Error::Cancelled`].

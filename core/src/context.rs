@@ -1,4 +1,4 @@
-//! What the stages after the hull share.
+//! The inputs that the stages after the hull share.
 
 use crate::{hull::VisualHull, progress::Progress, rig::Rig, view::View};
 
@@ -7,16 +7,16 @@ use crate::{hull::VisualHull, progress::Progress, rig::Rig, view::View};
 pub struct Context<'a> {
     /// The calibrated cameras.
     pub rig: &'a Rig,
-    /// Undistorted pictures and silhouettes in the rig's order.
+    /// Undistorted pictures and silhouettes, in the rig's order.
     pub views: &'a [View],
     /// The visual hull of these views.
     pub hull: &'a VisualHull,
-    /// Receives progress and may cancel.
+    /// Receives progress reports and may cancel.
     pub progress: &'a dyn Progress,
 }
 
 impl<'a> Context<'a> {
-    /// The same inputs with another receiver of progress.
+    /// The same inputs with another progress receiver.
     pub(crate) fn reporting_to(self, progress: &'a dyn Progress) -> Self {
         Self { progress, ..self }
     }

@@ -1,25 +1,27 @@
-//! Eigenvectors of symmetric 3 x 3 matrices: local surface normals by PCA.
+//! Eigenvalues and eigenvectors of symmetric 3 x 3 matrices, from which PCA derives local surface normals (§4.3).
 
 use crate::math::{inverse_sqrt, max, min};
 
-/// Matrices solved side by side, as wide as a vector register.
+/// Number of matrices solved side by side: the width of a 256-bit vector register.
 pub const LANES: usize = 8;
-/// A number of each matrix.
+/// One number per matrix.
 pub type Lanes = [f32; LANES];
 
-/// Eigenvalues, largest first, and the unit eigenvector of the smallest of [`LANES`] matrices, by cyclic Jacobi
-/// rotations. The matrices are given by their upper triangles xx, xy, xz, yy, yz, zz.
+/// Eigenvalues, largest first, and the unit eigenvector of the smallest one, of [`LANES`] matrices.
+///
+/// Uses the cyclic Jacobi method (Golub (Golub & Van Loan, Matrix Computations, section 8.5) Van Loan, Matrix
+/// Computations, "Jacobi Methods"). The matrices are given by their upper triangles xx, xy, xz, yy, yz, zz.
 #[inline(always)]
 pub fn principal([mut xx, mut xy, mut xz, mut yy, mut yz, mut zz]: [Lanes; 6]) -> ([Lanes; 3], [Lanes; 3]) {
     let (zero, one) = ([0.0; LANES], [1.0; LANES]);
     let [mut x, mut y, mut z] = [[one, zero, zero], [zero, one, zero], [zero, zero, one]];
-    // Three sweeps reach single precision: convergence is quadratic.
+    // Convergence is quadratic, so that three sweeps reach single precision.
     for _ in 0..3 {
         rotate([&mut xx, &mut yy, &mut xy, &mut xz, &mut yz], &mut x, &mut y);
         rotate([&mut xx, &mut zz, &mut xz, &mut xy, &mut yz], &mut x, &mut z);
         rotate([&mut yy, &mut zz, &mut yz, &mut xy, &mut xz], &mut y, &mut z);
     }
-    let (mut values, mut least) = ([zero; 3], [zero; 3]);
+    let (mut values, mut smallest) = ([zero; 3], [zero; 3]);
     for l in 0..LANES {
         let (high, low) = (max(xx[l], yy[l]), min(xx[l], yy[l]));
         values[0][l] = max(high, zz[l]);
@@ -27,16 +29,17 @@ pub fn principal([mut xx, mut xy, mut xz, mut yy, mut yz, mut zz]: [Lanes; 6]) -
         values[2][l] = min(low, zz[l]);
         let (third, second) = (zz[l] <= low, yy[l] <= xx[l]);
         let n = [0, 1, 2].map(|k| if third { z[k][l] } else { if second { y[k][l] } else { x[k][l] } });
-        // The rotations leave a length of 1 but for rounding.
+        // The rotations preserve the length of 1 except for rounding errors.
         let scale = inverse_sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]);
         for k in 0..3 {
-            least[k][l] = n[k] * scale;
+            smallest[k][l] = n[k] * scale;
         }
     }
-    (values, least)
+    (values, smallest)
 }
 
-/// Rotates axes p and q, whose eigenvectors so far are `vp` and `vq`, so that the entry pq vanishes; r is the third axis.
+/// Rotates the axes p and q so that the entry pq vanishes. `vp` and `vq` are the current estimates of their
+/// eigenvectors, and r is the third axis.
 #[inline(always)]
 fn rotate([app, aqq, apq, apr, aqr]: [&mut Lanes; 5], vp: &mut [Lanes; 3], vq: &mut [Lanes; 3]) {
     let (mut cosine, mut sine) = ([0.0; LANES], [0.0; LANES]);
@@ -59,10 +62,11 @@ fn rotate([app, aqq, apq, apr, aqr]: [&mut Lanes; 5], vp: &mut [Lanes; 3], vq: &
     }
 }
 
-/// Tangent of the angle by which a rotation makes `off` vanish beside `first` and `second` on the diagonal.
+/// Tangent of the rotation angle that makes the off-diagonal entry `off` vanish, given the diagonal entries `first` and
+/// `second`.
 #[inline(always)]
 fn tangent(first: f32, second: f32, off: f32) -> f32 {
-    // Beyond this the tangent is nothing beside 1, and squares stay finite.
+    // Above this the tangent is negligible compared with 1. The limit keeps the square finite.
     const STEEP: f32 = 1e15;
     let theta = (second - first) / (2.0 * off);
     let size = if theta.abs() < STEEP { theta.abs() } else { STEEP };
@@ -78,7 +82,7 @@ mod tests {
     use glam::{Mat3, Quat, Vec3};
 
     #[test]
-    fn the_least_eigenvector_is_found() {
+    fn the_eigenvector_of_the_smallest_eigenvalue_is_found() {
         let spectra = [[3.0, 2.0, 1.0], [1.0, 1.0, 0.0], [1e-6, 1e-6, 1e-9], [5.0, 1e-3, 1e-3 * 0.5], [0.0; 3]];
         for (i, spectrum) in spectra.into_iter().enumerate() {
             let rotations: [Mat3; LANES] = core::array::from_fn(|k| {
@@ -86,13 +90,13 @@ mod tests {
             });
             let matrices = rotations.map(|r| r * Mat3::from_diagonal(Vec3::from_array(spectrum)) * r.transpose());
             let entry = |c: usize, r: usize| matrices.map(|m| m.col(c)[r]);
-            let (values, least) =
+            let (values, smallest) =
                 principal([entry(0, 0), entry(1, 0), entry(2, 0), entry(1, 1), entry(2, 1), entry(2, 2)]);
             for l in 0..LANES {
                 for k in 0..3 {
                     assert!((values[k][l] - spectrum[k]).abs() <= 1e-6 * spectrum[0], "{spectrum:?}");
                 }
-                let n = Vec3::from_array(least.map(|lanes| lanes[l]));
+                let n = Vec3::from_array(smallest.map(|lanes| lanes[l]));
                 assert!((n.length() - 1.0).abs() < 1e-6);
                 let expected = rotations[l].col(2);
                 let alone = spectrum[2] < 0.9 * spectrum[1];

@@ -1,8 +1,8 @@
-//! What can be wrong with an input, said so that a host can name the camera and the remedy.
+//! Errors. Each message states the problem and the remedy; [`Error::camera`] gives the camera concerned.
 
 use alloc::string::String;
 
-/// Why a reconstruction could not be made. `camera` is an index into the cameras given to [`crate::Rig::new`].
+/// Why a reconstruction failed. Every `camera` is an index into the cameras passed to [`crate::Rig::new`].
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {
@@ -14,7 +14,7 @@ pub enum Error {
         /// What is wrong and what to do.
         problem: String,
     },
-    /// A picture does not fit its camera, or its buffer is too small for what it claims.
+    /// A picture does not match its camera, or its buffer is smaller than its size, stride and format require.
     #[error("camera {camera}: {problem}")]
     Image {
         /// Index of the camera.
@@ -30,81 +30,80 @@ pub enum Error {
         /// What is wrong and what to do.
         problem: String,
     },
-    /// Two cameras stand at the same place and look the same way.
-    #[error("cameras {first} and {second} are the same camera: remove one of them")]
+    /// Two cameras have the same position and viewing direction.
+    #[error("cameras {first} and {second} have the same position and viewing direction: remove one of them")]
     DuplicateCamera {
         /// Index of the earlier camera.
         first: u32,
         /// Index of the later camera.
         second: u32,
     },
-    /// Fewer views than the method needs.
-    #[error("{given} views given, at least {needed} are needed")]
+    /// There are fewer views than the method needs.
+    #[error("{given} views given: at least {needed} are needed")]
     TooFewViews {
         /// Views given.
         given: u32,
         /// Views needed.
         needed: u32,
     },
-    /// The number of pictures is not the number of cameras.
-    #[error("{given} pictures given for {cameras} cameras: give one a camera, in the same order")]
+    /// The number of pictures differs from the number of cameras.
+    #[error("{given} pictures given for {cameras} cameras: give one per camera, in the same order")]
     ViewCount {
         /// Pictures given.
         given: u32,
         /// Cameras in the rig.
         cameras: u32,
     },
-    /// The number of gains is not the number of cameras.
-    #[error("{given} gains given for {cameras} cameras: give one a camera, in the same order")]
+    /// The number of gains differs from the number of cameras.
+    #[error("{given} gains given for {cameras} cameras: give one per camera, in the same order")]
     GainCount {
         /// Gains given.
         given: u32,
         /// Cameras in the rig.
         cameras: u32,
     },
-    /// No point of space projects into all silhouettes that see it.
+    /// No point in space lies inside all silhouettes that see it.
     #[error(
-        "the visual hull is empty: the silhouettes do not meet in space. \
+        "the visual hull is empty: no point in space lies inside the silhouettes of all views. \
          Check that masks, images and cameras belong together and that masks are white on the object"
     )]
     EmptyHull,
-    /// The points bound no surface.
+    /// The points do not bound a surface.
     #[error(
-        "the points bound no surface: too few were found, or all have weight zero. \
+        "the points do not bound a surface: too few were found, or all have weight zero. \
          Check that the cameras overlap and that masks, images and cameras belong together"
     )]
     NoSurface,
-    /// The option `max_memory` is below what the frame needs.
-    #[error("{needed} bytes of memory are needed, max_memory allows {limit}")]
+    /// The frame needs more memory than the option `max_memory` allows.
+    #[error("{needed} bytes of memory are needed but max_memory allows {limit}")]
     OutOfMemory {
         /// Bytes needed.
         needed: u64,
         /// Bytes allowed.
         limit: u64,
     },
-    /// There is no camera of this number.
+    /// The rig has no camera with this index.
     #[error("there is no camera {camera}: the rig has {cameras}")]
     NoSuchCamera {
-        /// Number that was given.
+        /// Index that was given.
         camera: u32,
         /// Cameras in the rig.
         cameras: u32,
     },
-    /// A stage was asked for before what it needs was there, or too late. Only a host that runs a [`crate::Frame`] stage by
-    /// stage meets it.
+    /// A stage was requested too early or too late. Occurs only in hosts that run a [`crate::Frame`] stage by stage.
     #[error("{problem}")]
     WrongOrder {
-        /// Index of the camera that is missing, if it is one.
+        /// Index of the camera concerned, if there is one.
         camera: Option<u32>,
-        /// What is missing and what to do.
+        /// What is wrong and what to do.
         problem: String,
     },
-    /// The host asked to stop.
+    /// The host cancelled through [`crate::Progress::step`].
     #[error("cancelled")]
     Cancelled,
 }
 
-/// Kind of an [`Error`], for hosts that map errors to codes of their own.
+/// The kind of an [`Error`], for hosts that map errors to their own codes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 pub enum ErrorCode {
@@ -152,7 +151,7 @@ impl ErrorCode {
 }
 
 impl Error {
-    /// What kind of error it is.
+    /// The kind of error.
     pub const fn code(&self) -> ErrorCode {
         match self {
             Self::Camera { .. } => ErrorCode::Camera,
@@ -169,7 +168,7 @@ impl Error {
         }
     }
 
-    /// Index of the camera to blame, if it is one; of two it is the later one.
+    /// Index of the camera concerned, if there is one. If two cameras are concerned it is the later one.
     pub const fn camera(&self) -> Option<u32> {
         match self {
             Self::Camera { camera, .. }

@@ -1,12 +1,14 @@
-//! Where independent pieces of work run.
+//! How independent jobs are run: on the calling thread ([`Serial`]) or on the host's threads ([`Executor`]).
 
 use alloc::vec::Vec;
 use spin::Mutex;
 
-/// Runs independent pieces of work, in any order and on any thread. The results come back in order.
+/// Runs independent jobs, in any order and on any thread. The results are returned in the order of the jobs.
 pub trait Executor: Sync {
-    /// `(0..count).map(|i| job(scratch, i))`. While a piece runs it has a scratch for itself: one of `spare`, or a new one
-    /// if they are all in use. All end up in `spare`. The content of a scratch does not change a result.
+    /// Computes `(0..count).map(|i| job(scratch, i))`.
+    ///
+    /// Each running job has exclusive use of a scratch buffer. It is taken from `spare`, or created if all of them are
+    /// in use. All buffers are in `spare` when the call returns. Their content never affects a result.
     fn map_with<S: Default + Send, T: Send>(
         &self,
         spare: &mut Vec<S>,
@@ -14,13 +16,13 @@ pub trait Executor: Sync {
         job: impl Fn(&mut S, usize) -> T + Sync,
     ) -> Vec<T>;
 
-    /// `(0..count).map(job)`.
+    /// Computes `(0..count).map(job)`.
     fn map<T: Send>(&self, count: usize, job: impl Fn(usize) -> T + Sync) -> Vec<T> {
         self.map_with(&mut Vec::<()>::new(), count, |(), i| job(i))
     }
 }
 
-/// Runs everything on the calling thread.
+/// Runs all jobs on the calling thread.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Serial;
 
@@ -38,7 +40,7 @@ impl Executor for Serial {
     }
 }
 
-/// Buffers that no piece of work is using. The lock is held only to take one out or to put one back.
+/// Buffers that are not in use. The lock is held only while a buffer is taken out or put back.
 #[derive(Debug, Default)]
 pub struct Pool<S>(Mutex<Vec<S>>);
 
@@ -49,13 +51,13 @@ impl<S> From<Vec<S>> for Pool<S> {
 }
 
 impl<S: Default> Pool<S> {
-    /// One of the buffers, or a new one.
+    /// Takes one of the buffers, or creates one.
     pub fn take(&self) -> S {
         let spare = self.0.lock().pop();
         spare.unwrap_or_default()
     }
 
-    /// Runs some work with a buffer for itself.
+    /// Runs `work` with exclusive use of a buffer.
     pub fn with<T>(&self, work: impl FnOnce(&mut S) -> T) -> T {
         let mut scratch = self.take();
         let result = work(&mut scratch);

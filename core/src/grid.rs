@@ -1,4 +1,4 @@
-//! A uniform grid of which only some blocks are stored: what hull, Poisson solver and marching cubes share.
+//! A sparse uniform grid, stored in blocks. The hull, the Poisson solver and marching cubes share it.
 
 use crate::math::floor;
 use alloc::{vec, vec::Vec};
@@ -9,17 +9,19 @@ pub const BLOCK: usize = 8;
 /// Nodes in a block.
 pub const BLOCK_NODES: usize = BLOCK * BLOCK * BLOCK;
 
-/// Blocks of 8³ nodes on a uniform grid. Node (x, y, z) lies at `origin + voxel * (x, y, z)`; values are kept outside,
-/// block after block in the order of `blocks`, x fastest within a block.
+/// A uniform grid of which only some blocks of 8³ nodes are stored.
+///
+/// Node (x, y, z) lies at `origin + voxel * (x, y, z)`. The owner of the grid keeps the values in an array of its own:
+/// block after block in the order of `blocks`, and x fastest within a block.
 #[derive(Debug, Clone, Default)]
 pub struct SparseGrid {
     /// Position of node (0, 0, 0).
     pub origin: Vec3,
-    /// Distance between neighbouring nodes.
+    /// Spacing of the nodes, in scene units.
     pub voxel: f32,
     /// Size in blocks.
     pub dims: [u32; 3],
-    /// Coordinates of the stored blocks, in order of z, y, x.
+    /// Coordinates of the stored blocks, sorted by z, then y, then x.
     pub blocks: Vec<[u16; 3]>,
     table: Vec<u32>,
 }
@@ -30,8 +32,8 @@ impl SparseGrid {
     /// Slot of a block that is not stored and lies inside the object.
     pub const INSIDE: u32 = u32::MAX - 1;
 
-    /// A grid of `dims` blocks; `keep` decides in order of z, y, x which are stored ([`Self::OUTSIDE`] and
-    /// [`Self::INSIDE`] for those that are not, anything else for those that are).
+    /// A grid of `dims` blocks. `keep` is called for each block, with x fastest and z slowest. A block is stored unless
+    /// `keep` returns [`Self::OUTSIDE`] or [`Self::INSIDE`].
     pub fn new(origin: Vec3, voxel: f32, dims: [u32; 3], mut keep: impl FnMut([u32; 3]) -> u32) -> Self {
         let mut grid = Self {
             origin,
@@ -58,7 +60,8 @@ impl SparseGrid {
         grid
     }
 
-    /// Slot of a block, [`Self::INSIDE`] or [`Self::OUTSIDE`]; beyond the grid all is outside.
+    /// Slot of a block, or [`Self::INSIDE`] or [`Self::OUTSIDE`] if it is not stored. Blocks beyond the grid are
+    /// outside.
     #[inline]
     pub fn slot(&self, x: i32, y: i32, z: i32) -> u32 {
         let [w, h, d] = self.dims;
@@ -69,7 +72,7 @@ impl SparseGrid {
         }
     }
 
-    /// Slot of the block that holds a node, and the node's place in it.
+    /// Slot of the block that contains a node, and the node's index within the block.
     #[inline]
     pub fn locate(&self, x: i32, y: i32, z: i32) -> (u32, usize) {
         let (m, s) = (BLOCK as i32 - 1, BLOCK.trailing_zeros());
@@ -77,7 +80,7 @@ impl SparseGrid {
         (self.slot(x >> s, y >> s, z >> s), local as usize)
     }
 
-    /// Value at a node: the stored one, `outside` or `inside`.
+    /// Value at a node. In blocks that are not stored it is `outside` or `inside`.
     #[inline]
     pub fn value(&self, values: &[f32], x: i32, y: i32, z: i32, outside: f32, inside: f32) -> f32 {
         match self.locate(x, y, z) {
@@ -93,7 +96,7 @@ impl SparseGrid {
         self.origin + Vec3::new(x as f32, y as f32, z as f32) * self.voxel
     }
 
-    /// Trilinear interpolation of the values at a point.
+    /// Trilinear interpolation of the node values at a point.
     #[inline]
     pub fn interpolate(&self, values: &[f32], p: Vec3, outside: f32, inside: f32) -> f32 {
         let q = (p - self.origin) / self.voxel;

@@ -1,6 +1,8 @@
-//! A 64-bit hash of a stage's output, the same on every platform.
+//! A 64-bit hash of a stage's output. It is the same on every platform.
 
-/// FNV-1a over little-endian bytes, 8 at a time through a 64-bit multiply.
+/// A hash in the manner of FNV-1a with a step of its own: each 64-bit word is mixed in at once by an exclusive or and a
+/// multiplication by FNV's 64-bit prime, and then the high bits are folded into the low ones by a shift. It is not
+/// FNV-1a, which takes single bytes. It detects changes and is not cryptographic.
 #[derive(Debug, Clone, Copy)]
 pub struct Hash64(u64);
 
@@ -17,7 +19,7 @@ impl Hash64 {
         self.0 ^= self.0 >> 29;
     }
 
-    /// Mixes in the bits of a number (+0 and -0 are the same).
+    /// Mixes in the bits of a number; +0 and -0 give the same hash.
     pub fn number(&mut self, v: f32) {
         self.word(u64::from((v + 0.0).to_bits()));
     }

@@ -1,4 +1,4 @@
-//! Pictures as a host hands them over: borrowed 8-bit pixels with a stride.
+//! Pictures as the host passes them in: borrowed 8-bit pixels with a stride.
 
 use alloc::{format, string::String, vec::Vec};
 
@@ -6,17 +6,17 @@ use alloc::{format, string::String, vec::Vec};
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[repr(u32)]
 pub enum PixelFormat {
-    /// One byte a pixel.
+    /// One byte per pixel.
     Gray8 = 0,
     /// Red, green, blue.
     Rgb8 = 1,
     /// Blue, green, red.
     Bgr8 = 2,
-    /// Red, green, blue, ignored.
+    /// Red, green, blue and a byte that is ignored.
     Rgba8 = 3,
-    /// Blue, green, red, ignored.
+    /// Blue, green, red and a byte that is ignored.
     Bgra8 = 4,
-    /// A plane of luma, then a half-size plane of interleaved Cb, Cr (BT.601, video range).
+    /// A luma plane and a half-size plane of interleaved Cb and Cr (ITU-R BT.601, video range).
     Nv12 = 5,
 }
 
@@ -31,30 +31,30 @@ impl PixelFormat {
     }
 }
 
-/// A borrowed picture. The first pixel's centre is at (0, 0), rows run downward.
+/// A borrowed picture. The centre of the first pixel is at (0, 0), and rows run downwards.
 #[derive(Debug, Clone, Copy)]
 pub struct ImageRef<'a> {
     /// Bytes of the first plane.
     pub data: &'a [u8],
-    /// Pixels in a row.
+    /// Width in pixels.
     pub width: u32,
-    /// Rows.
+    /// Height in pixels.
     pub height: u32,
-    /// Bytes from a row to the next.
+    /// Bytes from the start of one row to the start of the next.
     pub stride: usize,
-    /// Layout.
+    /// Layout of the bytes.
     pub format: PixelFormat,
-    /// NV12 only: the plane of interleaved Cb, Cr and its stride in bytes.
+    /// NV12 only: the plane of interleaved Cb and Cr, and its stride in bytes.
     pub chroma: Option<(&'a [u8], usize)>,
 }
 
 impl<'a> ImageRef<'a> {
-    /// A picture without padding between its rows (every format but NV12).
+    /// A picture without padding between its rows, in any format except NV12.
     pub fn packed(data: &'a [u8], width: u32, height: u32, format: PixelFormat) -> Self {
         Self { data, width, height, stride: width as usize * format.bytes_per_pixel(), format, chroma: None }
     }
 
-    /// Checks that the buffers hold what size, stride and format claim; the error says what does not fit.
+    /// Checks that the buffers are large enough for the size, stride and format. The error states what does not fit.
     pub fn check(&self) -> Result<(), String> {
         let (w, h) = (self.width as usize, self.height as usize);
         if w == 0 || h == 0 {
@@ -62,7 +62,7 @@ impl<'a> ImageRef<'a> {
         }
         let row = w * self.format.bytes_per_pixel();
         if self.stride < row {
-            return Err(format!("a stride of {} bytes is less than a row of {row}", self.stride));
+            return Err(format!("the stride of {} bytes is smaller than a row of {row} bytes", self.stride));
         }
         if (h - 1) * self.stride + row > self.data.len() {
             return Err(format!(
@@ -80,7 +80,7 @@ impl<'a> ImageRef<'a> {
         Ok(())
     }
 
-    /// Red, green and blue of a pixel. The buffers must have passed [`Self::check`].
+    /// Red, green and blue of a pixel. Requires a picture that has passed [`Self::check`].
     #[inline]
     pub fn rgb(&self, x: u32, y: u32) -> [u8; 3] {
         let i = y as usize * self.stride + x as usize * self.format.bytes_per_pixel();
@@ -97,7 +97,7 @@ impl<'a> ImageRef<'a> {
         }
     }
 
-    /// Brightness of a pixel (BT.601 luma of its colours), for masks.
+    /// Brightness of a pixel (BT.601 luma). Masks are read this way.
     #[inline]
     pub fn gray(&self, x: u32, y: u32) -> u8 {
         luma(self.rgb(x, y))
@@ -143,7 +143,7 @@ pub fn luma([r, g, b]: [u8; 3]) -> u8 {
     ((u32::from(r) * 77 + u32::from(g) * 150 + u32::from(b) * 29 + 128) >> 8) as u8
 }
 
-/// BT.601, video range (16..235), in integers so that every machine agrees.
+/// BT.601, video range (16 to 235), in integer arithmetic so that the result is the same on every machine.
 fn rgb_from_ycbcr(y: u8, cb: u8, cr: u8) -> [u8; 3] {
     let (y, cb, cr) = ((i32::from(y) - 16) * 298, i32::from(cb) - 128, i32::from(cr) - 128);
     let channel = |v: i32| ((v + 128) >> 8).clamp(0, 255) as u8;
@@ -156,7 +156,7 @@ mod tests {
 
     #[test]
     fn nv12_is_bt601_video_range() {
-        // Hand-computed: black and white ends, mid gray, then the primaries of BT.601 rounded to bytes.
+        // Computed by hand: black, white and mid gray, then the primaries of BT.601 rounded to bytes.
         // Red 255 0 0 is Y 81.5, Cb 90.2, Cr 240.0; green Y 144.6, Cb 53.8, Cr 34.2; blue Y 41.0, Cb 240, Cr 109.8.
         let cases = [
             ([16, 128, 128], [0, 0, 0]),

@@ -1,9 +1,103 @@
 //! PCMVS: multi-view stereo for free-viewpoint video.
+//!
+//! From calibrated, synchronised photographs and silhouettes of a subject, the crate reconstructs one closed, coloured
+//! triangle mesh per frame. It implements Liu, Dai and Xu, "A Point-Cloud-Based Multiview Stereo Algorithm for
+//! Free-Viewpoint Video" (IEEE TVCG 16(3), 2010), with improvements that were measured ([`Preset::Default`]). The paper's
+//! own method is kept as [`Preset::Paper`]. Numbers with § in this documentation are sections of the paper.
+//!
+//! # Example
+//!
+//! ```
+//! use pcmvs_core::{
+//!     Camera, ImageRef, Mask, Params, PixelFormat, Preset, Result, Rig, Serial, Silent, ViewInput, export::glb, reconstruct,
+//! };
+//!
+//! /// Reconstructs one frame and returns it as a GLB file. There is one packed RGB photograph and one 8-bit mask, which is
+//! /// white on the subject, per camera.
+//! fn frame_to_glb(cameras: &[Camera], photographs: &[Vec<u8>], masks: &[Vec<u8>]) -> Result<Vec<u8>> {
+//!     // The rig is shared by all frames.
+//!     let rig = Rig::new(cameras)?;
+//!     let mut inputs = Vec::new();
+//!     for (i, camera) in cameras.iter().enumerate() {
+//!         let (width, height) = (camera.width, camera.height);
+//!         let image = ImageRef::packed(&photographs[i], width, height, PixelFormat::Rgb8);
+//!         let mask = ImageRef::packed(&masks[i], width, height, PixelFormat::Gray8);
+//!         inputs.push(ViewInput { image, mask: Mask::Given(mask) });
+//!     }
+//!     let params = Params::preset(Preset::Default);
+//!     let result = reconstruct(&rig, &inputs, &params, &Serial, &Silent)?;
+//!     Ok(glb::write(&result.mesh, rig.origin(), &glb::Options::default()))
+//! }
+//! ```
+//!
+//! `examples/reconstruct.rs` is a complete program. Without masks, use [`Mask::ChromaKey`] or [`Mask::CleanPlate`].
+//!
+//! # Coordinates and units
+//!
+//! - **Scene**: the world frame of the calibration. The host chooses its axes and its unit of length.
+//! - **Camera**: x right, y down, z forward. A world point X projects to `x = K · distort(R X + t)` ([`Camera`]).
+//! - **Picture**: x right, y down. The centre of the first pixel is at (0, 0).
+//! - **Internal**: single precision, with the scene's axes and unit, relative to [`Rig::origin`]. Positions of [`Mesh`] and
+//!   [`Point`] are in this frame; [`export`] adds the origin.
+//!
+//! Depth is measured along the optical axis. Parameters give lengths in pixels of footprint, the size of a pixel at the
+//! subject, so that they do not depend on the scene's unit. Colours of pictures and meshes are sRGB.
+//!
+//! # Stage by stage
+//!
+//! [`reconstruct`] is a short form of [`Frame::run_all`]. A host that schedules the work itself, or needs intermediate
+//! results, runs the stages of a [`Frame`] one by one:
+//!
+//! ```
+//! use pcmvs_core::{Frame, Memory, Mesh, Params, Preset, Result, Rig, Serial, Silent, ViewInput, frame::ORDER};
+//!
+//! fn run(rig: &Rig, inputs: &[ViewInput], memory: Memory) -> Result<(Mesh, Memory)> {
+//!     let mut frame = Frame::new(rig, Params::preset(Preset::Default), memory);
+//!     for (camera, input) in inputs.iter().enumerate() {
+//!         frame.view(camera, input, &Silent)?;
+//!     }
+//!     for stage in ORDER {
+//!         frame.step(stage, &Serial, &Silent)?;
+//!     }
+//!     let mesh = frame.mesh().clone();
+//!     // The working memory can be used for the next frame.
+//!     Ok((mesh, frame.recycle()))
+//! }
+//! ```
+//!
+//! [`Frame::view`] and [`Frame::detect`] take `&self` and can run on several threads. Alternatively, implement
+//! [`Executor`] to run the jobs of all stages on your own threads. [`Progress`] reports progress and cancels.
+//!
+//! | Stage | Module | Paper |
+//! |---|---|---|
+//! | [`Stage::Views`] | [`view`], [`silhouette`] | §0: silhouettes |
+//! | [`Stage::Hull`] | [`hull`] | §0: visual hull |
+//! | [`Stage::Contours`] | [`contours`] | §4.4: frontier and implicit points |
+//! | [`Stage::Coarse`] | [`mod@coarse`] | not in the paper |
+//! | [`Stage::Detect`] | [`detect`] | §4.1 to §4.3: point cloud detection |
+//! | [`Stage::Merge`] | [`mod@merge`] | §5: downsampling and conflict cleaning |
+//! | [`Stage::Mesh`] | [`mod@mesh`], [`surface`] | §6: weights, Poisson reconstruction, space constraint |
+//! | [`Stage::Colour`] | [`mod@colour`] | §7: colours |
+//!
+//! # Guarantees
+//!
+//! - **Determinism**: the same inputs give the same bits on every platform, with any executor and for any numbering of
+//!   the cameras. [`Frame::hashes`] has one hash per stage to verify this.
+//! - **Meshes** are closed and manifold, and triangles are counter-clockwise as seen from outside.
+//! - **Frames** are independent of each other, unless the host sets a [`frame::Prior`].
+//! - **Invalid input** gives an [`Error`] that names the camera and the remedy.
+//! - **Memory** can be limited ([`Memory::limited`]). A frame that needs more is refused before it allocates it.
+//! - The crate is `no_std` and needs only `alloc`. It does not access files, clocks or threads.
+//!
+//! # Features
+//!
+//! - `serde`: `Serialize` and `Deserialize` for [`Params`], and `Serialize` for [`Counts`] and [`Stage`].
 #![no_std]
 
 extern crate alloc;
 
 pub mod camera;
+mod chessboard;
 pub mod coarse;
 pub mod colour;
 mod context;
@@ -53,10 +147,10 @@ pub use stage::Stage;
 pub use view::{Mask, View, ViewInput};
 pub use workspace::Workspace;
 
-/// Reconstructs one frame from one input per camera, in the order in which the cameras were given to [`Rig::new`].
+/// Reconstructs one frame. There is one input per camera, in the order in which the cameras were passed to [`Rig::new`].
 ///
 /// # Errors
-/// Every [`Error`] but [`Error::WrongOrder`]. Nothing is kept of a frame that fails.
+/// Any [`Error`] except [`Error::WrongOrder`].
 pub fn reconstruct(
     rig: &Rig,
     inputs: &[ViewInput],
@@ -69,7 +163,7 @@ pub fn reconstruct(
     Ok(frame.into_reconstruction())
 }
 
-/// The README's example compiles.
+/// Compiles the README's example.
 #[cfg(doctest)]
 #[doc = include_str!("../../README.md")]
 struct Readme;

@@ -1,20 +1,21 @@
-//! Roundings and roots in basic arithmetic, that compilers can turn into vector code and that give the same bits
-//! everywhere.
+//! Rounding, comparison and roots in basic arithmetic. They give the same bits on every platform, and compilers can
+//! vectorise them.
 
-/// The larger one; `b` where either is NaN. Unlike the standard library's it is an instruction everywhere, and not the
-/// call of a function on WebAssembly; and it says which zero it gives.
+/// The larger number, or `b` if either is NaN. Unlike `f32::max` it compiles to an instruction on every target,
+/// WebAssembly included, and it is defined which zero it returns: `b` if both are zero.
 #[inline(always)]
 pub fn max(a: f32, b: f32) -> f32 {
     if a > b { a } else { b }
 }
 
-/// The smaller one, like [`max`].
+/// The smaller number, or `b` if either is NaN; see [`max`].
 #[inline(always)]
 pub fn min(a: f32, b: f32) -> f32 {
     if a < b { a } else { b }
 }
 
-/// The square root, correctly rounded as IEEE 754 asks; an instruction where `libm` works it out in many.
+/// The square root, correctly rounded as IEEE 754 requires. On WebAssembly with SIMD it is one instruction, where
+/// `libm` would compute it in software.
 #[inline]
 pub fn sqrt(v: f32) -> f32 {
     #[cfg(all(target_arch = "wasm32", target_feature = "simd128"))]
@@ -26,37 +27,41 @@ pub fn sqrt(v: f32) -> f32 {
     libm::sqrtf(v)
 }
 
-/// An integer in the order of numbers ([`f32::total_cmp`]): integers sort faster, and all of them with the same code.
+/// Maps a number to an integer such that the integers sort in the order of [`f32::total_cmp`]. Integers sort faster
+/// than numbers.
 #[inline]
 pub fn ordered(v: f32) -> u32 {
     let bits = v.to_bits();
     if bits >> 31 == 0 { bits | 1 << 31 } else { !bits }
 }
 
-/// The number of which that is the order.
+/// The inverse of [`ordered`].
 #[inline]
 pub fn from_ordered(order: u32) -> f32 {
     f32::from_bits(if order >> 31 == 1 { order & !(1 << 31) } else { !order })
 }
 
-/// Largest integer not above `v`; saturates, NaN is 0.
+/// The largest integer not greater than `v`. It saturates, and NaN gives 0.
 #[inline]
 pub fn floor(v: f32) -> i32 {
     let t = v as i32;
     t - i32::from(v < t as f32)
 }
 
-/// Integer and fractional part of 0 ≤ v < 2²²; of an integer the parts may be v - 1 and 1.
+/// The integer and the fractional part of v, for 0 ≤ v < 2²². If v is an integer the parts may be v - 1 and 1.
 #[inline]
 pub fn split(v: f32) -> (u32, f32) {
-    // From 2²³ to 2²⁴ numbers have no fraction: the sum rounds, and its mantissa counts.
+    // Numbers from 2²³ to 2²⁴ have no fractional bits. The sum is therefore rounded to an integer, which can be read
+    // from its mantissa.
     const INTEGERS: f32 = 12_582_912.0;
     let rounded = (v - 0.5) + INTEGERS;
     (rounded.to_bits() - INTEGERS.to_bits(), v - (rounded - INTEGERS))
 }
 
-/// 1/√x for normal positive x, to within 3 units in the last place: the exponent halved as an integer, then three of
-/// Newton's steps.
+/// 1/√x for normal positive x, to within 3 units in the last place.
+///
+/// The first estimate halves the exponent in integer arithmetic (the "fast inverse square root"; the constant is that
+/// of Lomont, Fast Inverse Square Root, 2003). Three Newton iterations follow.
 #[inline]
 pub fn inverse_sqrt(x: f32) -> f32 {
     let mut y = f32::from_bits(0x5f37_5a86 - (x.to_bits() >> 1));

@@ -1,13 +1,13 @@
-//! What a frame needs of memory, so that a host can refuse it before it is taken.
+//! Upper bounds of the memory that a frame needs. A frame over the limit is refused before the memory is allocated.
 //!
-//! On one thread and without the pictures that the host hands in, a frame needs at most
+//! On one thread, and not counting the pictures that the host passes in, a frame needs at most
 //!
 //! `6 P + max(16 MiB, 9000 B, level P + point S + 640 V)` bytes
 //!
-//! with P the pixels of all views, B the blocks of the hull's grid that its surface may pass, S the pixels inside the
-//! silhouettes and V the vertices of the final mesh. `level`
-//! is 3 for detection at full resolution and 3/4 at half, where S counts a quarter too; `point` is 140, or 200 where
-//! clouds are thinned and cleaned of conflicts (§5); both are 0 for the hull alone. The factors are measured.
+//! where P is the number of pixels of all views, B the number of blocks in the hull's grid that its surface may pass, S
+//! the number of pixels inside the silhouettes and V the number of vertices in the final mesh. `level` is 3 for
+//! detection at full resolution and 3/4 at half resolution, where S counts a quarter as well. `point` is 140, or 200 if
+//! the clouds are downsampled or cleaned of conflicts (§5). Both are 0 for the hull alone. The factors were measured.
 
 use crate::{
     error::{Error, Result},
@@ -18,22 +18,22 @@ use crate::{
     view::View,
 };
 
-/// Colours, luma and silhouette.
+/// Bytes per pixel for colours, luma and silhouette.
 const PER_PIXEL: u64 = 6;
-/// The search for the hull.
+/// Bytes for the search for the hull.
 const SEARCH: u64 = 16 << 20;
-/// A block of the hull's grid: its nodes' values, those that marching cubes keeps, its part of the mesh.
+/// Bytes per block of the hull's grid: the node values, the buffers of marching cubes and the block's part of the mesh.
 const PER_BLOCK: u64 = 9000;
-/// Grids and samples of the Poisson solver, the mesh, its colours.
+/// Bytes per vertex of the final mesh: grids and samples of the Poisson solver, the mesh and its colours.
 const PER_VERTEX: f64 = 640.0;
 
-/// Bytes that every frame of a rig needs at least.
+/// The smallest number of bytes that any frame of a rig needs.
 pub fn smallest(rig: &Rig) -> u64 {
     let pixels = rig.cameras().iter().map(|c| u64::from(c.width) * u64::from(c.height)).sum::<u64>();
     PER_PIXEL * pixels + SEARCH
 }
 
-/// What a frame needs up to its hull's mesh, in bytes, once the hull is known.
+/// Bytes that a frame needs up to the hull's mesh, once the hull is known.
 fn needed_for_hull(views: &[View], hull: &VisualHull) -> u64 {
     PER_PIXEL * pixels(views) + SEARCH.max(PER_BLOCK * hull.field().0.blocks.len() as u64)
 }
@@ -42,7 +42,7 @@ fn pixels(views: &[View]) -> u64 {
     views.iter().map(|v| v.luma.len() as u64).sum()
 }
 
-/// What a frame needs at most, in bytes, once its silhouettes, its hull and the hull's mesh are known.
+/// The largest number of bytes that a frame needs, once its silhouettes, its hull and the hull's mesh are known.
 pub fn needed(views: &[View], hull: &VisualHull, hull_mesh: &Mesh, params: &Params) -> u64 {
     let inside = |v: &View| match &v.silhouette {
         Some(silhouette) => silhouette.distances().iter().filter(|&&d| d > 0).count(),
@@ -59,7 +59,7 @@ pub fn needed(views: &[View], hull: &VisualHull, hull_mesh: &Mesh, params: &Para
     needed_for_hull(views, hull).max(PER_PIXEL * pixels(views) + later as u64)
 }
 
-/// Refuses a frame whose hull's mesh needs more than `limit` bytes, before that mesh is made.
+/// Refuses a frame if its hull's mesh would need more than `limit` bytes. Called before that mesh is extracted.
 ///
 /// # Errors
 /// [`Error::OutOfMemory`].
@@ -75,7 +75,7 @@ pub fn check(views: &[View], hull: &VisualHull, hull_mesh: &Mesh, params: &Param
     within(|| needed(views, hull, hull_mesh, params), limit)
 }
 
-/// Refuses any frame of a rig whose views alone need more than `limit` bytes.
+/// Refuses all frames of a rig if the views alone need more than `limit` bytes.
 ///
 /// # Errors
 /// [`Error::OutOfMemory`].

@@ -1,8 +1,9 @@
-//! Every parameter of the method in one struct, with four presets. Each stage owns the type of its own parameters.
+//! All parameters of the method in one struct, with four presets. The parameter type of each stage is defined next to
+//! that stage.
 //!
-//! The paper's Table 2 (its parameter values) is lost. The values here were found by measurement over scenes with
-//! ground truth, one set for all of them (BENCHMARKS.md). Lengths are in pixels of footprint: one pixel's size at the
-//! object, depth / focal length. No length is in scene units.
+//! The paper's Table 2, which lists its parameter values, is lost. The values here were found by measurement on scenes
+//! with ground truth, with one set for all scenes (BENCHMARKS.md). Lengths are in pixels of footprint: the size of one
+//! pixel at the object, which is depth / focal length. No length is in scene units.
 
 use crate::{
     coarse::CoarseParams,
@@ -14,16 +15,16 @@ use crate::{
     mesh::{MeshingParams, SpaceConstraint, WeightParams},
 };
 
-/// All parameters of a reconstruction. A step that is an `Option` runs if it has parameters.
+/// All parameters of a reconstruction. An optional step runs if its parameters are present.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
 #[non_exhaustive]
 pub struct Params {
-    /// Which result is made.
+    /// The kind of result.
     pub method: Method,
     /// Visual hull (§0).
     pub hull: HullParams,
-    /// A first, coarse search whose mesh guides the second. Without it the search runs through the hull, as in the paper.
+    /// A coarse pass whose mesh guides detection. Without it, detection searches the whole hull as in the paper.
     pub coarse: Option<CoarseParams>,
     /// Point cloud detection (§4).
     pub detection: DetectionParams,
@@ -39,14 +40,14 @@ pub struct Params {
     pub colour: ColourParams,
 }
 
-/// Which result is made.
+/// The kind of result.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub enum Method {
-    /// The visual hull's own mesh, the baseline.
+    /// The mesh of the visual hull: the baseline.
     Hull,
-    /// The whole of PCMVS.
+    /// The full method.
     Pcmvs,
 }
 
@@ -54,13 +55,13 @@ pub enum Method {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[repr(u32)]
 pub enum Preset {
-    /// What measures best.
+    /// The parameters with the best measured results.
     Default = 0,
-    /// The paper's method, §4 to §6 as printed.
+    /// The method of the paper, as printed in §4 to §6.
     Paper = 1,
-    /// The visual hull.
+    /// The visual hull alone.
     Hull = 2,
-    /// Seconds in a browser.
+    /// A fast preview: takes seconds in a browser.
     Preview = 3,
 }
 
@@ -146,7 +147,7 @@ impl Params {
                 colour: ColourParams { gains: None, blended_views: 1 },
                 ..default
             },
-            // The coarse pass alone.
+            // The coarse pass as the only pass.
             Preset::Preview => Self {
                 hull: HullParams { voxel_pixels: 2.5 },
                 coarse: None,

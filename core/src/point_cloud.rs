@@ -1,20 +1,21 @@
-//! Oriented points and meshes that pass between the stages.
+//! Oriented points and meshes: the data that the stages exchange.
 
 use crate::{hash::Hash64, workspace::Workspace};
 use alloc::vec::Vec;
 use glam::Vec3;
 
-/// How far a point can be trusted against points of other kinds (§5: frontier above all detected, implicit below all).
+/// The kind of a point, in increasing order of trust (§5: frontier points above all detected points, implicit points
+/// below all).
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 #[repr(u8)]
 pub enum Rank {
-    /// On the hull where no camera looks (§4.4): only keeps the model complete.
+    /// On a part of the hull that no camera sees (§4.4). Only keeps the model complete.
     Implicit = 0,
-    /// Put on the hull because stereo failed (§4.2).
+    /// Placed on the hull because stereo failed (§4.2).
     Substituted = 1,
     /// Found by stereo (§4.1).
     Detected = 2,
-    /// On a contour generator, certainly on the surface (§4.4).
+    /// On a contour generator and therefore certainly on the surface (§4.4).
     Frontier = 3,
 }
 
@@ -23,47 +24,47 @@ pub enum Rank {
 pub struct Point {
     /// Position relative to the rig's origin.
     pub position: Vec3,
-    /// Unit normal, outward.
+    /// Outward unit normal.
     pub normal: Vec3,
-    /// Fidelity f of eq. 1, at most the number of neighbouring views.
+    /// Fidelity f of eq. 1: at most the number of neighbouring views.
     pub fidelity: f32,
     /// Non-negative weight in meshing (eq. 3).
     pub weight: f32,
     /// Index of the detecting view; [`Point::NO_VIEW`] for implicit points.
     pub view: u16,
-    /// Kind of the point.
+    /// The kind of point.
     pub rank: Rank,
 }
 
 impl Point {
-    /// View of a point that no view detected.
+    /// Stands for the view of a point that no view detected.
     pub const NO_VIEW: u16 = u16::MAX;
 }
 
 /// Oriented points in a deterministic order.
 pub type PointCloud = Vec<Point>;
 
-/// The points of several clouds, one cloud after the other.
+/// Concatenates several clouds.
 pub(crate) fn concat<'a>(clouds: impl Iterator<Item = &'a [Point]> + Clone, workspace: &mut Workspace) -> PointCloud {
     let mut all = workspace.empty(clouds.clone().map(<[Point]>::len).sum());
     clouds.for_each(|cloud| all.extend_from_slice(cloud));
     all
 }
 
-/// A closed triangle mesh, counter-clockwise seen from outside.
+/// A closed triangle mesh. Triangles are counter-clockwise as seen from outside.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Mesh {
-    /// Positions relative to the rig's origin; [`crate::Rig::origin`] is added on export.
+    /// Positions relative to the rig's origin. Export adds [`crate::Rig::origin`].
     pub positions: Vec<Vec3>,
-    /// Unit normals, outward, one a position.
+    /// Outward unit normals, one per position.
     pub normals: Vec<Vec3>,
-    /// sRGB colours, one a position, or empty before colouring.
+    /// sRGB colours, one per position. Empty before colouring.
     pub colours: Vec<[u8; 3]>,
-    /// Indices of the triangles' corners.
+    /// Triangles, as indices of positions.
     pub triangles: Vec<[u32; 3]>,
 }
 
-/// Hash of points in their order.
+/// Hash of points, which depends on their order.
 pub fn hash<'a>(points: impl IntoIterator<Item = &'a Point>) -> u64 {
     let mut hash = Hash64::default();
     for p in points {
@@ -76,7 +77,7 @@ pub fn hash<'a>(points: impl IntoIterator<Item = &'a Point>) -> u64 {
 }
 
 impl Mesh {
-    /// An empty mesh in memory that has been kept.
+    /// An empty mesh that uses memory of the workspace.
     pub(crate) fn with_workspace(workspace: &mut Workspace) -> Self {
         Self {
             positions: workspace.take(),
@@ -86,7 +87,7 @@ impl Mesh {
         }
     }
 
-    /// Hands its memory back.
+    /// Returns its memory to the workspace.
     pub fn recycle_into(self, workspace: &mut Workspace) {
         let Self { positions, normals, colours, triangles } = self;
         workspace.recycle(positions);
@@ -100,7 +101,7 @@ impl Mesh {
         self.hash_in(&self.colours)
     }
 
-    /// The hash that the mesh had before it was coloured.
+    /// Hash of positions, normals and triangles: the hash that the mesh had before it was coloured.
     pub fn uncoloured_hash(&self) -> u64 {
         self.hash_in(&[])
     }

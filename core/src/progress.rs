@@ -1,12 +1,12 @@
-//! How a stage reports its progress to the host, and how the host cancels it.
+//! How stages report progress to the host, and how the host cancels them.
 
 use crate::{
     error::{Error, Result},
     stage::Stage,
 };
 
-/// Receives progress. Called on the thread that runs the stage; with an [`crate::Executor`] that uses threads,
-/// from several of them.
+/// Receives progress reports. Called on the thread that does the work: with a multi-threaded [`crate::Executor`], on
+/// several threads at the same time.
 pub trait Progress: Sync {
     /// A stage starts.
     fn on_stage_start(&self, stage: Stage) {
@@ -16,7 +16,7 @@ pub trait Progress: Sync {
     fn on_stage_end(&self, stage: Stage) {
         let _ = stage;
     }
-    /// Work of a stage has advanced by `done` out of `total`; return false to cancel.
+    /// `done` of the `total` steps of a stage are complete. Return false to cancel.
     fn step(&self, stage: Stage, done: u32, total: u32) -> bool;
 }
 
@@ -30,7 +30,7 @@ impl Progress for Silent {
     }
 }
 
-/// A part of a stage that itself consists of stages: their steps count as the outer stage's.
+/// Reports an inner stage as one of the `parts` of an outer stage. Used where a stage runs other stages.
 #[derive(Clone, Copy)]
 pub(crate) struct Part<'a> {
     pub of: &'a dyn Progress,
@@ -41,13 +41,13 @@ pub(crate) struct Part<'a> {
 
 impl Progress for Part<'_> {
     fn step(&self, _: Stage, done: u32, total: u32) -> bool {
-        // In thousandths of a part.
+        // Counted in thousandths of a part.
         let done = u64::from(done) * 1000 / u64::from(total.max(1));
         self.of.step(self.stage, self.part * 1000 + done as u32, self.parts * 1000)
     }
 }
 
-/// Reports a step and turns a refusal into [`Error::Cancelled`].
+/// Reports a step. Returns [`Error::Cancelled`] if the host cancels.
 pub(crate) fn step(progress: &dyn Progress, stage: Stage, done: u32, total: u32) -> Result<()> {
     if progress.step(stage, done, total) { Ok(()) } else { Err(Error::Cancelled) }
 }

@@ -1,4 +1,5 @@
-//! What a camera sees of a mesh: the depth of its front at every pixel.
+//! Rasterises a mesh: the depth of its front at every pixel ([`Raster`]), and all depths at which pixel rays cross it
+//! ([`Crossings`]), which are the hull's intervals of §4.1.
 
 use crate::{
     camera::Pinhole,
@@ -8,21 +9,22 @@ use crate::{
 use alloc::vec::Vec;
 use glam::Vec3;
 
-/// Inverse depths of the surface nearest to a camera. Kept from view to view so that its memory is asked for once.
+/// A depth buffer: the inverse depth of the nearest front face at every pixel. Reused for all views, so that its memory
+/// is allocated once.
 #[derive(Debug, Default)]
 pub struct Raster {
     /// Pixel and depth of every vertex.
     projected: Vec<Vec3>,
-    /// Pixels in a row.
+    /// Width in pixels.
     pub width: usize,
-    /// Rows.
+    /// Height in pixels.
     pub height: usize,
-    /// Inverse depth, zero where the camera sees past the mesh.
+    /// Inverse depth per pixel; zero where the mesh is not visible.
     pub inverse: Vec<f32>,
 }
 
 impl Raster {
-    /// Rasterises the front of the mesh.
+    /// Rasterises the front faces of the mesh.
     pub fn render(&mut self, mesh: &Mesh, camera: &Pinhole) {
         self.projected.clear();
         self.projected.extend(mesh.positions.iter().map(|&p| camera.project(p)));
@@ -30,12 +32,13 @@ impl Raster {
         self.inverse.clear();
         self.inverse.resize(self.width * self.height, 0.0);
         for triangle in &mesh.triangles {
-            self.fill(triangle.map(|i| self.projected[i as usize]));
+            let corners = triangle.map(|i| self.projected[i as usize]);
+            draw_front(corners, self.width, self.height, &mut self.inverse);
         }
     }
 
-    /// Whether the camera sees a point that projects to `pixel` (with its depth), being at most `tolerance` behind
-    /// the mesh's front.
+    /// Whether the camera sees a point that projects to `pixel` (position and depth): it lies in the picture and at
+    /// most `tolerance` behind the front of the mesh.
     pub fn sees(&self, pixel: Vec3, tolerance: f32) -> bool {
         let (x, y) = (libm::roundf(pixel.x), libm::roundf(pixel.y));
         if !(x >= 0.0 && y >= 0.0 && x < self.width as f32 && y < self.height as f32 && pixel.z > 0.0) {
@@ -43,20 +46,21 @@ impl Raster {
         }
         self.inverse[y as usize * self.width + x as usize] * (pixel.z - tolerance) <= 1.0
     }
-
-    /// Keeps a triangle's depths where it is the nearest front.
-    fn fill(&mut self, corners: [Vec3; 3]) {
-        let (width, inverse) = (self.width, &mut self.inverse);
-        cover(corners, self.width, self.height, |x, y, z, front| {
-            if front {
-                let nearest = &mut inverse[y * width + x];
-                *nearest = max(z, *nearest);
-            }
-        });
-    }
 }
 
-/// A piece of a pixel's ray inside a closed mesh, as depths along the optical axis.
+/// Draws a triangle into a depth buffer of inverse depths, if it faces the camera. `corners` are positions in the
+/// buffer, in pixels, and depths.
+#[inline]
+pub(crate) fn draw_front(corners: [Vec3; 3], width: usize, height: usize, inverse: &mut [f32]) {
+    cover(corners, width, height, |x, y, z, front| {
+        if front {
+            let nearest = &mut inverse[y * width + x];
+            *nearest = max(z, *nearest);
+        }
+    });
+}
+
+/// The part of a pixel's ray inside a closed mesh, as depths along the optical axis.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Interval {
     /// Where the ray enters.
@@ -65,19 +69,19 @@ pub struct Interval {
     pub far: f32,
 }
 
-/// Every crossing of a camera's pixel rays with a mesh. Kept from view to view so that its memory is asked for once.
+/// All crossings of a camera's pixel rays with a mesh. Reused for all views, so that its memory is allocated once.
 #[derive(Debug, Default)]
 pub struct Crossings {
     /// Pixel and depth of every vertex.
     projected: Vec<Vec3>,
-    /// Pixel, inverse depth and side of each crossing, in the mesh's order.
+    /// Pixel, inverse depth and side (true for a front face) of each crossing, in the order of the triangles.
     found: Vec<(u32, f32, bool)>,
-    /// Per pixel where its next crossing goes.
+    /// For each pixel, where its next crossing is written.
     next: Vec<u32>,
-    /// Per pixel the first of its crossings, then one end.
+    /// For each pixel, the index of its first crossing; then the total number.
     starts: Vec<u32>,
-    /// Inverse depth as an ordered integer, its bits inverted, and in the last bit whether the ray leaves the mesh there:
-    /// in rising order the nearest comes first.
+    /// The crossings of one pixel after the other. Each is the inverted ordered integer of the inverse depth, followed
+    /// by a last bit that is set where the ray leaves the mesh. In ascending order the nearest crossing comes first.
     crossings: Vec<u64>,
 }
 
@@ -111,11 +115,11 @@ impl Crossings {
         }
     }
 
-    /// Depths at which a pixel's ray enters and leaves the mesh, nearest first.
+    /// Calls `f` with the depths at which a pixel's ray enters and leaves the mesh, nearest interval first.
     pub fn intervals(&mut self, pixel: usize, mut f: impl FnMut(Interval)) {
         let crossings = &mut self.crossings[self.starts[pixel] as usize..self.starts[pixel + 1] as usize];
         crossings.sort_unstable();
-        // A ray through an edge may cross both its triangles, or neither: only changes of side count.
+        // A ray through an edge may cross both adjacent triangles or neither. Therefore only changes of side count.
         let mut entered = None;
         for &mut key in crossings {
             let z = from_ordered(!((key >> 1) as u32));
@@ -131,15 +135,15 @@ impl Crossings {
     }
 }
 
-/// Calls `f` with the pixels whose centres a triangle covers, its inverse depth there (which is linear in the image)
-/// and whether it faces the camera.
+/// Calls `f` for each pixel whose centre a triangle covers, with the triangle's inverse depth there, which is linear in
+/// the image, and whether the triangle faces the camera.
 #[inline(always)]
 pub(crate) fn cover([a, b, c]: [Vec3; 3], width: usize, height: usize, mut f: impl FnMut(usize, usize, f32, bool)) {
     let area = (b.x - a.x) * (c.y - a.y) - (c.x - a.x) * (b.y - a.y);
     if area == 0.0 || !area.is_finite() || a.z <= 0.0 || b.z <= 0.0 || c.z <= 0.0 {
         return;
     }
-    // Truncation is floor here: negative values are clamped first.
+    // Negative values are clamped first, so that truncation equals floor.
     let high = |a: f32, b: f32, c: f32, n: usize| (max(max(max(a, b), c) + 1.0, 0.0) as i32).min(n as i32);
     let low = |a: f32, b: f32, c: f32| {
         let v = max(min(min(a, b), c), 0.0);
@@ -148,12 +152,12 @@ pub(crate) fn cover([a, b, c]: [Vec3; 3], width: usize, height: usize, mut f: im
     };
     let (x0, x1) = (low(a.x, b.x, c.x), high(a.x, b.x, c.x, width));
     let (y0, y1) = (low(a.y, b.y, c.y), high(a.y, b.y, c.y, height));
-    // Most triangles of a fine mesh lie between the pixels' centres.
+    // In a fine mesh most triangles cover no pixel centre.
     if x0 >= x1 || y0 >= y1 {
         return;
     }
     let inverse = [1.0 / a.z / area, 1.0 / b.z / area, 1.0 / c.z / area];
-    // With y down a triangle that is counter-clockwise seen from the camera has negative area.
+    // Because y points down, a triangle that is counter-clockwise as seen from the camera has a negative area.
     let front = area < 0.0;
     for y in y0..y1 {
         for x in x0..x1 {

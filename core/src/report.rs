@@ -1,4 +1,4 @@
-//! What a reconstruction counted on its way.
+//! Counts of points, conflicts and triangles over one reconstruction.
 
 /// Counts over one frame, in the order of the method's steps.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
@@ -7,7 +7,7 @@
 pub struct Counts {
     /// Points found by stereo (§4.1).
     pub detected: u32,
-    /// Points put on the hull because stereo failed (§4.2).
+    /// Points placed on the hull because stereo failed (§4.2).
     pub substituted: u32,
     /// Points removed by the density constraint (§4.3).
     pub cleaned_density: u32,
@@ -21,15 +21,15 @@ pub struct Counts {
     pub implicit: u32,
     /// Points dropped by eq. 2 (§5.1).
     pub dropped_normal: u32,
-    /// Points dropped for a neighbour of higher fidelity (§5.1).
+    /// Points dropped because a neighbour has a higher fidelity (§5.1).
     pub dropped_fidelity: u32,
-    /// Conflicts removed in the cameras' views (§5.2).
+    /// Conflicting points removed in the views of cameras (§5.2).
     pub conflicts_cameras: u32,
-    /// Conflicts removed in virtual views (§5.2).
+    /// Conflicting points removed in virtual views (§5.2).
     pub conflicts_virtual: u32,
-    /// Implicit points removed because they hide a valid point (§5.2).
+    /// Implicit points removed because they occlude a valid point (§5.2).
     pub implicit_removed: u32,
-    /// Points that reach meshing.
+    /// Points in the merged cloud, which meshing receives.
     pub merged: u32,
     /// Stray components dropped from the mesh.
     pub components_dropped: u32,
@@ -40,7 +40,7 @@ pub struct Counts {
 }
 
 impl Counts {
-    /// Takes over what detection has counted.
+    /// Copies the counts of detection from `found`.
     pub(crate) fn set_detection(&mut self, found: &Self) {
         self.detected = found.detected;
         self.substituted = found.substituted;
@@ -49,7 +49,7 @@ impl Counts {
         self.cleaned_normal = found.cleaned_normal;
     }
 
-    /// Takes over what merging has counted.
+    /// Copies the counts of merging from `found`.
     pub(crate) fn set_merging(&mut self, found: &Self) {
         self.dropped_normal = found.dropped_normal;
         self.dropped_fidelity = found.dropped_fidelity;
@@ -59,7 +59,7 @@ impl Counts {
         self.merged = found.merged;
     }
 
-    /// Adds what one view's detection counted.
+    /// Adds the detection counts of one view.
     pub fn add_detection(&mut self, view: &Self) {
         self.detected += view.detected;
         self.substituted += view.substituted;

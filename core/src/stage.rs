@@ -1,19 +1,19 @@
 //! The stages of a reconstruction.
 
-/// Identity of a stage. Numbers and names never change: reports, file names and the C ABI rely on them. The order in which
-/// stages run is not theirs; it is [`crate::frame::ORDER`].
+/// Identity of a stage. Numbers and names never change, because reports, file names and the C ABI rely on them. The
+/// numbers do not define the order in which the stages run; [`crate::frame::ORDER`] does.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize), serde(rename_all = "lowercase"))]
 #[repr(u8)]
 #[non_exhaustive]
 pub enum Stage {
-    /// Undistortion and silhouettes, one step per view.
+    /// Undistortion and silhouettes (§0), one step per view.
     Views = 0,
     /// Visual hull (§0).
     Hull = 1,
     /// Frontier and implicit points (§4.4).
     Contours = 2,
-    /// The coarse pass of detection and meshing, if there is one.
+    /// The optional coarse pass of detection and meshing.
     Coarse = 3,
     /// Point cloud detection (§4), one step per view.
     Detect = 4,
@@ -26,12 +26,12 @@ pub enum Stage {
 }
 
 impl Stage {
-    /// Number of the stage.
+    /// The stage's number.
     pub const fn id(self) -> u32 {
         self as u32
     }
 
-    /// Name as used in reports and file names.
+    /// The stage's name in reports and file names.
     pub const fn name(self) -> &'static str {
         match self {
             Self::Views => "views",

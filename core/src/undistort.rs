@@ -1,25 +1,25 @@
-//! Resampling of real pictures to the camera without lens distortion, so that every later stage sees straight lines.
+//! Resamples real pictures to the camera without lens distortion, so that all later stages can use the pinhole model.
 
 use crate::camera::Camera;
 use alloc::{vec, vec::Vec};
 use glam::DVec2;
 
-/// Distance of the map's nodes in pixels. Lenses bend so little over it that linear interpolation between nodes errs
-/// by a few hundredths of a pixel at worst, and the map stays a hundred kilobytes a camera.
+/// Spacing of the map's nodes in pixels. Over this distance linear interpolation of the distortion is wrong by a few
+/// hundredths of a pixel at most, and the map takes about a hundred kilobytes per camera.
 const CELL: usize = 8;
-/// Fixed-point units of source positions in a pixel.
+/// Fixed-point units per pixel of source positions.
 const UNITS: i32 = 256;
-/// Marks ideal pixels at which the distortion model is meaningless.
+/// Marks ideal pixels for which the distortion model is not valid.
 const FOLDED: [i32; 2] = [i32::MIN; 2];
 
-/// Where each ideal pixel lies in a camera's real picture. Depends on the camera alone.
+/// Maps each ideal pixel to its position in a camera's real picture. Depends on the camera alone.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Undistortion {
     width: usize,
     height: usize,
     /// Nodes in a row.
     columns: usize,
-    /// Source position of every [`CELL`]th pixel of every [`CELL`]th row, in 1/256 pixel.
+    /// Source positions of every [`CELL`]th pixel in every [`CELL`]th row, in 1/256 pixel.
     nodes: Vec<[i32; 2]>,
 }
 
@@ -35,7 +35,8 @@ impl Undistortion {
         let node = |i: usize| {
             let ideal = DVec2::new((i % columns * CELL) as f64, (i / columns * CELL) as f64);
             let source = camera.distort_pixel(ideal);
-            // Beyond the fold the polynomial runs back into the picture; far outside nothing can be seen anyway.
+            // Beyond the fold the polynomial leads back into the picture. Positions far outside have no source in any
+            // case.
             let far = (source - ideal).abs().max_element() > (width + height) as f64;
             if far || camera.normalise(ideal).length_squared() >= fold {
                 return FOLDED;
@@ -46,8 +47,9 @@ impl Undistortion {
         Some(Self { width, height, columns, nodes: (0..columns * rows).map(node).collect() })
     }
 
-    /// Source positions of a row of ideal pixels, [`FOLDED`] where there is none. Those beyond the real picture's edge
-    /// are moved onto the edge, so that resampling continues the picture and adds no step of its own; `known` tells.
+    /// Computes the source positions of a row of ideal pixels, which are [`FOLDED`] where there is none. Positions
+    /// outside the real picture are moved to its edge, so that resampling extends the picture without a step. `known`
+    /// is false for both.
     fn row(&self, y: usize, sources: &mut [[i32; 2]], known: &mut [bool]) {
         const AREA: i32 = (CELL * CELL) as i32;
         let limit = [(self.width as i32 - 1) * UNITS, (self.height as i32 - 1) * UNITS];
@@ -72,7 +74,7 @@ impl Undistortion {
         }
     }
 
-    /// Resamples packed RGB with Catmull-Rom's kernel, which keeps fine texture sharp. `out` is overwritten.
+    /// Resamples packed RGB with the Catmull-Rom kernel, which preserves fine texture. `out` is overwritten.
     pub(crate) fn rgb(&self, picture: &[u8], out: &mut Vec<u8>) {
         let kernel: Vec<[i32; 4]> = (0..UNITS).map(catmull_rom).collect();
         let (w, h) = (self.width, self.height);
@@ -88,7 +90,7 @@ impl Undistortion {
                 let (x, y) = ((source[0] / UNITS) as usize, (source[1] / UNITS) as usize);
                 let across = &kernel[(source[0] % UNITS) as usize];
                 let down = &kernel[(source[1] % UNITS) as usize];
-                // Four pixels of four rows; at the picture's edge its outermost pixels repeat.
+                // The kernel covers 4 x 4 pixels. At the picture's edge the outermost pixels are repeated.
                 let mut columns = [0i32; 12];
                 let inner = x >= 1 && x + 2 < w;
                 for k in 0..4 {
@@ -113,7 +115,8 @@ impl Undistortion {
         }
     }
 
-    /// Resamples a mask's coverage bilinearly and says which pixels are known. `out` and `known` are overwritten.
+    /// Resamples a mask's coverage bilinearly. `known` is true for pixels with a source. `out` and `known` are
+    /// overwritten.
     pub(crate) fn coverage(&self, mask: &[u8], out: &mut Vec<u8>, known: &mut Vec<bool>) {
         let (w, h) = (self.width, self.height);
         let mut sources = vec![FOLDED; w];
@@ -138,8 +141,8 @@ impl Undistortion {
     }
 }
 
-/// Squared radius in normalised coordinates from which the radial polynomial no longer grows, infinite if it always
-/// does. (Tangential terms are too small to fold the picture.)
+/// The squared radius, in normalised coordinates, from which the radial polynomial r (1 + k1 r² + k2 r⁴ + k3 r⁶) no
+/// longer grows; infinite if it always grows. Tangential terms are too small to fold the picture.
 fn fold_over(camera: &Camera) -> f64 {
     let [k1, k2, _, _, k3] = camera.distortion;
     let (w, h) = (f64::from(camera.width), f64::from(camera.height));
@@ -152,10 +155,13 @@ fn fold_over(camera: &Camera) -> f64 {
         .map_or(f64::INFINITY, |s| s - step)
 }
 
-/// Catmull-Rom's four weights at a fraction in 1/256, in 1/1024; they sum to one exactly.
+/// The four weights of the Catmull-Rom spline (Catmull & Rom, A Class of Local Interpolating Splines, 1974) at a
+/// fraction in 1/256, in units of 1/1024. They sum to one exactly. Fixed point is exact for whole pictures; the sampler
+/// of colours (`colour/candidate.rs`) has its own kernel because it blends with bilinear weights at continuous
+/// positions.
 fn catmull_rom(fraction: i32) -> [i32; 4] {
     let t = fraction;
-    // Cubics in t / 256, over 2 · 256³; halves are rounded up, the rest goes to the nearest pixel.
+    // Cubics in t / 256, over 2 · 256³. Halves are rounded up, and the weight of pixel 1 absorbs the rounding errors.
     let scale = |v: i64| ((v + (1 << 14)) >> 15) as i32;
     let (t1, t2, t3) = (i64::from(t) << 16, i64::from(t * t) << 8, i64::from(t) * i64::from(t * t));
     let mut w = [scale(2 * t2 - t3 - t1), 0, scale(t1 + 4 * t2 - 3 * t3), scale(t3 - t2)];
@@ -183,7 +189,7 @@ mod tests {
         (0..60).fold(real, |guess, _| guess + (real - camera.distort_pixel(guess)) * 0.7)
     }
 
-    /// Of a mask that is white everywhere: what has a source, and which of it is known.
+    /// Resampled coverage of a mask that is white everywhere, and which pixels are known.
     fn coverage(map: &Undistortion) -> (Vec<u8>, Vec<bool>) {
         let (mut out, mut known) = (Vec::new(), Vec::new());
         map.coverage(&vec![255; map.width * map.height], &mut out, &mut known);
@@ -254,7 +260,7 @@ mod tests {
             if margin.abs() > 0.05 {
                 assert_eq!(known[i], margin > 0.0);
             }
-            assert_eq!(coverage[i], 255, "the edge continues");
+            assert_eq!(coverage[i], 255, "the edge is extended");
         }
     }
 

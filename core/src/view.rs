@@ -1,4 +1,4 @@
-//! One camera's picture and silhouette of one frame, undistorted.
+//! One view: a camera's undistorted picture and silhouette (§0) in one frame.
 
 use crate::{
     camera::Pinhole,
@@ -14,26 +14,26 @@ use alloc::{format, sync::Arc, vec::Vec};
 #[derive(Debug, Clone, Copy)]
 #[non_exhaustive]
 pub enum Mask<'a> {
-    /// Nothing is known: the view carves nothing.
+    /// No silhouette is known: the view does not carve the hull.
     Unknown,
-    /// A picture that is white on the object; its bilinear half-level is the contour.
+    /// A picture that is white on the object. The contour is where its bilinear interpolation is half of white.
     Given(ImageRef<'a>),
-    /// The object stands before a backdrop of one colour.
+    /// The object stands in front of a backdrop of one colour.
     ChromaKey(ChromaKey),
-    /// The same camera's picture of the empty set.
+    /// The same camera's picture of the empty set, without the object.
     CleanPlate(ImageRef<'a>),
 }
 
-/// A camera's picture of one frame as the host gives it.
+/// A camera's picture of one frame, as the host passes it in.
 #[derive(Debug, Clone, Copy)]
 pub struct ViewInput<'a> {
-    /// The photograph, of the camera's calibrated size.
+    /// The photograph, in the camera's calibrated size.
     pub image: ImageRef<'a>,
-    /// The silhouette.
+    /// The source of the silhouette.
     pub mask: Mask<'a>,
 }
 
-/// A camera's picture and silhouette, resampled to the camera without distortion.
+/// A camera's picture and silhouette, resampled to the camera without lens distortion.
 #[derive(Debug, Clone)]
 pub struct View {
     /// Place of the camera in [`Rig::order`].
@@ -44,29 +44,29 @@ pub struct View {
     pub rgb: Vec<u8>,
     /// Luma, row after row.
     pub luma: Vec<u8>,
-    /// The silhouette, if one is known.
+    /// The silhouette, if it is known.
     pub silhouette: Option<Arc<Silhouette>>,
 }
 
-/// Buffers for making one view after another; what they hold does not matter.
+/// Buffers for making one view after another. Their content never affects a result.
 #[derive(Debug, Default)]
 pub struct ViewScratch {
-    /// The photograph as it was taken.
+    /// The photograph before undistortion.
     picture: Vec<u8>,
-    /// The mask as it was given.
+    /// The mask before undistortion.
     mask: Vec<u8>,
-    /// The mask undistorted, and where it has a source.
+    /// The undistorted mask, and which of its pixels have a source.
     coverage: Vec<u8>,
     known: Vec<bool>,
     distance: SilhouetteScratch,
 }
 
-/// Hash of views in their order.
+/// Hash of views, which depends on their order.
 pub(crate) fn hash(views: &[View]) -> u64 {
     views.iter().fold(Hash64::default(), |hash, view| view.hash(hash)).finish()
 }
 
-/// Memory of a view that is not needed any more.
+/// The memory of a view that is no longer needed.
 #[derive(Debug, Default)]
 pub struct Buffers {
     rgb: Vec<u8>,
@@ -94,15 +94,15 @@ impl View {
         hash
     }
 
-    /// Reads the picture and silhouette of a camera, given by its index in the rig.
+    /// Reads the picture and silhouette of the camera with the given index in the rig.
     ///
     /// # Errors
-    /// [`Error::Image`] and [`Error::Silhouette`] name the camera and what does not fit.
+    /// [`Error::NoSuchCamera`], [`Error::Image`] and [`Error::Silhouette`].
     pub fn new(rig: &Rig, index: usize, input: &ViewInput) -> Result<Self> {
         Self::with_buffers(rig, index, input, &mut ViewScratch::default(), Buffers::default())
     }
 
-    /// [`Self::new`] with buffers to use and the memory of an old view.
+    /// [`Self::new`] with scratch buffers and the memory of an old view.
     ///
     /// # Errors
     /// As for [`Self::new`].
@@ -128,7 +128,7 @@ impl View {
             )));
         }
         let undistortion = rig.undistortion(index);
-        // As the camera took it: undistorted it goes to `rgb`, otherwise it becomes that.
+        // Silhouettes are found in the real picture. Without distortion that is `rgb` itself.
         input.image.write_rgb(if undistortion.is_some() { picture } else { &mut rgb });
         let real = if undistortion.is_some() { &picture[..] } else { &rgb[..] };
         let unusable = |problem| Error::Silhouette { camera: index as u32, problem };
@@ -138,7 +138,8 @@ impl View {
                 given.check().map_err(unusable)?;
                 if (given.width, given.height) != (camera.width, camera.height) {
                     return Err(unusable(format!(
-                        "the mask is {} x {} pixels but the camera was calibrated at {} x {}",
+                        "the mask is {} x {} pixels but the camera was calibrated at {} x {}: \
+                         give masks of the calibrated size",
                         given.width, given.height, camera.width, camera.height
                     )));
                 }

@@ -1,33 +1,36 @@
-//! Memory that outlives the step that needed it.
+//! Memory that is reused by later steps and frames.
 
 use alloc::{boxed::Box, vec::Vec};
 use core::any::{Any, TypeId};
 
-/// Vectors that a step hands back for the next one to use, and a frame for the next: memory is asked for once, but more is
-/// taken at a time. The default keeps nothing: steps then take new memory and free it at once. What is kept does not
-/// matter to any result.
+/// Vectors that steps return for reuse by later steps and frames. Memory is then allocated once, but the peak is
+/// higher.
+///
+/// The default workspace keeps nothing: each step allocates its memory and frees it at once. The content of kept
+/// vectors never affects a result.
 #[derive(Debug, Default)]
 pub struct Workspace {
     keeps: bool,
     kept: Vec<Kept>,
 }
 
-/// A vector without items.
+/// An empty vector that is kept for its capacity.
 #[derive(Debug)]
 struct Kept {
-    /// Type and number of the items for which it has room.
+    /// Type of its items, and its capacity.
     items: TypeId,
     room: usize,
     vector: Box<dyn Any + Send + Sync>,
 }
 
 impl Workspace {
-    /// One that keeps what it is given.
+    /// A workspace that keeps the vectors it receives.
     pub fn keeping() -> Self {
         Self { keeps: true, ..Self::default() }
     }
 
-    /// The smallest kept vector with room for `len` items. If none has it, the largest goes: a new one takes its place.
+    /// The smallest kept vector with a capacity of at least `len` items. If there is none, the largest vector is freed,
+    /// because the caller allocates a larger one that will replace it.
     fn roomy(&mut self, items: TypeId, len: usize) -> Option<Kept> {
         let fits = |kept: &Kept| kept.items == items && kept.room >= len;
         let roomy = (0..self.kept.len()).filter(|&i| fits(&self.kept[i])).min_by_key(|&i| self.kept[i].room);
@@ -43,25 +46,25 @@ impl Workspace {
         largest.map(|i| self.kept.swap_remove(i))
     }
 
-    /// An empty vector with room for `len` items.
+    /// An empty vector with a capacity of at least `len` items.
     pub(crate) fn empty<T: Send + Sync + 'static>(&mut self, len: usize) -> Vec<T> {
         let kept = self.roomy(TypeId::of::<T>(), len);
         kept.map_or_else(|| Vec::with_capacity(len), Kept::vector)
     }
 
-    /// An empty vector that will grow by as much as cannot be foretold: the largest kept one.
+    /// An empty vector for a number of items that is not known in advance: the largest one that is kept.
     pub(crate) fn take<T: Send + Sync + 'static>(&mut self) -> Vec<T> {
         self.largest(TypeId::of::<T>()).map_or_else(Vec::new, Kept::vector)
     }
 
-    /// A vector of `len` times `value`.
+    /// A vector of `len` copies of `value`.
     pub(crate) fn filled<T: Clone + Send + Sync + 'static>(&mut self, value: T, len: usize) -> Vec<T> {
         let mut filled = self.empty(len);
         filled.resize(len, value);
         filled
     }
 
-    /// Takes a vector's memory back.
+    /// Takes back a vector for reuse.
     pub fn recycle<T: Send + Sync + 'static>(&mut self, mut used: Vec<T>) {
         if self.keeps && used.capacity() > 0 {
             used.clear();
@@ -94,14 +97,14 @@ mod tests {
         workspace.recycle(small);
         let largest = workspace.take::<u32>();
         assert_eq!(largest.as_ptr(), places.1);
-        // What is too small makes room for what is not; other types have vectors of their own.
+        // A vector that is too small is freed when a larger one is requested. Each item type has its own vectors.
         assert_eq!(workspace.take::<f32>().capacity(), 0);
         drop(workspace.empty::<u32>(5000));
         assert!(workspace.kept.is_empty());
     }
 
     #[test]
-    fn one_that_keeps_nothing_is_empty() {
+    fn the_default_keeps_nothing() {
         let mut workspace = Workspace::default();
         workspace.recycle(Vec::<u32>::with_capacity(10));
         assert_eq!(workspace.take::<u32>().capacity(), 0);

@@ -1,4 +1,4 @@
-//! What a view offers for a vertex's colour.
+//! The candidate that a view provides for the colour of a vertex (§7).
 
 use super::depth::DepthBuffer;
 use crate::{
@@ -7,26 +7,28 @@ use crate::{
 };
 use glam::{Vec2, Vec3};
 
-/// Views that look along the surface (cosine between normal and ray below this) show mostly its neighbours.
+/// Views with a smaller cosine between normal and ray are not used. They look along the surface and mostly show its
+/// surroundings.
 const MIN_COSINE: f32 = 0.15;
-/// From how many pixels inside the contour and off depth steps a pixel shows one surface only: lens blur, demosaicing
-/// and JPEG mix colours over about that distance.
+/// At this distance in pixels from the contour and from depth steps, a pixel shows a single surface. Lens blur,
+/// demosaicing and JPEG mix colours over about that distance.
 const CLEAN_PIXELS: f32 = 2.5;
-/// Nearer to a contour or step than this a pixel is mixed with what lies behind: what surrounds the vertex knows its
-/// colour better.
+/// Pixels closer than this to a contour or depth step are mixed with the background and are not used. The colours of
+/// adjacent vertices are a better estimate.
 const MIXED_PIXELS: f32 = 1.0;
-/// What the least clean pixel counts against a clean one: taken only if no camera offers better.
+/// Smallest cleanness of a pixel, relative to a clean one. Such a pixel is used only if no camera has a better one.
 const MIN_CLEANNESS: f32 = 0.02;
-/// A view's candidate for a vertex's colour.
+
+/// A view's candidate for the colour of a vertex.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Candidate {
-    /// How well the view faces the vertex, and how clean the pixel is; greater is better.
+    /// Cosine between normal and ray, times the cleanness of the pixel. Larger is better.
     pub score: f32,
     pub view: u16,
     pub rgb: Vec3,
 }
 
-/// A view's candidate for a vertex, if the view sees it.
+/// A view's candidate for a vertex, or `None` if the view does not see it.
 pub(super) fn sample_view(
     view: &View,
     index: u16,
@@ -42,8 +44,8 @@ pub(super) fn sample_view(
     }
     let pixel = buffer.projected(vertex);
     let footprint = view.camera.footprint(pixel.z);
-    // The tangent plane's inverse depth is linear in the image: what its slope explains hides nothing. The rest of the
-    // tolerance is for curvature, and for normals that are slightly off.
+    // The inverse depth of the tangent plane is linear in the image. Depth differences that follow from its slope are
+    // not occlusions. The rest of the tolerance allows for curvature and slightly wrong normals.
     let here = view.camera.ray(pixel.x, pixel.y);
     let right = view.camera.ray(pixel.x + 1.0, pixel.y) - here;
     let down = view.camera.ray(pixel.x, pixel.y + 1.0) - here;
@@ -62,7 +64,8 @@ pub(super) fn sample_view(
     Some(Candidate { score: cosine * cleanness, view: index, rgb: sample(view, pixel.x, pixel.y, cleanness)? })
 }
 
-/// Keeps the best candidates in falling order. Among equal ones the earlier view's stays ahead.
+/// Inserts a candidate into the best ones, which are in descending order. Among equal candidates the earlier view comes
+/// first.
 pub(super) fn insert_best(best: &mut [Candidate], mut candidate: Candidate) {
     for kept in best {
         if candidate.score > kept.score {
@@ -71,8 +74,11 @@ pub(super) fn insert_best(best: &mut [Candidate], mut candidate: Candidate) {
     }
 }
 
-/// Sample of the picture between bilinear and Catmull-Rom (`sharpness` 1), whose wider kernel would reach across a near
-/// contour; `None` too close to the picture's edge.
+/// Samples the picture by a blend of bilinear (`sharpness` 0) and Catmull-Rom interpolation (`sharpness` 1). Close to a
+/// contour the wider kernel of Catmull-Rom would reach across it. `None` too close to the picture's edge.
+///
+/// The fixed-point kernel of `undistort.rs` cannot be used here, because it has neither the blend nor continuous
+/// positions.
 fn sample(view: &View, u: f32, v: f32, sharpness: f32) -> Option<Vec3> {
     let (w, h) = (view.camera.width as usize, view.camera.height as usize);
     if !(u >= 1.0 && v >= 1.0 && u < w as f32 - 2.0 && v < h as f32 - 2.0) {

@@ -1,51 +1,56 @@
-//! What a camera sees of a mesh: a depth buffer, and how far each pixel is from the nearest occlusion step.
+//! A depth buffer of a mesh with the distance of each pixel to the nearest depth step, for the visibility test of §7.
 
 use crate::{
     camera::Pinhole,
+    chessboard,
     math::{max, min},
     point_cloud::Mesh,
-    raster::cover,
+    raster::draw_front,
     workspace::Workspace,
 };
 use alloc::vec::Vec;
 use glam::{Vec2, Vec3};
 
-/// A depth step of more footprints than this between neighbouring pixels hides something behind it; less is slope.
+/// A depth difference between neighbouring pixels of more than this many footprints is an occlusion. Smaller
+/// differences are due to slope.
 const STEP_FOOTPRINTS: f32 = 4.0;
-/// Distances to steps are told apart up to this many pixels.
+/// Largest distance to a depth step that is measured, in pixels.
 const MAX_BORDER: u8 = 4;
 
-/// Depths of the surface nearest to a camera, over the part of its picture that the mesh covers. Kept from view to
-/// view so that its memory is asked for once.
+/// Inverse depths of the nearest front faces, over the part of the picture that the mesh covers. Reused for all views,
+/// so that its memory is allocated once.
+///
+/// Unlike [`crate::raster::Raster`] it is cropped to the mesh, because its distances to depth steps are measured over
+/// all its pixels. Both draw triangles by [`draw_front`].
 #[derive(Debug, Default)]
 pub(super) struct DepthBuffer {
     /// Pixel and depth of every vertex.
     projected: Vec<Vec3>,
-    /// First column and row covered.
+    /// First column and row, width and height of the covered part, in pixels.
     x: i32,
     y: i32,
     width: i32,
     height: i32,
-    /// Inverse depth, zero where the camera sees past the mesh.
+    /// Inverse depth per pixel; zero where the mesh is not visible.
     inverse: Vec<f32>,
-    /// Pixels to the nearest step or background, zero on background.
+    /// Chessboard distance in pixels to the nearest depth step or background; zero on background.
     border: Vec<u8>,
 }
 
 impl DepthBuffer {
-    /// In memory that has been kept.
+    /// An empty buffer that uses memory of the workspace.
     pub(super) fn with_workspace(workspace: &mut Workspace) -> Self {
         Self { projected: workspace.take(), inverse: workspace.take(), border: workspace.take(), ..Self::default() }
     }
 
-    /// Hands its memory back.
+    /// Returns its memory to the workspace.
     pub(super) fn recycle_into(self, workspace: &mut Workspace) {
         workspace.recycle(self.projected);
         workspace.recycle(self.inverse);
         workspace.recycle(self.border);
     }
 
-    /// Rasterises the front of the mesh.
+    /// Rasterises the front faces of the mesh.
     pub(super) fn render(&mut self, mesh: &Mesh, camera: &Pinhole) {
         self.projected.clear();
         self.projected.extend(mesh.positions.iter().map(|&p| camera.project(p)));
@@ -56,12 +61,7 @@ impl DepthBuffer {
         let (width, height) = (self.width as usize, self.height as usize);
         for triangle in &mesh.triangles {
             let corners = triangle.map(|i| self.projected[i as usize] - first);
-            cover(corners, width, height, |x, y, z, front| {
-                if front {
-                    let nearest = &mut self.inverse[y * width + x];
-                    *nearest = max(z, *nearest);
-                }
-            });
+            draw_front(corners, width, height, &mut self.inverse);
         }
         self.measure_border(camera);
     }
@@ -71,11 +71,13 @@ impl DepthBuffer {
         self.projected[vertex]
     }
 
-    /// The pixels to the nearest occlusion step if the camera sees the surface at this pixel and depth. `gradient` is
-    /// the surface's change of inverse depth a pixel, `tolerance` the depth by which it may seem hidden all the same.
+    /// If the camera sees the surface at this pixel and depth: the distance in pixels to the nearest depth step.
+    ///
+    /// `gradient` is the change of the surface's inverse depth per pixel. The surface counts as visible up to
+    /// `tolerance` behind the front, in scene units of depth.
     pub(super) fn visible(&self, pixel: Vec3, gradient: Vec2, tolerance: f32) -> Option<f32> {
         let (u, v) = (pixel.x - self.x as f32, pixel.y - self.y as f32);
-        // Written so that NaN fails too.
+        // Written so that NaN fails as well.
         if !(pixel.z > 0.0 && u >= 0.0 && v >= 0.0 && u < (self.width - 1) as f32 && v < (self.height - 1) as f32) {
             return None;
         }
@@ -89,14 +91,15 @@ impl DepthBuffer {
                 return None;
             }
         }
-        // Bilinear, so that weights that follow from it are smooth over the surface.
+        // Interpolated bilinearly, so that the weights derived from it are smooth over the surface.
         let [a, b, c, d] = corners.map(|c| f32::from(self.border[c]));
         let (top, bottom) = (a + (b - a) * fx, c + (d - c) * fx);
-        // Half a pixel beyond the last pixel's centre lies the step.
+        // The step lies half a pixel beyond the centre of the last pixel.
         Some(top + (bottom - top) * fy - 0.5)
     }
 
-    /// Bounds of the projected vertices within the picture, a pixel wider so that background surrounds the mesh.
+    /// Sets the covered part: the bounds of the projected vertices, with a margin of background, clipped to the
+    /// picture.
     fn frame(&mut self, camera: &Pinhole) {
         let (mut low, mut high) = (Vec2::INFINITY, Vec2::NEG_INFINITY);
         for p in self.projected.iter().filter(|p| p.z > 0.0) {
@@ -109,13 +112,13 @@ impl DepthBuffer {
         self.height = (clamp(high.y + 3.0, camera.height) - self.y).max(0);
     }
 
-    /// Chessboard distance of every pixel to the nearest step, by two sweeps.
+    /// Computes the chessboard distance of every pixel to the nearest depth step.
     fn measure_border(&mut self, camera: &Pinhole) {
         let (w, h) = (self.width as usize, self.height as usize);
         self.border.clear();
         self.border.resize(w * h, 0);
         let step = |a: f32, b: f32| {
-            // |1/a - 1/b| > STEP_FOOTPRINTS · depth / focal, without dividing.
+            // |1/a - 1/b| > STEP_FOOTPRINTS · depth / focal, without a division.
             let (near, far) = (max(a, b), min(a, b));
             near - far > STEP_FOOTPRINTS / camera.focal * near
         };
@@ -129,21 +132,6 @@ impl DepthBuffer {
                 }
             }
         }
-        let spread = |border: &mut [u8], i: usize, from: [usize; 4]| {
-            let nearest = from.into_iter().map(|j| border[j]).min().unwrap_or(MAX_BORDER);
-            border[i] = border[i].min(nearest + 1);
-        };
-        for y in 1..h.max(1) - 1 {
-            for x in 1..w - 1 {
-                let i = y * w + x;
-                spread(&mut self.border, i, [i - w - 1, i - w, i - w + 1, i - 1]);
-            }
-        }
-        for y in (1..h.max(1) - 1).rev() {
-            for x in (1..w - 1).rev() {
-                let i = y * w + x;
-                spread(&mut self.border, i, [i + w - 1, i + w, i + w + 1, i + 1]);
-            }
-        }
+        chessboard::spread(w, h, &mut self.border);
     }
 }

@@ -1,16 +1,16 @@
-//! Colours of vertices that no camera sees: they continue what is around them.
+//! Colours of vertices that no camera sees (§7), by diffusion from their surroundings.
 
 use crate::point_cloud::Mesh;
 use alloc::{vec, vec::Vec};
 use glam::Vec3;
 
-/// Relaxations that make the continued colours smooth.
+/// Number of Gauss-Seidel iterations that smooth the diffused colours.
 const RELAXATIONS: u32 = 16;
 /// Colour of a mesh that no camera sees at all.
 const GRAY: Vec3 = Vec3::splat(128.0);
 
-/// Diffuses the known colours into the unknown ones over the mesh's edges. Parts without any known colour take the
-/// mean of all. They are added to `out`, which is empty.
+/// Diffuses the known colours over the edges of the mesh to the vertices without a colour. Components without any known
+/// colour get the mean of all known colours. `out` must be empty; it receives the colours of all vertices.
 pub(super) fn fill(mesh: &Mesh, colours: &[Option<Vec3>], out: &mut Vec<Vec3>) {
     let known = || colours.iter().flatten();
     let count = known().count();
@@ -20,7 +20,7 @@ pub(super) fn fill(mesh: &Mesh, colours: &[Option<Vec3>], out: &mut Vec<Vec3>) {
         return;
     }
     let neighbours = Neighbours::new(mesh, |v| colours[v as usize].is_none());
-    // Unknown vertices in the order in which the known colours reach them.
+    // The vertices without a colour, in the order in which the known colours reach them.
     let mut reached: Vec<bool> = colours.iter().map(Option::is_some).collect();
     let mut order: Vec<u32> = Vec::new();
     let mut front: Vec<u32> = (0..colours.len() as u32)
@@ -51,7 +51,7 @@ pub(super) fn fill(mesh: &Mesh, colours: &[Option<Vec3>], out: &mut Vec<Vec3>) {
     }
 }
 
-/// Neighbours of some of the vertices, each edge's other end once per triangle.
+/// The neighbours of some vertices. The other end of an edge is listed once per triangle at the edge.
 struct Neighbours {
     starts: Vec<u32>,
     list: Vec<u32>,

@@ -1,4 +1,5 @@
-//! One gain per camera and channel, so that cameras that see the same surface agree on its colour.
+//! Solves one gain per camera and channel, such that cameras that see the same surface agree on its colour. Not in the
+//! paper.
 
 use super::candidate::Candidate;
 use crate::{
@@ -8,22 +9,24 @@ use crate::{
 use alloc::{vec, vec::Vec};
 use glam::Vec3;
 
-/// About as many vertices are compared as this: more do not change the gains.
+/// Approximate number of vertices that are compared. More vertices do not change the gains.
 const VERTICES: usize = 16384;
-/// Darker values are mostly noise, brighter ones may be saturated.
+/// Levels that are compared. Darker pixels are mostly noise, and brighter pixels may be saturated.
 const TRUSTED: core::ops::RangeInclusive<f32> = 12.0..=248.0;
-/// How gains are solved for.
+
+/// Parameters of the gains.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
 pub struct GainParams {
-    /// Views compare a vertex only if both see it at least this well: cosine between ray and normal, times the pixel's
-    /// cleanness.
+    /// Smallest score with which both views must see a vertex to be compared there: the cosine between ray and normal,
+    /// times the cleanness of the pixel.
     pub min_score: f32,
-    /// Pull of every gain towards one, in vertices. It decides only where cameras share next to nothing.
+    /// Weight, in vertices, of a prior that pulls every gain towards one. It matters only if cameras see hardly any
+    /// common surface.
     pub prior: f64,
 }
 
-/// What well-placed views see of some of the vertices.
+/// The colours of a subset of the vertices in all views that see them well.
 pub(super) struct Overlap {
     /// Every `stride`th vertex is compared.
     stride: usize,
@@ -37,7 +40,7 @@ impl Overlap {
         Self { stride: vertices.div_ceil(VERTICES).max(1), views, samples: workspace.take() }
     }
 
-    /// Hands its memory back.
+    /// Returns its memory to the workspace.
     pub(super) fn recycle_into(self, workspace: &mut Workspace) {
         workspace.recycle(self.samples);
     }
@@ -48,13 +51,14 @@ impl Overlap {
         }
     }
 
-    /// Gains by least squares in the log domain over pairs of views, each pair with the median ratio of what both see:
-    /// highlights, shadows and points off the surface do not count. Their geometric mean is one.
+    /// Solves the gains by least squares over pairs of views in the log domain. Each pair contributes the median ratio
+    /// of the colours that both see, so that highlights, shadows and wrong points have no influence. The geometric mean
+    /// of the gains is one.
     pub(super) fn solve(&mut self, params: &GainParams, workspace: &mut Workspace) -> Vec<Vec3> {
         let n = self.views;
         let mut gains = vec![Vec3::ONE; n];
         self.samples.sort_unstable_by_key(|&(vertex, view, _)| (vertex, view));
-        // Pair of views, and the ratio's logarithm as an ordered integer.
+        // Each entry holds a pair of views and the logarithm of the ratio as an ordered integer.
         let mut ratios: Vec<u64> = workspace.take();
         for channel in 0..3 {
             ratios.clear();
@@ -97,7 +101,7 @@ impl Overlap {
     }
 }
 
-/// Solves a symmetric positive definite system by elimination.
+/// Solves a symmetric positive definite system by Gaussian elimination.
 fn solve_symmetric(mut m: Vec<f64>, mut x: Vec<f64>) -> Vec<f64> {
     let n = x.len();
     for k in 0..n {

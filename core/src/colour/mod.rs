@@ -1,4 +1,5 @@
-//! View-independent colours of a mesh (§7): each vertex takes the pixel of the camera that faces it best and sees it.
+//! View-independent colours of a mesh (§7): each vertex gets the pixel of the camera that faces it best among those
+//! that see it.
 
 mod candidate;
 mod depth;
@@ -20,26 +21,27 @@ use glam::Vec3;
 
 pub use gains::GainParams;
 
-/// Colours (§7).
+/// Parameters of colouring (§7).
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
 pub struct ColourParams {
-    /// Solves one gain per camera and channel from overlapping views, unless the rig has fixed ones. Without it pictures
-    /// count as they are.
+    /// Solves one gain per camera and channel from overlapping views, unless the rig has fixed gains. Without it the
+    /// pictures are used unchanged.
     pub gains: Option<GainParams>,
-    /// Blends this many of the best views; 1 is the paper's choice.
+    /// Number of views that are blended. The paper uses 1.
     pub blended_views: u32,
 }
 
-/// Blending weight falls with this power of the cosine.
+/// The blending weight of a view is this power of its score.
 const BLEND_POWER: i32 = 4;
 
 /// Colours the mesh from the views that see it.
 ///
-/// Each vertex takes the interpolated pixel of the camera whose ray is most opposed to its normal
-/// ([`ColourParams::blended_views`] = 1, the paper's choice), or a blend of the best few that has no seams. Vertices
-/// that no camera sees continue the colours around them. Colours are sRGB, like the pictures. `fixed_gains`, one a view,
-/// are used instead of gains found here; the gains used come back.
+/// Each vertex gets the interpolated pixel of the camera whose ray is most opposed to its normal
+/// ([`ColourParams::blended_views`] = 1, as in the paper), or a seamless blend of several such views. The colours of
+/// vertices that no camera sees are diffused from their surroundings. Colours are sRGB, like the pictures.
+///
+/// `fixed_gains`, one per view, replace the gains that are otherwise solved here. Returns the gains that were used.
 ///
 /// # Errors
 /// [`crate::Error::Cancelled`].
@@ -51,11 +53,11 @@ pub fn colour(
     workspace: &mut Workspace,
     progress: &dyn Progress,
 ) -> Result<Vec<Vec3>> {
-    // A step a view, one for the gains, one for the blend.
+    // One step per view, one for the gains and one for blending.
     let step = |done: u32| progress::step(progress, Stage::Colour, done, views.len() as u32 + 2);
     let solved = params.gains.filter(|_| fixed_gains.is_none());
     let blended = params.blended_views.max(1) as usize;
-    // Blending needs the best view that is left out as well.
+    // Blending also needs the best view that is left out.
     let kept = if blended == 1 { 1 } else { blended + 1 };
     let none = Candidate { score: 0.0, view: u16::MAX, rgb: Vec3::ZERO };
     let mut candidates: Vec<Candidate> = workspace.filled(none, mesh.positions.len() * kept);
@@ -93,8 +95,8 @@ pub fn colour(
     Ok(gains)
 }
 
-/// The vertex's colour, `None` without any candidate. Weights fall to zero towards the first view left out, so that the
-/// colour does not jump where the order of views changes.
+/// The colour of a vertex, or `None` without candidates. The weight of the first view left out is subtracted from all
+/// weights, so that the colour does not jump where the order of the views changes.
 fn blend(candidates: &[Candidate], blended: usize, gains: &[Vec3]) -> Option<Vec3> {
     let seen = candidates.iter().take_while(|o| o.score > 0.0).count();
     if seen == 0 {
@@ -108,7 +110,7 @@ fn blend(candidates: &[Candidate], blended: usize, gains: &[Vec3]) -> Option<Vec
     let left_out = if seen > blended { weight(&candidates[blended]) } else { 0.0 };
     let (mut sum, mut total) = (Vec3::ZERO, 0.0);
     for candidate in &candidates[..seen.min(blended)] {
-        // A trace of the first view's own weight keeps the sum positive where all are equal.
+        // The factor keeps the sum positive if all weights are equal.
         let w = weight(candidate) * 1.001 - left_out;
         sum += colour(candidate) * w;
         total += w;

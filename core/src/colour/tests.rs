@@ -5,7 +5,7 @@ use glam::{DMat3, DVec3};
 
 const SIZE: u32 = 200;
 
-/// A ball: centre, radius and its colour as a function of the direction from the centre.
+/// A ball: centre, radius, and colour as a function of the direction from the centre.
 struct Ball(Vec3, f32, fn(Vec3) -> Vec3);
 
 fn red(_: Vec3) -> Vec3 {
@@ -20,7 +20,7 @@ fn smooth(n: Vec3) -> Vec3 {
     Vec3::splat(120.0) + n * 60.0
 }
 
-/// Latitudes and longitudes, closed, counter-clockwise from outside.
+/// A closed mesh along latitudes and longitudes, counter-clockwise as seen from outside.
 fn mesh(balls: &[Ball]) -> Mesh {
     const ROWS: u32 = 40;
     const COLUMNS: u32 = 80;
@@ -69,7 +69,7 @@ fn camera(from: DVec3) -> Camera {
     }
 }
 
-/// A picture of the balls before green, and its silhouette.
+/// A picture of the balls in front of a green backdrop, with its silhouette.
 fn photograph(balls: &[Ball], index: u16, from: DVec3, gain: Vec3) -> View {
     let camera = Pinhole::new(&camera(from), DVec3::ZERO);
     let (mut rgb, mut coverage) = (Vec::new(), Vec::new());
@@ -118,7 +118,7 @@ fn seen_vertices_take_the_surface_colour() {
         colour(&mut mesh, &views, None, &ColourParams { blended_views, ..PAPER }, &mut Workspace::default(), &Silent)
             .unwrap();
         let normals = mesh.normals.clone();
-        // All cameras look along the pole's surface, and none sees the sole.
+        // At the upper pole all cameras look along the surface, and no camera sees the lower pole.
         let error = worst(&mesh, |v| smooth(normals[v]), |v| (-0.3..0.9).contains(&normals[v].z));
         assert!(error < 2.0, "{blended_views}: {error}");
     }
@@ -126,7 +126,7 @@ fn seen_vertices_take_the_surface_colour() {
 
 #[test]
 fn hidden_vertices_never_take_the_colour_of_what_hides_them() {
-    // From every camera the small ball hides part of the large one or the other way round.
+    // Seen from each camera, one ball hides a part of the other.
     let balls = [Ball(Vec3::new(0.0, 0.0, -0.3), 0.7, blue), Ball(Vec3::new(0.95, 0.0, 0.1), 0.2, red)];
     for blended_views in [1, 3] {
         let mut mesh = mesh(&balls);
@@ -142,7 +142,7 @@ fn hidden_vertices_never_take_the_colour_of_what_hides_them() {
         let half = mesh.positions.len() / 2;
         let truth = |v: usize| if v < half { blue(Vec3::ZERO) } else { red(Vec3::ZERO) };
         let error = worst(&mesh, truth, |_| true);
-        // The cubic's own ringing beside a step of 160 levels, nothing more.
+        // The tolerance allows for the ringing of the cubic kernel at a step of 160 levels.
         assert!(error < 8.0, "{blended_views}: {error}");
     }
 }
@@ -152,7 +152,7 @@ fn gains_make_the_cameras_agree() {
     let gain = |i: u32| Vec3::new(1.0 + 0.15 * libm::sinf(i as f32), 1.0 - 0.1 * libm::cosf(3.0 * i as f32), 1.0);
     let balls = [Ball(Vec3::ZERO, 1.0, smooth)];
     let views = ring(&balls, 8, gain);
-    // One gain per channel remains free: the geometric mean of the cameras'.
+    // One gain per channel is undetermined: the geometric mean over the cameras.
     let mean = Vec3::from_array(core::array::from_fn(|c| {
         libm::expf((0..8).map(|i| libm::logf(gain(i)[c])).sum::<f32>() / 8.0)
     }));
@@ -169,7 +169,7 @@ fn gains_make_the_cameras_agree() {
 
 #[test]
 fn unseen_vertices_continue_their_surroundings() {
-    // The soles of both balls are seen by no camera; each stays of its own colour.
+    // No camera sees the lower sides of the balls. Each must get the colour of its own ball.
     let balls = [Ball(Vec3::new(-0.6, 0.0, 0.0), 0.4, red), Ball(Vec3::new(0.6, 0.0, 0.0), 0.4, blue)];
     let mut mesh = mesh(&balls);
     let views = vec![photograph(&balls, 0, DVec3::new(0.01, 0.0, 4.0), Vec3::ONE)];
@@ -177,7 +177,7 @@ fn unseen_vertices_continue_their_surroundings() {
     let half = mesh.positions.len() / 2;
     let error = worst(&mesh, |v| if v < half { red(Vec3::ZERO) } else { blue(Vec3::ZERO) }, |_| true);
     assert!(error < 8.0, "{error}");
-    // Without any view all are the same gray.
+    // Without any view all vertices are grey.
     colour(&mut mesh, &[], None, &PAPER, &mut Workspace::default(), &Silent).unwrap();
     assert!(mesh.colours.iter().all(|&c| c == [128; 3]));
 }

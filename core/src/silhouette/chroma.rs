@@ -1,34 +1,36 @@
-//! Silhouettes from a backdrop of one colour (§0), unevenly lit, its exact colour unknown.
+//! Chroma keying (§0): silhouettes in front of a backdrop of one colour. The backdrop may be unevenly lit, and its
+//! exact colour need not be known.
 
 use super::{colour::vector, matte};
 use crate::image::ImageRef;
 use alloc::{format, string::String, vec, vec::Vec};
 use glam::Vec3;
 
-/// Edge of the tiles in which the backdrop's colour is estimated, in pixels.
+/// Edge length in pixels of the tiles in which the backdrop's colour is estimated.
 const TILE: usize = 32;
-/// A tile's estimate counts fully from this many backdrop pixels on.
+/// Number of backdrop pixels from which a tile relies on its own estimate alone.
 const TILE_PIXELS: f32 = 64.0;
-/// Rounds in which tiles without backdrop take over their neighbours' colour.
+/// Number of iterations that spread the colour to tiles with too little backdrop.
 const SPREAD: usize = 64;
 
-/// How to tell an object from a backdrop of one colour.
+/// How to separate the object from a backdrop of one colour.
 ///
-/// Light and shadow scale a colour but hardly turn it, so what counts is the angle between colours as vectors in RGB.
-/// The backdrop's own colour is estimated in every part of the picture; `rgb` only says where to start.
+/// Light and shadow change the length of a colour vector in RGB but hardly its direction. Colours are therefore
+/// compared by the angle between their vectors. The backdrop's colour is estimated in every part of the picture; `rgb`
+/// is only the initial value.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ChromaKey {
-    /// About the backdrop's colour, sRGB.
+    /// Approximate colour of the backdrop, sRGB.
     pub rgb: [u8; 3],
-    /// A pixel is backdrop if its colour is turned from the local backdrop's by less than this share of the angle
-    /// between the backdrop's colour and gray. In 0..1.
+    /// A pixel is backdrop if the angle between its colour and the local backdrop's is less than this fraction of the
+    /// angle between the backdrop's colour and grey. In 0..1.
     pub tolerance: f32,
-    /// Shadows on the backdrop are recognised down to this share of its local brightness; what is darker is object,
-    /// as black cloth has no reliable colour.
+    /// Shadows on the backdrop are recognised down to this fraction of its local brightness. Darker pixels belong to
+    /// the object, because black cloth has no reliable colour.
     pub darkest_shadow: f32,
-    /// Parts of the object smaller than this share of the picture are specks, and removed.
+    /// Parts of the object that cover less than this fraction of the picture are removed as specks.
     pub smallest_part: f32,
-    /// Holes in the object smaller than this share of the picture are filled.
+    /// Holes in the object that cover less than this fraction of the picture are filled.
     pub smallest_hole: f32,
 }
 
@@ -38,7 +40,7 @@ impl Default for ChromaKey {
     }
 }
 
-/// Coverage of the object in a real (distorted) picture, packed RGB; 255 is fully the object's.
+/// Coverage of the object in a real (distorted) picture, given as packed RGB. A pixel of 255 lies fully on the object.
 pub(crate) fn coverage(picture: &ImageRef, rgb: &[u8], key: &ChromaKey) -> Result<Vec<u8>, String> {
     let (w, h) = (picture.width as usize, picture.height as usize);
     let hint = vector(key.rgb.as_slice());
@@ -46,15 +48,16 @@ pub(crate) fn coverage(picture: &ImageRef, rgb: &[u8], key: &ChromaKey) -> Resul
     let saturation = angle(hint, gray);
     if saturation < 0.1 {
         return Err(format!(
-            "the chroma key {:?} is nearly gray: no object can be told from it. Give masks or a clean plate",
+            "the chroma key {:?} is nearly gray, so that no object can be separated from it: \
+             give masks or a clean plate",
             key.rgb
         ));
     }
-    // Nearer to the hint than to gray, and then nearer to what most of that is.
-    let most = mean(rgb, hint, saturation * 0.6)
-        .ok_or_else(|| format!("no pixel has about the backdrop's colour {:?}: check the chroma key", key.rgb))?;
-    let limit = angle(most, gray) * key.tolerance.clamp(0.05, 0.95);
-    let backdrop = Backdrop::estimate(w, h, rgb, most, limit);
+    // The mean colour of the pixels that are closer to the hint than to grey is a better estimate than the hint.
+    let global = mean(rgb, hint, saturation * 0.6)
+        .ok_or_else(|| format!("no pixel is close to the backdrop's colour {:?}: check the chroma key", key.rgb))?;
+    let limit = angle(global, gray) * key.tolerance.clamp(0.05, 0.95);
+    let backdrop = Backdrop::estimate(w, h, rgb, global, limit);
     let cosine = libm::cosf(limit);
     let mut object = vec![false; w * h];
     for y in 0..h {
@@ -73,7 +76,7 @@ pub(crate) fn coverage(picture: &ImageRef, rgb: &[u8], key: &ChromaKey) -> Resul
     Ok(matte::soften(w, h, rgb, &object))
 }
 
-/// Angle between colours in radians.
+/// Angle between two colour vectors in radians.
 fn angle(a: Vec3, b: Vec3) -> f32 {
     let lengths = libm::sqrtf(a.length_squared() * b.length_squared());
     if lengths > 0.0 { libm::acosf((a.dot(b) / lengths).clamp(-1.0, 1.0)) } else { 0.0 }
@@ -84,7 +87,7 @@ fn within(colour: Vec3, centre: Vec3, cosine: f32) -> bool {
     along > 0.0 && along * along >= cosine * cosine * colour.length_squared() * centre.length_squared()
 }
 
-/// Mean of the colours turned by less than `limit` from a centre.
+/// Mean of the colours whose angle to a centre is less than `limit` radians.
 fn mean(rgb: &[u8], centre: Vec3, limit: f32) -> Option<Vec3> {
     let cosine = libm::cosf(limit);
     let (mut sums, mut count) = ([0u64; 3], 0u64);
@@ -95,7 +98,7 @@ fn mean(rgb: &[u8], centre: Vec3, limit: f32) -> Option<Vec3> {
     (count > 0).then(|| Vec3::from_array(sums.map(|s| s as f32 / count as f32)))
 }
 
-/// The backdrop's colour over the picture: one estimate a tile, bilinear between the tiles' centres.
+/// The backdrop's colour over the picture: one estimate per tile, interpolated bilinearly between the tiles' centres.
 struct Backdrop {
     columns: usize,
     rows: usize,
@@ -103,19 +106,19 @@ struct Backdrop {
 }
 
 impl Backdrop {
-    fn estimate(width: usize, height: usize, rgb: &[u8], most: Vec3, limit: f32) -> Self {
+    fn estimate(width: usize, height: usize, rgb: &[u8], global: Vec3, limit: f32) -> Self {
         let (columns, rows) = (width.div_ceil(TILE), height.div_ceil(TILE));
         let cosine = libm::cosf(limit);
         let mut sums = vec![(Vec3::ZERO, 0.0f32); columns * rows];
         for (i, pixel) in rgb.chunks_exact(3).enumerate() {
             let colour = vector(pixel);
-            if within(colour, most, cosine) {
+            if within(colour, global, cosine) {
                 let tile = &mut sums[i / width / TILE * columns + i % width / TILE];
                 *tile = (tile.0 + colour, tile.1 + 1.0);
             }
         }
-        // What a tile lacks in backdrop pixels of its own it takes from the tiles around it.
-        let own = |&(sum, count): &(Vec3, f32)| if count > 0.0 { sum / count } else { most };
+        // Tiles with few backdrop pixels take their colour partly or fully from the neighbouring tiles.
+        let own = |&(sum, count): &(Vec3, f32)| if count > 0.0 { sum / count } else { global };
         let mut tiles: Vec<Vec3> = sums.iter().map(own).collect();
         for _ in 0..SPREAD {
             for y in 0..rows {
@@ -164,14 +167,14 @@ mod tests {
         RADIUS - libm::hypotf(x - 150.3, y - 118.6)
     }
 
-    /// Backdrop lit unevenly, with a shadow across, in the proportions of `base`.
+    /// An unevenly lit backdrop with a shadow across it, in shades of `base`.
     fn empty(x: f32, y: f32, base: Vec3) -> Vec3 {
         let light = 0.55 + 0.35 * x / W as f32 + 0.1 * libm::sinf(y / 23.0);
         let shadow = 1.0 - 0.4 / (1.0 + libm::expf((libm::fabsf(x + y - 290.0) - 25.0) / 4.0));
         base * (light * shadow)
     }
 
-    /// A picture with an object's disc of one colour over the backdrop, mixed by exact coverage, with sensor noise.
+    /// A disc of one colour in front of the backdrop, blended by exact coverage, with sensor noise.
     fn picture(object: Option<Vec3>, base: Vec3) -> Vec<u8> {
         let mut state = 1u32;
         let mut noise = move || {
@@ -185,7 +188,7 @@ mod tests {
         let mut out = Vec::new();
         for i in 0..W * H {
             let (x, y) = ((i % W) as f32, (i / W) as f32);
-            // The disc is wide enough for its edge to be straight within a pixel.
+            // The disc is so large that its edge is nearly straight within a pixel.
             let alpha = if object.is_some() { (truth(x, y) + 0.5).clamp(0.0, 1.0) } else { 0.0 };
             let colour = empty(x, y, base) * (1.0 - alpha) + object.unwrap_or(Vec3::ZERO) * alpha;
             out.extend(colour.to_array().map(|v| libm::roundf(v + noise()).clamp(0.0, 255.0) as u8));
@@ -221,7 +224,7 @@ mod tests {
         for object in OBJECTS {
             let rgb = picture(Some(object), GREEN);
             let image = ImageRef::packed(&rgb, W, H, PixelFormat::Rgb8);
-            // The hint is off by more than any lighting.
+            // The hint differs from the true colour by more than the lighting does.
             let key = ChromaKey { rgb: [60, 160, 60], ..ChromaKey::default() };
             let error = contour_error(&coverage(&image, &rgb, &key).unwrap());
             assert!(error < 0.3, "{object}: {error}");

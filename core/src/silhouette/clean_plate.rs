@@ -1,19 +1,21 @@
-//! Silhouettes from a picture of the empty set (§0).
+//! Background subtraction (§0): silhouettes from a picture of the empty set.
 
 use super::{colour::vector, matte};
 use crate::image::ImageRef;
 use alloc::{format, string::String, vec::Vec};
 
-/// Shadows and the object's bounced light scale the background between these; what goes beyond is object.
+/// Shadows, and light reflected by the object, scale the background's brightness by a factor in this range. A larger
+/// change indicates the object.
 const SHADING: [f32; 2] = [0.5, 1.2];
-/// Colours differ by more than noise from this many levels on, and by this share of the background's brightness.
+/// Colours differ if their distance exceeds this many levels plus [`RELATIVE`] times the background's brightness.
 const NOISE: f32 = 14.0;
 const RELATIVE: f32 = 0.08;
-/// Parts and holes smaller than these shares of the picture are specks, as for [`super::ChromaKey`].
+/// Parts and holes that cover less than these fractions of the picture are removed, as for [`super::ChromaKey`].
 const SMALLEST_PART: f32 = 3e-4;
 const SMALLEST_HOLE: f32 = 5e-5;
 
-/// Coverage of the object in a real (distorted) picture, packed RGB, given the same camera's picture without it.
+/// Coverage of the object in a real (distorted) picture, given as packed RGB. `plate` is the same camera's picture
+/// without the object.
 pub(crate) fn coverage(picture: &ImageRef, rgb: &[u8], plate: &ImageRef) -> Result<Vec<u8>, String> {
     let (w, h) = (picture.width as usize, picture.height as usize);
     plate.check().map_err(|problem| format!("the clean plate: {problem}"))?;

@@ -1,22 +1,27 @@
-//! Signed distance to the half-coverage contour of a mask, exact to a fraction of a pixel.
+//! Signed distance to the contour of a mask at half coverage, accurate to a fraction of a pixel.
+//!
+//! A vector distance transform in the manner of Danielsson (Euclidean Distance Mapping, 1980): each pixel holds the
+//! offset to the nearest contour point found so far, and sweeps pass these points on to neighbouring pixels. Unlike
+//! there, the contour points lie between pixels and the sweeps run along both axes.
 
 use crate::math::{min, sqrt};
 use alloc::{vec, vec::Vec};
 
-/// Weights of the binomial that takes the pixel staircase off a binary mask's contour (σ = 0.7 pixel). A wider one
-/// is no more exact on straight contours, and it eats fingers: bars of two and three pixels keep their width here.
+/// Weights of the binomial filter (σ = 0.7 pixel) that smooths the pixel staircase of a binary mask's contour. A wider
+/// filter is not more accurate on straight contours, and it shortens fingers. With this one, bars of two and three
+/// pixels keep their width.
 const BINOMIAL: [u16; 3] = [1, 2, 1];
 /// Smoothed coverage of one half: 255 · 4 · 4 / 2.
 const HALF: u16 = 2040;
-/// Offset of a pixel that knows no contour yet: it stays farther than any that is told apart, wherever it is handed.
+/// Offset of a pixel without a contour point. It remains larger than any valid offset when it is passed on.
 const FAR: f32 = 1e6;
 
-/// Fixed-point units in a pixel.
+/// Fixed-point units per pixel.
 pub(super) const UNITS: f32 = 64.0;
 
-/// Signed distance in 1/64 pixel, positive where smoothed coverage is more than a half. No contour is drawn through
-/// cells that have an unknown corner, nor along the picture's edge.
-/// `out` is overwritten.
+/// Signed distance in 1/64 pixel, positive where the smoothed coverage exceeds one half. `out` is overwritten.
+///
+/// There is no contour in cells with an unknown corner, nor along the picture's edge.
 pub(super) fn signed_distance(
     width: usize,
     height: usize,
@@ -29,7 +34,8 @@ pub(super) fn signed_distance(
     smooth(width, height, coverage, half, smoothed);
     columns.clear(height, width);
     seed(width, height, smoothed, known, columns);
-    // A straight way to the nearest contour point leads down, up, left or right within 45°, so four sweeps find it.
+    // The direction to the nearest contour point is within 45° of down, up, left or right. Therefore four sweeps find
+    // it.
     columns.sweep();
     columns.transpose(rows);
     rows.sweep();
@@ -42,7 +48,7 @@ pub(super) fn signed_distance(
     }));
 }
 
-/// Buffers that go from view to view.
+/// Buffers that are reused for all views.
 #[derive(Debug, Default)]
 pub(crate) struct SilhouetteScratch {
     /// Coverage smoothed along the rows only.
@@ -52,7 +58,7 @@ pub(crate) struct SilhouetteScratch {
     rows: Offsets,
 }
 
-/// Binomially smoothed coverage in 1/4080; the outermost pixels repeat beyond the picture's edge.
+/// Coverage in 1/4080, smoothed by the binomial filter. The outermost pixels are repeated beyond the picture's edge.
 fn smooth(width: usize, height: usize, coverage: &[u8], rows: &mut Vec<u16>, out: &mut Vec<u16>) {
     rows.resize(width * height, 0);
     let mut padded = vec![0u16; width + 2];
@@ -78,7 +84,7 @@ fn smooth(width: usize, height: usize, coverage: &[u8], rows: &mut Vec<u16>, out
     }
 }
 
-/// Gives the pixels around each piece of contour their offset to it. `offsets` is transposed.
+/// Sets the offsets of the pixels around each segment of the contour. `offsets` is transposed.
 fn seed(width: usize, height: usize, smooth: &[u16], known: impl Fn(usize) -> bool, offsets: &mut Offsets) {
     for y in 0..height - 1 {
         let (upper, lower) = (&smooth[y * width..][..width], &smooth[(y + 1) * width..][..width]);
@@ -91,7 +97,7 @@ fn seed(width: usize, height: usize, smooth: &[u16], known: impl Fn(usize) -> bo
             if ![i, i + 1, i + width, i + width + 1].into_iter().all(&known) {
                 continue;
             }
-            // Corners around the cell and the contour's crossings of the edges between them.
+            // The corners of the cell in order, and the points where the contour crosses the edges between them.
             let corners =
                 [(upper[x], 0.0, 0.0), (upper[x + 1], 1.0, 0.0), (lower[x + 1], 1.0, 1.0), (lower[x], 0.0, 1.0)];
             let mut crossings = [(0.0f32, 0.0f32); 4];
@@ -99,7 +105,7 @@ fn seed(width: usize, height: usize, smooth: &[u16], known: impl Fn(usize) -> bo
             for k in 0..4 {
                 let ((a, ax, ay), (b, bx, by)) = (corners[k], corners[(k + 1) % 4]);
                 if (a > HALF) != (b > HALF) {
-                    // Half a unit above HALF, so that no crossing falls on a corner.
+                    // The threshold is half a unit above HALF, so that no crossing coincides with a corner.
                     let (sa, sb) = (f32::from(a) - f32::from(HALF) - 0.5, f32::from(b) - f32::from(HALF) - 0.5);
                     let t = sa / (sa - sb);
                     crossings[count] = (x as f32 + ax + (bx - ax) * t, y as f32 + ay + (by - ay) * t);
@@ -135,7 +141,7 @@ struct Offsets {
 }
 
 impl Offsets {
-    /// No contour point has been found.
+    /// Resets all pixels to having no contour point.
     fn clear(&mut self, width: usize, height: usize) {
         self.width = width;
         for offsets in [&mut self.x, &mut self.y] {
@@ -150,7 +156,7 @@ impl Offsets {
         }
     }
 
-    /// Hands contour points down from row to row and then up.
+    /// Passes contour points on from row to row, first down and then up.
     fn sweep(&mut self) {
         let (w, rows) = (self.width, self.x.len() / self.width);
         for r in 1..rows {
@@ -173,7 +179,7 @@ impl Offsets {
     }
 }
 
-/// Offers each pixel of a row the contour points of its three neighbours in the row `step` below.
+/// Lowers the offsets of a row to those of each pixel's three neighbours in the row that is `step` below.
 fn hand_on(from_x: &[f32], from_y: &[f32], step: f32, x: &mut [f32], y: &mut [f32]) {
     let nearer = |best: (f32, f32), candidate: (f32, f32)| {
         let closer = candidate.0 * candidate.0 + candidate.1 * candidate.1 < best.0 * best.0 + best.1 * best.1;
@@ -195,7 +201,7 @@ fn hand_on(from_x: &[f32], from_y: &[f32], step: f32, x: &mut [f32], y: &mut [f3
     }
 }
 
-/// Transposes a plane in tiles that fit a cache.
+/// Transposes a plane in tiles that fit into the cache.
 fn transpose(width: usize, height: usize, plane: &[f32], out: &mut Vec<f32>) {
     const TILE: usize = 16;
     out.resize(plane.len(), 0.0);

@@ -1,4 +1,4 @@
-//! Silhouettes (§0): which pixels see the object, with a contour finer than a pixel.
+//! Silhouettes (§0): which pixels see the object, with sub-pixel contours.
 
 pub(crate) mod chroma;
 pub(crate) mod clean_plate;
@@ -11,27 +11,28 @@ pub(crate) use distance::SilhouetteScratch;
 
 use alloc::{format, string::String, vec::Vec};
 
-/// A view's silhouette as the signed distance to its contour.
+/// A view's silhouette, as the signed distance to its contour.
 ///
-/// Distances are in 1/64 pixel, positive inside, clamped to ±511 pixels. Pixels of which nothing is known hold
-/// [`Silhouette::UNKNOWN`]: like everything beyond the picture's edge they carve nothing.
+/// Distances are in 1/64 pixel, positive inside and clamped to ±511 pixels. Pixels without a source hold
+/// [`Silhouette::UNKNOWN`]. Like everything beyond the picture's edge, they do not carve the hull.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Silhouette {
-    /// Pixels in a row.
+    /// Width in pixels.
     pub width: u32,
-    /// Rows.
+    /// Height in pixels.
     pub height: u32,
     distance: Vec<i16>,
 }
 
 impl Silhouette {
-    /// Marks a pixel outside the picture.
+    /// Marks a pixel that has no source in the real picture.
     pub const UNKNOWN: i16 = i16::MAX;
-    /// Fixed-point units in a pixel.
+    /// Fixed-point units per pixel.
     pub const UNITS: f32 = distance::UNITS;
 
-    /// From coverage: one byte a pixel, 255 fully the object's, the contour where bilinear coverage is one half;
-    /// `known` is false where an undistorted pixel has no source. Errors on an empty and on a full silhouette.
+    /// Creates a silhouette from coverage: one byte per pixel, 255 for pixels that lie fully on the object. The contour
+    /// is where the bilinear interpolation of the smoothed coverage is one half. `known` is false for undistorted
+    /// pixels that have no source. Fails if the silhouette is empty or full.
     pub fn from_coverage(
         width: u32,
         height: u32,
@@ -41,7 +42,7 @@ impl Silhouette {
         Self::with_buffers(width, height, coverage, known, &mut SilhouetteScratch::default(), Vec::new())
     }
 
-    /// [`Self::from_coverage`] with buffers to use; the distances go to `distance`.
+    /// [`Self::from_coverage`] with scratch buffers. The distances use the memory of `distance`.
     pub(crate) fn with_buffers(
         width: u32,
         height: u32,
@@ -78,25 +79,25 @@ impl Silhouette {
         Ok(Self { width, height, distance })
     }
 
-    /// Signed distance in 1/64 pixel at each pixel's centre, row after row.
+    /// Signed distance in 1/64 pixel at the centre of each pixel, row after row.
     pub fn distances(&self) -> &[i16] {
         &self.distance
     }
 
-    /// Its memory, to be used again.
+    /// The memory of the distances, for reuse.
     pub(crate) fn into_distances(self) -> Vec<i16> {
         self.distance
     }
 
-    /// Bilinear signed distance in pixels, positive inside; `None` where nothing is known.
+    /// Signed distance in pixels, interpolated bilinearly, positive inside. `None` where it is unknown.
     #[inline]
     pub fn sample(&self, u: f32, v: f32) -> Option<f32> {
         let (w, h) = (self.width as usize, self.height as usize);
-        // Written so that NaN fails too.
+        // Written so that NaN fails as well.
         if !(u >= 0.0 && v >= 0.0 && u <= (w - 1) as f32 && v <= (h - 1) as f32) {
             return None;
         }
-        // Signed conversions are one instruction.
+        // Conversion to a signed integer is a single instruction, unlike conversion to `usize`.
         let (x, y) = ((u as i32).min(w as i32 - 2), (v as i32).min(h as i32 - 2));
         let (fx, fy) = (u - x as f32, v - y as f32);
         let d = &self.distance[y as usize * w + x as usize..][..w + 2];
@@ -118,8 +119,8 @@ mod tests {
     const W: u32 = 96;
     const H: u32 = 80;
 
-    /// Renders the area that a signed distance function makes positive: exact coverage (16 x 16 samples a pixel) or
-    /// the pixel's centre alone.
+    /// Renders the area in which a function is positive, with `samples` x `samples` samples per pixel: 16 give nearly
+    /// exact coverage, and 1 gives a binary mask.
     fn render(inside: impl Fn(f32, f32) -> f32, samples: u32) -> Vec<u8> {
         let place = |i: u32| (i as f32 + 0.5) / samples as f32 - 0.5;
         let pixel = |i: u32| {
@@ -132,8 +133,8 @@ mod tests {
         (0..W * H).map(pixel).collect()
     }
 
-    /// Largest error of the distance within `reach` of the contour, away from the picture's edge, where the contour
-    /// of the picture ends but the function's goes on.
+    /// Largest error of the distance within `reach` of the contour. Pixels near the picture's edge are excluded, because
+    /// the silhouette's contour ends there but that of the function does not.
     fn worst(truth: impl Fn(f32, f32) -> f32, samples: u32, reach: f32) -> f32 {
         let silhouette = Silhouette::from_coverage(W, H, &render(&truth, samples), |_| true).unwrap();
         let mut worst = 0.0f32;
@@ -182,7 +183,7 @@ mod tests {
     #[test]
     fn thin_bars_keep_their_width() {
         for width in [2.0, 3.0, 4.0] {
-            // At 0° pixel centres alone cannot tell the width to better than half a pixel.
+            // At 0° pixel centres determine the width only to half a pixel.
             for k in 1..8 {
                 let truth = bar(k as f32 * 0.13, width);
                 let silhouette = Silhouette::from_coverage(W, H, &render(&truth, 1), |_| true).unwrap();
@@ -212,7 +213,7 @@ mod tests {
             }
         };
         check(&Silhouette::from_coverage(W, H, &coverage, |_| true).unwrap(), 0..W);
-        // Unknown columns at the left say "background": they must not cut the object.
+        // The unknown columns at the left look like background. They must not cut the object.
         let known = |i: usize| i % W as usize >= 10;
         (0..coverage.len()).filter(|&i| !known(i)).for_each(|i| coverage[i] = 0);
         let silhouette = Silhouette::from_coverage(W, H, &coverage, known).unwrap();
@@ -224,7 +225,7 @@ mod tests {
 
     #[test]
     fn far_distances_are_euclidean() {
-        // Four pixels wide dots: every pixel's distance is that to the nearest dot, whatever lies between.
+        // Dots four pixels wide: the distance of every pixel is that to the nearest dot.
         let dots = [(10.0, 12.0), (80.0, 30.0), (33.0, 70.0), (60.0, 60.0)];
         let truth = |x: f32, y: f32| {
             dots.iter().map(|d| 2.0 - libm::hypotf(x - d.0, y - d.1)).fold(f32::NEG_INFINITY, f32::max)
