@@ -1,26 +1,37 @@
-//! §4.4: frontier points, where a silhouette's contour touches the surface.
+//! §4.4: frontier points, at which the ray of a contour pixel certainly touches the surface.
 
 use crate::{
     hull::{VisualHull, Walk},
     math::max,
     point_cloud::{Point, PointCloud, Rank},
     silhouette::Silhouette,
+    surface::SLOPE,
     view::View,
 };
 use glam::{Vec2, Vec3};
 
-/// Frontier points of §4.4.
+/// Parameters of frontier points (§4.4).
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
 pub struct FrontierParams {
-    /// τ: a contour pixel's ray may run this long inside the other views' hull, in pixels of footprint.
+    /// τ: the longest interval of a contour pixel's ray inside the hull of the other views, in pixels of footprint.
     pub longest_pixels: f32,
 }
 
+/// Fraction of a signed distance by which a ray may safely advance. A signed distance d changes by at most [`SLOPE`]
+/// per unit of length, so that its sign is constant within d / [`SLOPE`] = 0.77 d. The rest is a margin for
+/// interpolated distances.
+const SAFE_FRACTION: f32 = 0.7;
+const _: () = assert!(SAFE_FRACTION * SLOPE < 1.0);
+
+/// A ray that misses the hull of the other views by less than this still touches the surface, in pixels of footprint:
+/// the contours are not more accurate.
+const MISS_PIXELS: f32 = 0.7;
+
 /// The frontier points of a view.
 ///
-/// A contour pixel's ray touches the surface somewhere. Where all other silhouettes leave it a single, short piece,
-/// that piece is the place, and its normal is known from the contour.
+/// The ray of a contour pixel touches the surface somewhere. If the hull of the other views leaves it a single short
+/// interval, then that is where it touches. The normal follows from the contour.
 pub fn frontier(view: &View, hull: &VisualHull, params: &FrontierParams) -> PointCloud {
     let mut cloud = PointCloud::new();
     let Some(silhouette) = &view.silhouette else { return cloud };
@@ -31,7 +42,7 @@ pub fn frontier(view: &View, hull: &VisualHull, params: &FrontierParams) -> Poin
         let Some((t, length)) = touch(hull, view, ray, longest) else { return };
         let position = view.camera.centre + ray * t;
         let (rows, _) = view.camera.projection();
-        // The contour's tangent line and the camera's centre span the tangent plane of the surface.
+        // The tangent of the contour and the camera's centre span the tangent plane of the surface.
         let normal = rows[0] * outward.x + rows[1] * outward.y - rows[2] * outward.dot(pixel);
         let normal = normal.normalize_or_zero();
         let certainty = 1.0 - length / longest;
@@ -47,8 +58,8 @@ pub fn frontier(view: &View, hull: &VisualHull, params: &FrontierParams) -> Poin
     cloud
 }
 
-/// Calls `f` with a point of the contour and its outward unit normal in the image, once for every pixel cell that the
-/// contour passes.
+/// Calls `f` with a point on the contour and the outward unit normal in the image, once per pixel cell that the contour
+/// passes.
 fn contour(silhouette: &Silhouette, mut f: impl FnMut(Vec2, Vec2)) {
     let (w, h) = (silhouette.width as usize, silhouette.height as usize);
     let d = silhouette.distances();
@@ -61,7 +72,7 @@ fn contour(silhouette: &Silhouette, mut f: impl FnMut(Vec2, Vec2)) {
                 continue;
             }
             let [a, b, c, e] = corners.map(f32::from);
-            // The plane through the four corners: value at the cell's middle and gradient.
+            // The plane fitted to the four corners: its value at the cell's centre and its gradient.
             let middle = 0.25 * (a + b + c + e);
             let gradient = Vec2::new(0.5 * (b + e - a - c), 0.5 * (c + e - a - b));
             let length = gradient.length_squared();
@@ -76,8 +87,9 @@ fn contour(silhouette: &Silhouette, mut f: impl FnMut(Vec2, Vec2)) {
     }
 }
 
-/// Where a contour ray meets the hull of the other views: parameter and length of the piece, if there is only one and
-/// it is short. Rays that just miss the hull by the contours' uncertainty touch it where they come nearest.
+/// Where the ray of a contour pixel meets the hull of the other views: the middle and the length of its interval, if
+/// there is only one and it is short. A ray that misses the hull by less than [`MISS_PIXELS`] touches it where it comes
+/// nearest.
 fn touch(hull: &VisualHull, view: &View, ray: Vec3, longest: f32) -> Option<(f32, f32)> {
     let unit = 1.0 / ray.length();
     let fine = hull.footprint() * unit;
@@ -90,15 +102,15 @@ fn touch(hull: &VisualHull, view: &View, ray: Vec3, longest: f32) -> Option<(f32
         let p = view.camera.centre + ray * t;
         let coarse = hull.coarse(p);
         if coarse < -2.0 * hull.footprint() && inside.is_none() {
-            t += max(-coarse * 0.7 * unit, fine);
+            t += max(-coarse * SAFE_FRACTION * unit, fine);
             continue;
         }
-        // Such a block is carved by other views: this one's contour passes through it.
+        // Blocks outside were carved by other views, because the contour of this view passes through them.
         let (d, step) = match hull.outside_block(p, ray) {
             Some(step) => (-2.0 * hull.footprint(), step + 0.01 * fine),
             None => {
                 let d = others.signed_distance(p, 2.0 * hull.footprint());
-                (d, max(d.abs() * 0.7 * unit, fine))
+                (d, max(d.abs() * SAFE_FRACTION * unit, fine))
             }
         };
         if d > nearest {
@@ -123,6 +135,6 @@ fn touch(hull: &VisualHull, view: &View, ray: Vec3, longest: f32) -> Option<(f32
             let length = (stop - start) / unit;
             (length < longest).then_some((0.5 * (start + stop), length))
         }
-        None => (nearest > -0.7 * hull.footprint()).then_some((nearest_at, 0.0)),
+        None => (nearest > -MISS_PIXELS * hull.footprint()).then_some((nearest_at, 0.0)),
     }
 }

@@ -8,18 +8,18 @@ use crate::{
 };
 use alloc::vec;
 
-/// Implicit points of §4.4.
+/// Parameters of implicit points (§4.4).
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
 pub struct ImplicitParams {
-    /// A point at most this close to a contour, in pixels, lies on it.
+    /// A point lies on a contour if its distance to it is at most this, in pixels.
     pub contour_pixels: f32,
-    /// A point at least this far behind the hull's front, in pixels of footprint, is hidden by it.
+    /// A point is hidden if it lies more than this behind the hull's front, in pixels of footprint.
     pub hidden_pixels: f32,
 }
 
-/// The vertices of the hull's mesh that every view either does not see, because the hull hides them, or sees on its
-/// contour. They only keep the model complete. `tick` is called with the number of each view.
+/// The vertices of the hull's mesh that no view sees: in every view the vertex is either hidden by the hull or lies on
+/// the contour. They only keep the model complete. `tick` is called with the index of each view.
 pub fn implicit(
     hull: &Mesh,
     views: &[View],

@@ -1,5 +1,5 @@
-//! Points that the silhouettes alone give (§4.4): frontier points on contour generators, implicit points where no camera
-//! looks.
+//! Points that are derived from the silhouettes alone (§4.4): frontier points on contour generators, and implicit
+//! points on parts of the hull that no camera sees.
 
 mod frontier;
 mod implicit;
@@ -16,7 +16,7 @@ use crate::{
     stage::Stage,
 };
 
-/// What the stage finds. Weights are left to meshing.
+/// The points that this stage finds. Their weights are set later ([`crate::mesh::weigh`]).
 #[derive(Debug, Clone, Default)]
 pub struct Contours {
     /// Frontier points of all views, in the order of the views.
@@ -25,7 +25,7 @@ pub struct Contours {
     pub implicit: PointCloud,
 }
 
-/// Finds the points of both kinds that have parameters. `hull_mesh` is the hull's own mesh.
+/// Finds frontier and implicit points. A kind without parameters is skipped. `hull_mesh` is the hull's own mesh.
 ///
 /// # Errors
 /// [`crate::Error::Cancelled`].

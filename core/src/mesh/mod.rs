@@ -1,4 +1,7 @@
-//! Meshing (§6): points to a closed manifold mesh inside the visual hull.
+//! Meshing (§6): reconstructs a closed manifold mesh inside the visual hull from oriented points.
+//!
+//! `weight` implements eq. 3 (§6.1), `poisson` the surface reconstruction (§6.1), and `rectify` the space constraint as
+//! in the paper (§6.2).
 
 mod poisson;
 mod rectify;
@@ -17,20 +20,20 @@ use crate::{
 };
 use steps::Steps;
 
-/// Meshing (§6).
+/// Parameters of meshing (§6).
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
 pub struct MeshingParams {
-    /// Distance of the grid's nodes in pixels of footprint at the object.
+    /// Spacing of the grid's nodes, in pixels of footprint at the object.
     pub voxel_pixels: f32,
-    /// Eq. 3 (§6.1). Without it all points weigh the same.
+    /// Weights of eq. 3 (§6.1). Without them all points have the same weight.
     pub weights: Option<WeightParams>,
-    /// Weight of the screening term, which holds the surface at the points rather than at their normals alone. Without it
-    /// the solver is the unscreened one of the paper.
+    /// Weight of the screening term, which pulls the surface to the positions of the points (Kazhdan & Hoppe, Screened
+    /// Poisson Surface Reconstruction, 2013). Without it the solver is unscreened, as in the paper.
     pub screening: Option<f32>,
-    /// §6.2. Without it the surface may leave the hull.
+    /// Space constraint (§6.2). Without it the surface may leave the hull.
     pub space_constraint: Option<SpaceConstraint>,
-    /// Components with less than this share of the largest one's volume are dropped.
+    /// Components with a volume of less than this fraction of the largest one's are dropped.
     pub smallest_component: f32,
 }
 
@@ -38,31 +41,31 @@ pub struct MeshingParams {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "lowercase"))]
 pub enum SpaceConstraint {
-    /// χ is held at zero outside the hull while it is solved for (Kazhdan, Chuang, Rusinkiewicz, Hoppe: Poisson Surface
-    /// Reconstruction with Envelope Constraints, SGP 2020).
+    /// The indicator function χ is held at zero outside the hull while it is solved (Kazhdan, Chuang, Rusinkiewicz &
+    /// Hoppe, Poisson Surface Reconstruction with Envelope Constraints, SGP 2020).
     Envelope,
-    /// The paper's way: vertices outside move onto the hull, and the solver runs again on the rectified points.
+    /// As in the paper: vertices outside move onto the hull, and the solver runs again on the rectified points.
     Rectify,
 }
 
-/// The mesh of §6.
+/// The result of meshing.
 #[derive(Debug, Clone)]
 pub struct Meshed {
-    /// Closed and manifold, with normals, not yet coloured.
+    /// A closed manifold mesh with normals and without colours.
     pub mesh: Mesh,
-    /// Stray components and cavities that were dropped.
+    /// Number of stray components and cavities that were dropped.
     pub components_dropped: u32,
 }
 
-/// Most nodes along the longest side of the bounds.
+/// Largest number of voxels along the longest side of the bounds.
 const MAX_NODES: f32 = 4096.0;
 
-/// Meshes oriented points (§6) with nodes `voxel` scene units apart. The result depends on the points only, not on
-/// their order.
+/// Meshes oriented points (§6) on a grid whose nodes are `voxel` scene units apart. The result does not depend on the
+/// order of the points.
 ///
 /// # Errors
-/// [`Error::NoSurface`] if the points bound nothing or the envelope's bounds are empty or over 4096 voxels long,
-/// [`Error::Cancelled`].
+/// [`Error::NoSurface`] if the points do not bound a surface, or if the envelope's bounds are empty or 4096 voxels long
+/// or longer; [`Error::Cancelled`].
 pub fn mesh(
     points: &[Point],
     envelope: &dyn Envelope,
@@ -72,7 +75,7 @@ pub fn mesh(
     progress: &dyn Progress,
 ) -> Result<Meshed> {
     let (low, high) = envelope.bounds();
-    // Written so that NaN fails too.
+    // Written so that NaN fails as well.
     if !(voxel > 0.0 && (high - low).min_element() >= 0.0 && (high - low).max_element() < MAX_NODES * voxel) {
         return Err(Error::NoSurface);
     }

@@ -1,4 +1,4 @@
-//! The space constraint as the paper has it (§6.2): rectify the vertices, then solve again.
+//! The space constraint as in the paper (§6.2): vertices outside the hull are rectified, and the solver runs again.
 
 use alloc::vec::Vec;
 use glam::Vec3;
@@ -6,13 +6,14 @@ use glam::Vec3;
 use crate::point_cloud::{Mesh, Point, Rank};
 use crate::surface::Envelope;
 
-/// Steps of bisection from one voxel.
+/// Number of bisections of one voxel.
 const BISECTIONS: u32 = 8;
-/// Farthest that a vertex is followed, in voxels.
+/// Largest distance that a vertex may move, in voxels.
 const FARTHEST: u32 = 64;
 
-/// The mesh's vertices as points for the second reconstruction: those outside the envelope move along their inverse
-/// normal onto it and take its normal there. A vertex whose inverse normal misses the envelope is left out.
+/// The vertices of the mesh, as points for the second reconstruction. Vertices outside the envelope move along their
+/// inverse normal onto the envelope, and take its normal there. Vertices whose inverse normal misses the envelope are
+/// omitted.
 pub(super) fn rectified(mesh: &Mesh, envelope: &dyn Envelope, voxel: f32) -> Vec<Point> {
     let mut points = Vec::with_capacity(mesh.positions.len());
     for (&vertex, &outward) in mesh.positions.iter().zip(&mesh.normals) {
@@ -37,7 +38,7 @@ pub(super) fn rectified(mesh: &Mesh, envelope: &dyn Envelope, voxel: f32) -> Vec
     points
 }
 
-/// Where the ray from a point outside enters the envelope.
+/// The point where a ray from outside enters the envelope.
 fn follow(from: Vec3, direction: Vec3, envelope: &dyn Envelope, voxel: f32) -> Option<Vec3> {
     let inside = |t: f32| envelope.signed_distance(from + direction * t) >= 0.0;
     let reached = (1..=FARTHEST).map(|i| i as f32 * voxel).find(|&t| inside(t))?;

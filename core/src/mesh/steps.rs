@@ -1,4 +1,4 @@
-//! Progress of meshing.
+//! Progress of the stage `Mesh`.
 
 use crate::{
     error::Result,
@@ -6,7 +6,7 @@ use crate::{
     stage::Stage,
 };
 
-/// Reports the meshing's progress.
+/// Counts and reports the steps of meshing.
 pub(super) struct Steps<'a> {
     pub progress: &'a dyn Progress,
     pub done: u32,

@@ -1,21 +1,23 @@
-//! Eq. 3 (§6.1): n_f = n · f. In meshing a normal counts as much as its point can be trusted.
+//! Eq. 3 (§6.1): n_f = n · f. In meshing each normal is scaled by the weight of its point.
 
 use crate::point_cloud::{Point, Rank};
 
-/// Weights of eq. 3. A detected point weighs its fidelity f, which is at most the number of neighbouring views. Points of
-/// the other kinds have no fidelity from eq. 1; the paper's values for them are lost, these are measured.
+/// Weights of eq. 3. The weight of a detected point is its fidelity f, which is at most the number of neighbouring
+/// views. Eq. 1 gives no fidelity for the other kinds of points. The paper's values for them are lost; the ones here
+/// were found by measurement.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
 pub struct WeightParams {
-    /// Weight of a frontier point whose contact is certain.
+    /// Weight of a frontier point whose ray touches the hull in a single point. It decreases to 0 for the longest
+    /// interval.
     pub frontier: f32,
-    /// Weight of a point put on the hull because stereo failed (§4.2).
+    /// Weight of a point placed on the hull because stereo failed (§4.2).
     pub substituted: f32,
     /// Weight of an implicit point.
     pub implicit: f32,
 }
 
-/// Sets the weight of every point. Without parameters all weigh the same.
+/// Sets the weight of every point. Without parameters all weights are 1.
 pub fn weigh(cloud: &mut [Point], params: Option<&WeightParams>) {
     for point in cloud {
         point.weight = params.map_or(1.0, |params| match point.rank {

@@ -1,6 +1,10 @@
-//! The 256 cases of marching cubes, made from one rule for each face of the cube.
+//! The 256 cases of marching cubes (Lorensen & Cline, SIGGRAPH 1987), generated from one rule for the faces of the
+//! cube.
 //!
-//! Corner c of a cube lies at (c & 1, c >> 1 & 1, c >> 2). An edge is its axis and its lower corner.
+//! The original table leaves holes between ambiguous cases. Here each face decides by its own corners how the surface
+//! crosses it, so that neighbouring cubes always agree.
+//!
+//! Corner c of a cube lies at (c & 1, c >> 1 & 1, c >> 2). An edge is given by its axis and its lower corner.
 
 use alloc::vec::Vec;
 
@@ -8,7 +12,7 @@ use alloc::vec::Vec;
 pub(super) const EDGES: [(usize, usize); 12] =
     [(0, 0), (0, 2), (0, 4), (0, 6), (1, 0), (1, 1), (1, 4), (1, 5), (2, 0), (2, 1), (2, 2), (2, 3)];
 
-/// Triangles of all cases, as indices into [`EDGES`], counter-clockwise seen from outside the object.
+/// Triangles of all cases, as indices into [`EDGES`]. They are counter-clockwise as seen from outside the object.
 pub(super) struct Cases {
     triangles: Vec<[u8; 3]>,
     first: [u16; 257],
@@ -29,7 +33,7 @@ impl Cases {
                 while !used[edge] {
                     used[edge] = true;
                     polygon.push(edge);
-                    edge = next[edge].expect("every crossed edge is left once");
+                    edge = next[edge].expect("the polygon continues at every crossed edge");
                 }
                 let found = triangulate(&polygon, 0, polygon.len() - 1, &mut cases.triangles);
                 assert!(found, "every polygon has a triangulation without a diagonal in a face");
@@ -39,7 +43,7 @@ impl Cases {
         cases
     }
 
-    /// Triangles of the case whose bit c says that corner c is inside.
+    /// Triangles of a case. Bit c of `signs` is set if corner c is inside.
     #[inline]
     pub(super) fn of(&self, signs: u8) -> &[[u8; 3]] {
         let i = usize::from(signs);
@@ -47,7 +51,7 @@ impl Cases {
     }
 }
 
-/// Corners of a face, counter-clockwise seen from outside the cube.
+/// Corners of a face, counter-clockwise as seen from outside the cube.
 fn face(axis: usize, side: usize) -> [usize; 4] {
     let (a, b, c) = (side << axis, 1 << ((axis + 1) % 3), 1 << ((axis + 2) % 3));
     if side == 1 { [a, a | b, a | b | c, a | c] } else { [a, a | c, a | b | c, a | b] }
@@ -59,10 +63,11 @@ fn edge(a: usize, b: usize) -> usize {
     EDGES.iter().position(|&e| e == (axis, a & b)).expect("corners are neighbours")
 }
 
-/// The edge that follows each crossed edge on its polygon.
+/// For each crossed edge, the edge that follows on its polygon.
 ///
-/// A face's crossed edges are joined so that each run of inside corners is cut off by itself: of an ambiguous face
-/// the inside corners are separated. This looks at the face's own corners only, so both cubes at the face agree.
+/// The crossed edges of a face are joined so that each run of inside corners is cut off separately. On an ambiguous
+/// face the two inside corners are therefore separated. The rule depends only on the corners of the face, so that the
+/// cubes on both sides of it agree.
 fn segments(signs: usize) -> [Option<usize>; 12] {
     let inside = |corner: usize| signs >> corner & 1 == 1;
     let mut next = [None; 12];
@@ -85,8 +90,8 @@ fn segments(signs: usize) -> [Option<usize>; 12] {
     next
 }
 
-/// Triangulates the polygon's part from vertex `i` to vertex `j` using only diagonals that lie in no face of the cube:
-/// the neighbouring cube could use a diagonal in a face too, which would then have four triangles.
+/// Triangulates a polygon from vertex `i` to vertex `j`, without diagonals that lie in a face of the cube. The
+/// neighbouring cube could use the same diagonal, which would then be an edge of four triangles.
 fn triangulate(polygon: &[usize], i: usize, j: usize, triangles: &mut Vec<[u8; 3]>) -> bool {
     if j < i + 2 {
         return true;

@@ -1,9 +1,9 @@
-//! Drops the parts of a mesh that are not the object.
+//! Removes stray components of a mesh.
 
 use crate::{point_cloud::Mesh, workspace::Workspace};
 
-/// Drops components with less volume than `smallest` times the largest one's, cavities (whose volume is negative) among
-/// them. Returns how many were dropped.
+/// Drops components whose volume is less than `smallest` times that of the largest component. Cavities have a negative
+/// volume and are dropped too. Returns the number of dropped components.
 pub fn drop_small_components(mesh: &mut Mesh, smallest: f32, workspace: &mut Workspace) -> u32 {
     let vertices = mesh.positions.len();
     let mut roots = workspace.empty(vertices);
@@ -12,7 +12,7 @@ pub fn drop_small_components(mesh: &mut Mesh, smallest: f32, workspace: &mut Wor
         unite(&mut roots, a, b);
         unite(&mut roots, b, c);
     }
-    // In rising order each vertex finds its root at once.
+    // Parents have smaller indices, so that in ascending order the parent of each vertex is already a root.
     for v in 0..vertices {
         roots[v] = roots[roots[v] as usize];
     }
@@ -67,7 +67,8 @@ fn root(parent: &mut [u32], mut v: u32) -> u32 {
     v
 }
 
-/// The smaller index becomes the root, whatever the order.
+/// Unites two sets. The smaller root becomes the new root, so that the result does not depend on the order of the
+/// calls.
 fn unite(parent: &mut [u32], a: u32, b: u32) {
     let (a, b) = (root(parent, a), root(parent, b));
     parent[a.max(b) as usize] = a.min(b);

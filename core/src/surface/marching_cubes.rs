@@ -1,4 +1,5 @@
-//! The surface of a sampled field as a closed manifold mesh.
+//! Marching cubes (Lorensen & Cline, SIGGRAPH 1987): extracts the iso-surface of a sampled field as a closed manifold
+//! mesh.
 
 use alloc::{vec, vec::Vec};
 use glam::Vec3;
@@ -10,13 +11,13 @@ use crate::math::min;
 use crate::point_cloud::Mesh;
 use crate::workspace::Workspace;
 
-/// How near to a node a vertex may come, as a share of the edge: vertices on different edges stay apart, so that no
-/// triangle degenerates.
+/// Smallest distance of a vertex from a node, as a fraction of the edge. It keeps vertices on different edges apart, so
+/// that no triangle degenerates.
 const NEAREST: f32 = 0.02;
 
 const NO_BLOCK: u32 = u32::MAX;
 
-/// The field's value throughout the blocks that a grid does not store.
+/// The values of the field in blocks that a grid does not store.
 #[derive(Debug, Clone, Copy)]
 pub struct Unstored {
     /// In blocks inside the object: greater than the iso value.
@@ -25,11 +26,12 @@ pub struct Unstored {
     pub outside: f32,
 }
 
-/// The surface where the field passes `iso`. Nodes with a greater value are inside the object. `values` are those of the
-/// grid's stored blocks.
+/// Extracts the surface on which the field equals `iso`. Nodes with a greater value are inside the object. `values`
+/// belong to the nodes of the stored blocks.
 ///
-/// Whatever the values are, the mesh is closed, each edge has two triangles, each vertex one fan of triangles, and
-/// triangles are counter-clockwise seen from outside, with area. Normals follow the field's gradient.
+/// For any values the mesh is closed and manifold: each edge has two triangles and each vertex one fan of triangles.
+/// Triangles are counter-clockwise as seen from outside and have a positive area. Normals follow the gradient of the
+/// field.
 pub fn marching_cubes(
     grid: &SparseGrid,
     values: &[f32],
@@ -48,16 +50,18 @@ pub fn marching_cubes(
     mesh
 }
 
-/// Blocks at whose nodes or upper faces signs can differ, the layer of blocks below the grid among them.
+/// The state of one extraction. It works on the active blocks: those with different signs at their nodes or at their
+/// upper faces. Some of them lie in the layer of blocks below the grid.
 struct Extractor<'a> {
     grid: &'a SparseGrid,
     values: &'a [f32],
     iso: f32,
     unstored: Unstored,
     active: Vec<[i32; 3]>,
-    /// Index into `active`, of a grid of blocks that starts one below.
+    /// For each block, its index in `active` or [`NO_BLOCK`]. Starts one block below the grid.
     table: Vec<u32>,
-    /// Of each node of an active block its first vertex times eight, plus a bit for each axis whose edge has a vertex.
+    /// For each node of an active block, its first vertex times eight, plus one bit for each axis whose edge has a
+    /// vertex.
     nodes: Vec<u32>,
     mesh: Mesh,
 }
@@ -90,7 +94,7 @@ impl<'a> Extractor<'a> {
         around.load(self.grid, self.values, block, self.unstored.inside, self.unstored.outside);
     }
 
-    /// Bit x of row (z, y) of the block's 9 x 9 rows of 9 nodes says that the node is inside.
+    /// The signs of the block's 9 x 9 rows of 9 nodes. Bit x of row (z, y) is set if the node is inside.
     fn signs(&self, around: &Neighbourhood) -> [[u16; BLOCK + 1]; BLOCK + 1] {
         let mut signs = [[0; BLOCK + 1]; BLOCK + 1];
         for (z, plane) in signs.iter_mut().enumerate() {
@@ -133,12 +137,12 @@ impl<'a> Extractor<'a> {
         }
     }
 
-    /// The vertex on the edge that leaves a node along an axis.
+    /// Adds the vertex on the edge that starts at a node and runs along an axis.
     fn vertex(&mut self, around: &Neighbourhood, block: [i32; 3], node: [i32; 3], axis: usize) {
         let i = Neighbourhood::index(node[0], node[1], node[2]);
         let step = [1, SIDE, SIDE * SIDE][axis];
         let t = crossing([i - step, i, i + step, i + 2 * step].map(|k| around.0[k] - self.iso));
-        // Written so that NaN, from values that are not finite, is replaced too.
+        // Written so that NaN, which results from values that are not finite, is replaced as well.
         let t = if t > NEAREST { min(t, 1.0 - NEAREST) } else { NEAREST };
         let mut local = Vec3::from_array(node.map(|v| v as f32));
         local[axis] += t;
@@ -176,7 +180,7 @@ impl<'a> Extractor<'a> {
         }
     }
 
-    /// The vertex on an edge of the cube at a block's node.
+    /// Index of the vertex on an edge of a cube, which is given by its lowest node in the block.
     fn edge(&self, index: usize, cube: [usize; 3], edge: usize) -> u32 {
         let (axis, corner) = EDGES[edge];
         let node: [usize; 3] = core::array::from_fn(|k| cube[k] + (corner >> k & 1));
@@ -195,8 +199,9 @@ impl<'a> Extractor<'a> {
     }
 }
 
-/// Where the cubic through four equidistant values is zero between the middle two, whose signs differ, as a share of the
-/// way from the second to the third: Newton's method from the chord's zero, which is kept where the cubic leads away.
+/// The zero, between the middle two of four equidistant values, of the cubic through them. The signs of the middle
+/// values differ. The result is a fraction of the way from the second to the third value. Newton's method starts at the
+/// zero of the chord, which is returned if the iteration leaves the interval.
 fn crossing([before, a, b, after]: [f32; 4]) -> f32 {
     const STEPS: u32 = 3;
     let chord = a / (a - b);
@@ -211,7 +216,7 @@ fn crossing([before, a, b, after]: [f32; 4]) -> f32 {
     if (0.0..=1.0).contains(&t) { t } else { chord }
 }
 
-/// Where the gradient vanishes the normal is the mean of the triangles', by area.
+/// Sets normals where the gradient vanishes: the mean of the triangles' normals, weighted by area.
 fn complete_normals(mesh: &mut Mesh) {
     if mesh.normals.iter().all(|&n| n != Vec3::ZERO) {
         return;

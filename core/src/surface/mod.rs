@@ -1,5 +1,6 @@
-//! Surfaces of sampled fields: what the visual hull (§0) and meshing (§6) share.
+//! Surfaces of sampled fields. The visual hull (§0) and meshing (§6) share this module.
 
+pub(crate) mod bspline;
 mod cases;
 mod components;
 mod envelope;

@@ -1,13 +1,14 @@
-//! A block's values together with those of the nodes around it.
+//! The values of a block together with those of the nodes around it.
 
 use glam::Vec3;
 
+use super::bspline::{derivatives, quadratic};
 use crate::grid::{BLOCK, BLOCK_NODES, SparseGrid};
 
-/// Nodes along the edge of a [`Neighbourhood`]: one below the block, two above.
+/// Nodes along an edge of a [`Neighbourhood`]: the block's nodes, one below and two above.
 pub(crate) const SIDE: usize = BLOCK + 3;
 
-/// Values of a block's nodes, of the layer below and of the two layers above it; x fastest.
+/// Values of a block's nodes, of one layer of nodes below it and of two layers above it; x fastest.
 pub(crate) struct Neighbourhood(pub(crate) [f32; SIDE * SIDE * SIDE]);
 
 impl Neighbourhood {
@@ -22,10 +23,11 @@ impl Neighbourhood {
         (((z + 1) * side + y + 1) * side + x + 1) as usize
     }
 
-    /// Loads the surroundings of a block, which need not be a stored one.
+    /// Loads the values of a block and its surroundings. The block need not be stored.
     pub(crate) fn load(&mut self, grid: &SparseGrid, values: &[f32], block: [i32; 3], inside: f32, outside: f32) {
         let last = BLOCK - 1;
-        // Nodes taken from the block below, from this one and from the one above: first in it, first here, count.
+        // Along each axis nodes come from the block below, this block and the block above. For each: first node there,
+        // first node here, number of nodes.
         let parts = [(last, 0, 1), (0, 1, BLOCK), (0, BLOCK + 1, 2)];
         for (dz, &(z0, tz, nz)) in parts.iter().enumerate() {
             for (dy, &(y0, ty, ny)) in parts.iter().enumerate() {
@@ -47,8 +49,8 @@ impl Neighbourhood {
         }
     }
 
-    /// Gradient of the values, smoothed by a quadratic B-spline, at a point given from the block's first node. It is
-    /// taken at the point itself: between nodes the gradient of a steep profile turns.
+    /// Gradient of the values, smoothed by the quadratic B-spline, at a point relative to the block's first node. It is
+    /// evaluated at the point itself because the gradient of a steep profile changes its direction between nodes.
     pub(crate) fn gradient(&self, at: Vec3) -> Vec3 {
         let (wx, dx, x) = spline(at.x);
         let (wy, dy, y) = spline(at.y);
@@ -68,10 +70,9 @@ impl Neighbourhood {
     }
 }
 
-/// Values of the quadratic B-spline for the three nodes nearest to a coordinate, derivatives, and the middle node.
+/// Values and derivatives of the quadratic B-spline at the three nodes nearest to a coordinate, and the middle node.
 fn spline(at: f32) -> ([f32; 3], [f32; 3], i32) {
     let nearest = libm::floorf(at + 0.5);
     let d = at - nearest;
-    let (below, above) = (0.5 - d, 0.5 + d);
-    ([0.5 * below * below, 0.75 - d * d, 0.5 * above * above], [-below, -2.0 * d, above], nearest as i32)
+    (quadratic(d), derivatives(d), nearest as i32)
 }

@@ -1,4 +1,4 @@
-//! The grids' extent, and which nodes lie outside the envelope.
+//! The extent of the grids, and the distances of their nodes to the envelope.
 
 use alloc::vec::Vec;
 use glam::Vec3;
@@ -7,16 +7,17 @@ use crate::grid::{BLOCK, BLOCK_NODES, SparseGrid};
 use crate::surface::{Envelope, SLOPE};
 use crate::workspace::Workspace;
 
-/// Extent of the domain relative to the bounds: χ is 0 at its border.
+/// Extent of the domain relative to the bounds. χ is 0 at the border of the domain, which must not be too close to the
+/// surface.
 const ROOM: f32 = 1.3;
 
-/// Most blocks along an edge of the coarsest level.
+/// Largest number of blocks along an edge of the coarsest level.
 const COARSEST: f32 = 4.0;
 
-/// The finest grid's frame (no blocks stored) over the bounds, and the number of levels.
+/// The frame of the finest grid over the bounds, without stored blocks, and the number of levels.
 pub(super) fn domain(low: Vec3, high: Vec3, voxel: f32) -> (SparseGrid, usize) {
     let size = (high - low) * ROOM + 8.0 * voxel;
-    // The density of the points is measured on a level above the finest.
+    // There are at least two levels, because the density of the points is measured one level above the finest.
     let mut levels = 2;
     while size.max_element() / (voxel * (BLOCK << (levels - 1)) as f32) > COARSEST {
         levels += 1;
@@ -29,8 +30,9 @@ pub(super) fn domain(low: Vec3, high: Vec3, voxel: f32) -> (SparseGrid, usize) {
     (finest, levels)
 }
 
-/// Signed distance to the envelope at the stored nodes, in voxels, positive inside. Exact where it is within
-/// ± `reach`; elsewhere only its sign and that it is beyond are right, which spares most of the evaluations.
+/// Signed distance to the envelope at the stored nodes, in voxels, positive inside. It is exact where it is within ±
+/// `reach`. Elsewhere only the sign is right, and that the magnitude exceeds `reach`. This saves most of the
+/// evaluations.
 pub(super) fn distances(grid: &SparseGrid, envelope: &dyn Envelope, reach: f32, workspace: &mut Workspace) -> Vec<f32> {
     let mut distances = workspace.filled(0.0, grid.blocks.len() * BLOCK_NODES);
     for (block, out) in grid.blocks.iter().zip(distances.chunks_exact_mut(BLOCK_NODES)) {
@@ -40,7 +42,7 @@ pub(super) fn distances(grid: &SparseGrid, envelope: &dyn Envelope, reach: f32, 
     distances
 }
 
-/// Fills a cube of `side` nodes at `at` of the block that begins at node `first`.
+/// Fills a cube of `side` nodes along each axis, at position `at` in the block that starts at node `first`.
 fn cube(
     grid: &SparseGrid,
     envelope: &dyn Envelope,
@@ -53,7 +55,7 @@ fn cube(
     let half = (side - 1) as f32 * 0.5;
     let centre: [f32; 3] = core::array::from_fn(|k| (first[k] + at[k] as i32) as f32 + half);
     let distance = envelope.signed_distance(grid.origin + Vec3::from_array(centre) * grid.voxel) / grid.voxel;
-    // The farthest node is √3 times half a side away.
+    // The distance from the centre to the farthest node is √3 times half the side.
     if side == 1 || distance.abs() > reach + SLOPE * 1.7321 * half {
         for z in at[2]..at[2] + side {
             for y in at[1]..at[1] + side {

@@ -1,4 +1,4 @@
-//! One level of the hierarchy of grids, coarse to fine, each with nodes half as far apart.
+//! One level of the hierarchy of grids. The spacing of the nodes halves from each level to the next finer one.
 
 use alloc::{vec, vec::Vec};
 
@@ -13,11 +13,12 @@ pub(super) struct GridLevel {
     pub(super) chi: Vec<f32>,
 }
 
-/// How far around the points, in voxels, nodes are stored. On a coarse level this covers what the finer one needs.
+/// Distance around the points, in voxels, within which nodes are stored. On coarse levels it covers what the next finer
+/// level needs.
 const REACH: f32 = 2.0;
 const REACH_COARSE: f32 = 5.0;
 
-/// χ at a node of the last of the levels, from a coarser one where the last stores nothing.
+/// χ at a node of the last level, interpolated from a coarser level where the last one stores nothing.
 fn value(levels: &[GridLevel], [x, y, z]: [i32; 3]) -> f32 {
     let Some((level, coarser)) = levels.split_last() else { return 0.0 };
     let (slot, local) = level.grid.locate(x, y, z);
@@ -33,7 +34,7 @@ fn value(levels: &[GridLevel], [x, y, z]: [i32; 3]) -> f32 {
 }
 
 impl GridLevel {
-    /// The coarsest level: all of the domain.
+    /// The coarsest level, which stores the whole domain.
     pub(super) fn coarsest(finest: &SparseGrid, level: usize, workspace: &mut Workspace) -> Self {
         let dims = finest.dims.map(|v| v >> level);
         let grid = SparseGrid::new(finest.origin, finest.voxel * (1 << level) as f32, dims, |_| 0);
@@ -41,7 +42,8 @@ impl GridLevel {
         Self { grid, chi }
     }
 
-    /// The next finer level: the blocks that points reach or that χ = `iso` can pass, with χ interpolated.
+    /// The next finer level: stores the blocks that the points reach and those that the surface χ = `iso` can pass. χ
+    /// is interpolated from the coarser levels.
     pub(super) fn refine(
         levels: &[GridLevel],
         samples: &[Sample],
@@ -64,7 +66,8 @@ impl GridLevel {
     }
 }
 
-/// For each block of the next finer level: inside, outside, or (0) with nodes on both sides of `iso` in it or near it.
+/// For each block of the next finer level: inside, outside, or 0 if there are nodes on both sides of `iso` in it or
+/// next to it.
 fn states(coarse: &GridLevel, iso: f32) -> Vec<u32> {
     let grid = &coarse.grid;
     let [w, h, d] = grid.dims.map(|v| 2 * v as usize);
@@ -86,7 +89,7 @@ fn states(coarse: &GridLevel, iso: f32) -> Vec<u32> {
     states
 }
 
-/// State of one of the eight blocks that a coarse block becomes, from its coarse nodes and the next ones around.
+/// State of one of the eight children of a coarse block, from its coarse nodes and those next to it.
 fn state(around: &Neighbourhood, child: usize, iso: f32) -> u32 {
     const HALF: i32 = BLOCK as i32 / 2;
     let [x, y, z] = core::array::from_fn(|k| (child >> k & 1) as i32 * HALF - 1);
@@ -102,8 +105,8 @@ fn state(around: &Neighbourhood, child: usize, iso: f32) -> u32 {
     if first { SparseGrid::INSIDE } else { SparseGrid::OUTSIDE }
 }
 
-/// Adds a coarse field, times `scale`, to one of the next finer grid by trilinear interpolation. `coarse` gives the
-/// values of the coarse grid's nodes.
+/// Interpolates a coarse field trilinearly and adds it, times `scale`, to a field on the next finer grid. `coarse`
+/// returns the values at the coarse nodes.
 pub(super) fn prolong(coarse: impl Fn([i32; 3]) -> f32, grid: &SparseGrid, scale: f32, fine: &mut [f32]) {
     const COARSE: usize = BLOCK / 2 + 1;
     let mut nodes = [0.0; COARSE * COARSE * COARSE];

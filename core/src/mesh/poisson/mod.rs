@@ -1,8 +1,11 @@
-//! Poisson surface reconstruction (§6.1) on a hierarchy of sparse grids.
+//! Poisson surface reconstruction (§6.1; Kazhdan, Bolitho & Hoppe, SGP 2006) on a hierarchy of sparse grids, with the
+//! screening term of Kazhdan & Hoppe (Screened Poisson Surface Reconstruction, 2013) and the envelope constraint of
+//! Kazhdan, Chuang, Rusinkiewicz & Hoppe (SGP 2020).
 //!
-//! χ is the indicator function of the object, smoothed by a quadratic B-spline: its gradient is that of the points'
-//! normals, smoothed alike. Levels are solved from coarse to fine, each on the blocks that the surface can pass, with
-//! the coarser solution as start and as value on the border. On the finest one χ becomes the distance to the surface.
+//! χ is the indicator function of the object, smoothed by the quadratic B-spline. Its gradient equals the field of the
+//! points' inward normals, smoothed by the same spline. The levels are solved from coarse to fine. Each is solved on
+//! the blocks that the surface can pass; the coarser solution is the initial value and the boundary value. On the
+//! finest level χ is converted to the distance to the surface.
 
 mod domain;
 mod level;
@@ -32,20 +35,22 @@ use solve::Operator;
 pub(super) use surface::smooth_normals;
 use system::Cell;
 
-/// Iterations on each level; the coarser solution leaves only details to find.
+/// Iterations on each level except the coarsest. Few are sufficient, because the coarser solution is a good initial
+/// value.
 const ITERATIONS: u32 = 6;
-/// Iterations on the coarsest level at most, and the share of the residual that may remain there.
+/// Largest number of iterations on the coarsest level, and the residual at which they stop, relative to the right-hand
+/// side.
 const ITERATIONS_COARSEST: u32 = 200;
 const TOLERANCE: f64 = 1e-4;
 
-/// Number of steps that [`solve`] reports at most.
+/// Largest number of steps that [`solve`] reports.
 pub(super) fn steps(low: Vec3, high: Vec3, voxel: f32) -> u32 {
     let (_, levels) = domain::domain(low, high, voxel);
     5 + levels as u32 * (ITERATIONS + 9)
 }
 
-/// Solves for χ over the bounds `low`, `high`. `screening` is the weight by which the surface is held at the points; an
-/// envelope holds χ at 0 outside.
+/// Solves for χ over the bounds `low`, `high`. `screening` is the weight of the term that pulls the surface to the
+/// points. If there is an envelope, χ is held at 0 outside it.
 pub(super) fn solve(
     points: &[Point],
     (low, high): (Vec3, Vec3),
@@ -61,7 +66,7 @@ pub(super) fn solve(
         return Err(Error::NoSurface);
     }
     samples::weigh(&mut samples, &finest, count, workspace, || steps.step())?;
-    // What is finer than a level acts there and above as a whole.
+    // Samples whose detail is finer than a level act on that level as a whole, so that they can be merged.
     let mut samples = vec![samples];
     for level in 1..count {
         let settled = |sample: &Sample| sample.detail <= (level - 1) as f32;
@@ -72,7 +77,7 @@ pub(super) fn solve(
     let mut sparse: Vec<f32> = Vec::new();
     let (mut iso, mut cells, mut held) = (0.5, Vec::new(), None);
     for level in (0..count).rev() {
-        let samples = samples.pop().expect("there is one list a level");
+        let samples = samples.pop().expect("there is one list per level");
         let mut next = if levels.is_empty() {
             GridLevel::coarsest(&finest, level, workspace)
         } else {
@@ -127,8 +132,9 @@ pub(super) fn solve(
     Ok(Solution { grid: finest.grid, distances, envelope: held })
 }
 
-/// The right-hand side of a level: samples as detailed as the level or finer act here, coarser ones through `sparse`,
-/// which holds their part on the level above and is brought to this one.
+/// The right-hand side of a level. Samples of this level's detail or finer are splatted here. Coarser samples act
+/// through `sparse`, which is their part of the right-hand side on the next coarser level and is interpolated to this
+/// one.
 fn right_hand_side(
     levels: &[GridLevel],
     sparse: &mut Vec<f32>,
@@ -140,11 +146,12 @@ fn right_hand_side(
     let here = level as f32;
     let mut rhs = workspace.filled(0.0, grid.blocks.len() * BLOCK_NODES);
     if let Some(above) = levels.last() {
-        // In square voxels of this level the same divergence is a quarter.
+        // Measured in voxels of this level, the same divergence is a quarter as large.
         let part = |[x, y, z]: [i32; 3]| above.grid.value(sparse, x, y, z, 0.0, 0.0);
         level::prolong(part, grid, 0.25, &mut rhs);
     }
-    // Finer samples act in full; a sample's own share at a level falls linearly to 0 one level from its own.
+    // Finer samples act in full. The share of a sample that belongs to a level decreases linearly to 0 at one level
+    // from its own.
     let whole = |detail: f32| (1.0 - (detail - here)).clamp(0.0, 1.0);
     let shares = |detail: f32| [whole(detail), max(1.0 - (detail - here).abs(), 0.0)];
     if level > 0 {
@@ -158,8 +165,8 @@ fn right_hand_side(
     rhs
 }
 
-/// Median of a field at the points, by area, if there are any: stray points lie on either side of the surface but only
-/// those inside the envelope are there, so that a mean would lie too deep.
+/// Median of a field at the points, weighted by area. `None` without points. Stray points lie on both sides of the
+/// surface, but not outside the envelope, so that a mean would be biased to the inside.
 fn median(cells: &[Cell], field: &[f32], workspace: &mut Workspace) -> Option<f32> {
     let key = |cell: &Cell| u64::from(ordered(cell.value(field))) << 32 | u64::from(cell.area.to_bits());
     let area = |key: u64| f64::from(f32::from_bits(key as u32));
@@ -198,8 +205,8 @@ mod tests {
         }
     }
 
-    /// Mean and greatest distance, in voxels, of the mesh's vertices from a sphere that exact points lie on, two to a
-    /// square voxel, evenly spread or by chance.
+    /// Mean and largest distance, in voxels, of the mesh's vertices from a sphere. The points lie exactly on the
+    /// sphere, two per square voxel, and are evenly or randomly distributed.
     fn errors(radius: f32, centre: Vec3, chance: bool) -> (f32, f32) {
         const TURN: f32 = 2.399_963_2;
         let count = (8.0 * core::f32::consts::PI * radius * radius) as u32;
@@ -221,25 +228,25 @@ mod tests {
         let meshed =
             mesh::mesh(&points, &Anywhere, 1.0, &params, &mut Workspace::default(), &Silent).expect("a sphere");
         let errors = meshed.mesh.positions.iter().map(|p| (p.distance(centre) - radius).abs());
-        let (sum, most) = errors.clone().fold((0.0, 0.0), |(sum, most), e| (sum + e, max(most, e)));
-        (sum / errors.count() as f32, most)
+        let (sum, worst) = errors.clone().fold((0.0, 0.0), |(sum, worst), e| (sum + e, max(worst, e)));
+        (sum / errors.count() as f32, worst)
     }
 
-    /// Exact points are met to hundredths of a voxel, wherever the surface passes between the nodes.
+    /// The surface passes exact points within hundredths of a voxel, wherever it lies between the nodes.
     #[test]
     fn exact_points_are_met() {
         for radius in [8.0, 12.7, 20.0] {
             for shift in [0.0, 0.21, 0.5] {
-                let (mean, most) = errors(radius, Vec3::new(shift, 0.3 * shift, -shift), false);
-                assert!(mean < 0.006 && most < 0.05, "radius {radius}, shift {shift}: mean {mean}, most {most}");
+                let (mean, worst) = errors(radius, Vec3::new(shift, 0.3 * shift, -shift), false);
+                assert!(mean < 0.006 && worst < 0.05, "radius {radius}, shift {shift}: mean {mean}, worst {worst}");
             }
         }
     }
 
-    /// Where points lie by chance, some places are crowded and others bare: the surface hardly shows it.
+    /// Randomly distributed points are dense in some places and sparse in others. The surface must hardly be affected.
     #[test]
     fn chance_is_evened_out() {
-        let (mean, most) = errors(20.0, Vec3::new(0.2, 0.1, -0.3), true);
-        assert!(mean < 0.006 && most < 0.05, "mean {mean}, most {most}");
+        let (mean, worst) = errors(20.0, Vec3::new(0.2, 0.1, -0.3), true);
+        assert!(mean < 0.006 && worst < 0.05, "mean {mean}, worst {worst}");
     }
 }

@@ -1,10 +1,10 @@
-//! χ across the surface, and the distance that it stands for.
+//! The profile of χ across the surface, and its inverse: the distance to the surface.
 //!
-//! Near a flat surface χ is a step, smoothed by the quadratic B-spline along each axis. Its profile hardly depends on how
-//! the surface lies to the grid: what follows is for the mean over all directions. Distances are in voxels, positive
-//! inside; χ is given less its value on the surface.
+//! Near a flat surface χ is a step, smoothed by the quadratic B-spline along each axis. Its profile hardly depends on
+//! the orientation of the surface relative to the grid, and the functions here are for the mean over all directions.
+//! Distances are in voxels, positive inside. χ is relative to its value on the surface.
 
-/// χ at a distance to the surface: the quadratic B-spline's integral.
+/// χ at a distance from the surface: the integral of the quadratic B-spline.
 #[inline]
 pub(super) fn chi(distance: f32) -> f32 {
     let d = distance.abs();
@@ -18,8 +18,8 @@ pub(super) fn chi(distance: f32) -> f32 {
     if distance < 0.0 { -half } else { half }
 }
 
-/// The distance at which χ is found: scale χ (1 - square χ² - fourth χ⁴) / (1 - pole χ²), fitted up to 1.2 voxels. Beyond,
-/// χ tells no more than that the surface is farther.
+/// The distance as a function of χ: scale χ (1 - square χ² - fourth χ⁴) / (1 - pole χ²), fitted up to 1.2 voxels. At
+/// larger distances χ is nearly constant, so that it only shows that the surface is farther away.
 #[derive(Clone, Copy)]
 pub(super) struct Inverse {
     scale: f32,
@@ -28,10 +28,10 @@ pub(super) struct Inverse {
     pole: f32,
 }
 
-/// Of χ as it is solved for.
+/// For χ as it is solved.
 pub(super) const SOLVED: Inverse = Inverse { scale: 1.2813, square: 2.3804, fourth: 3.2709, pole: 3.6083 };
 
-/// Of χ as [`super::smooth`] leaves it.
+/// For χ after [`super::smooth`].
 pub(super) const SMOOTHED: Inverse = Inverse { scale: 1.8493, square: 1.9372, fourth: 1.1542, pole: 2.8104 };
 
 impl Inverse {
@@ -47,8 +47,9 @@ impl Inverse {
 mod tests {
     use super::*;
 
-    /// A step along `direction`, smoothed by the quadratic B-spline along each axis, less 1/2, by the integral of its
-    /// Fourier transform; also smoothed by 2 W - W², W the binomial [1 2 1] / 4 along each axis.
+    /// A step along `direction`, smoothed by the quadratic B-spline along each axis, minus 1/2. It is computed as the
+    /// integral of its Fourier transform. If `smoothed`, it is also filtered by 2 W - W², where W is the binomial
+    /// filter [1 2 1] / 4 along each axis.
     fn step(direction: [f64; 3], distance: f64, smoothed: bool) -> f64 {
         const STEP: f64 = 0.01;
         let cube = |v: f64| v * v * v;

@@ -1,4 +1,4 @@
-//! The points as samples of the surface: how much of it each one stands for, and at which level of detail.
+//! The points as samples of the surface: the area that each one represents, and its level of detail.
 
 use alloc::{vec, vec::Vec};
 use glam::Vec3;
@@ -10,27 +10,27 @@ use crate::math::{max, min, sqrt};
 use crate::point_cloud::Point;
 use crate::workspace::Workspace;
 
-/// Edge of the cells in which points are merged, in voxels.
+/// Edge length of the cells in which points are merged, in voxels.
 const MERGED: f32 = 0.5;
 
-/// The points of a small cell that take part, in coordinates of the finest grid (nodes at integers).
+/// The merged points of a small cell, in coordinates of the finest grid (nodes at integers).
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Sample {
     pub(super) at: Vec3,
-    /// Mean of the unit normals, outward; shorter than 1 where they differ.
+    /// Mean of the outward unit normals. Shorter than 1 if they differ.
     pub(super) normal: Vec3,
-    /// How many points.
+    /// Number of points.
     count: f32,
-    /// Weight (eq. 3), later also share of the surface: see [`weigh`].
+    /// Sum of the weights (eq. 3). [`weigh`] replaces it by the area of the surface that the sample represents.
     pub(super) area: f32,
-    /// Level at which points are about one voxel apart, 0 the finest; between two levels the point acts on both.
+    /// Level at which the points are about one voxel apart; 0 is the finest. A sample between two levels acts on both.
     pub(super) detail: f32,
-    /// Its cell, in an order in which eight neighbouring cells' keys differ in the last three bits only.
+    /// Morton code of the cell: the codes of the eight cells with the same parent differ only in the last three bits.
     cell: u64,
 }
 
-/// The points with a normal and a positive weight, merged cell by cell, in an order that does not depend on the order
-/// of `points`. `step` is called between its parts.
+/// Merges the points with a normal and a positive weight cell by cell. The result does not depend on the order of
+/// `points`. `step` is called between the phases.
 pub(super) fn collect(
     points: &[Point],
     grid: &SparseGrid,
@@ -64,7 +64,7 @@ pub(super) fn collect(
     Ok(samples)
 }
 
-/// Moves the lowest 21 bits three places apart (Morton order).
+/// Spreads the lowest 21 bits to every third bit (Morton, A Computer Oriented Geodetic Data Base, 1966).
 fn spread(v: u64) -> u64 {
     let v = (v | v << 32) & 0x001f_0000_0000_ffff;
     let v = (v | v << 16) & 0x001f_0000_ff00_00ff;
@@ -73,7 +73,7 @@ fn spread(v: u64) -> u64 {
     (v | v << 2) & 0x1249_2492_4924_9249
 }
 
-/// Means by weight of a cell's points: the field of their normals stays the same but for its finest detail.
+/// Weighted means of a cell's points. The field of their normals remains the same except for the finest detail.
 fn merged(cell: &[(u64, u32)], points: &[Point], grid: &SparseGrid) -> Sample {
     let (mut at, mut normal, mut area) = (Vec3::ZERO, Vec3::ZERO, 0.0);
     for &(_, i) in cell {
@@ -86,7 +86,8 @@ fn merged(cell: &[(u64, u32)], points: &[Point], grid: &SparseGrid) -> Sample {
     Sample { at: at / area, normal: normal / area, count, area, detail: 0.0, cell: cell[0].0 }
 }
 
-/// Samples for a level from those for the next finer one: in cells of twice the size, those that are `settled` merged.
+/// Samples for a level from those for the next finer level: samples that are `settled` are merged in cells of twice the
+/// size.
 pub(super) fn coarser(samples: &[Sample], settled: impl Fn(&Sample) -> bool, workspace: &mut Workspace) -> Vec<Sample> {
     let mut merged: Vec<Sample> = workspace.empty(samples.len() / 2);
     for family in samples.chunk_by(|a, b| a.cell >> 3 == b.cell >> 3) {
@@ -111,22 +112,21 @@ pub(super) fn coarser(samples: &[Sample], settled: impl Fn(&Sample) -> bool, wor
     merged
 }
 
-/// What the autocorrelation of the quadratic B-spline sums to over a plane with one point a square voxel.
+/// Sum of the autocorrelation of the quadratic B-spline over a plane with one point per square voxel.
 const PLANE: f32 = 0.556;
 
-/// Fewest points a square voxel for which a density counts as measured at a level.
+/// Smallest number of points per square voxel for which the density can be measured at a level.
 const DENSE: f32 = 1.0;
 
-/// Samples whose density is looked up between two steps of progress.
-const SAMPLES_A_STEP: usize = 1 << 18;
+/// Number of samples that are processed between two progress reports.
+const SAMPLES_PER_STEP: usize = 1 << 18;
 
-/// Width of a sample's spline in spacings of the samples around it.
+/// Width of a sample's spline, relative to the spacing of the samples around it.
 const SPREAD: f32 = 1.5;
 
-/// Sets each sample's share of the surface, in square voxels, and its level of detail from the density of the samples
-/// around it. Dense and sparse parts of the cloud then bound the same volume, and weights (eq. 3) decide between
-/// neighbours only.
-/// `step` is called at least four times a level.
+/// Sets the area of surface that each sample represents, in square voxels of the finest level, and its level of detail.
+/// Both follow from the density of the samples around it. The surface is then independent of the density, and weights
+/// (eq. 3) matter only relative to those of neighbouring points. `step` is called at least four times per level.
 pub(super) fn weigh(
     samples: &mut [Sample],
     finest: &SparseGrid,
@@ -147,10 +147,10 @@ pub(super) fn weigh(
         let density = density(&merged, &grid, scale, workspace);
         step()?;
         let last = level == levels - 1;
-        // Those left over move to the front.
+        // Samples for which the density is too low here are moved to the front and wait for the next level.
         let mut left = 0;
         for n in 0..waiting.len() {
-            if n % SAMPLES_A_STEP == 0 {
+            if n % SAMPLES_PER_STEP == 0 {
                 step()?;
             }
             let i = waiting[n];
@@ -158,7 +158,7 @@ pub(super) fn weigh(
             let [count, weight] = Stencil::new(&grid, sample.at * scale).gather(&density);
             let count = count / PLANE;
             if count >= DENSE || last {
-                // From one level's square voxels to the finest's.
+                // Converted from square voxels of this level to those of the finest level.
                 let area = PLANE * sample.area / weight / (scale * scale);
                 let spacing = 1.0 / (scale * sqrt(count));
                 let detail = libm::log2f(SPREAD * spacing).clamp(0.0, (levels - 1) as f32);
@@ -185,7 +185,7 @@ pub(super) fn weigh(
     Ok(())
 }
 
-/// Number of samples and sum of their areas per cubic voxel, smoothed by the B-spline.
+/// Number of points and sum of their weights per cubic voxel, smoothed by the B-spline.
 fn density(samples: &[Sample], grid: &SparseGrid, scale: f32, workspace: &mut Workspace) -> Vec<[f32; 2]> {
     let mut density = workspace.filled([0.0; 2], grid.blocks.len() * BLOCK_NODES);
     for sample in samples {
@@ -202,7 +202,7 @@ fn density(samples: &[Sample], grid: &SparseGrid, scale: f32, workspace: &mut Wo
     density
 }
 
-/// Blocks of a level's grid that hold a node within `reach` voxels of a sample.
+/// Marks the blocks of a level's grid that contain a node within `reach` voxels of a sample.
 pub(super) fn mark(samples: &[Sample], dims: [u32; 3], level: usize, reach: f32) -> Vec<bool> {
     let mut marks = vec![false; (dims[0] * dims[1] * dims[2]) as usize];
     let scale = 1.0 / (1 << level) as f32;
@@ -222,7 +222,7 @@ pub(super) fn mark(samples: &[Sample], dims: [u32; 3], level: usize, reach: f32)
     marks
 }
 
-/// A level's grid of the blocks around the samples.
+/// A level's grid, which stores the blocks around the samples.
 fn around(samples: &[Sample], finest: &SparseGrid, level: usize, reach: f32) -> SparseGrid {
     let dims = finest.dims.map(|v| v >> level);
     let marks = mark(samples, dims, level, reach);

@@ -1,4 +1,4 @@
-//! Evens out what the sampling's chance leaves in χ from node to node.
+//! Removes the node-to-node noise that irregular sampling leaves in χ.
 
 use alloc::vec::Vec;
 
@@ -6,11 +6,12 @@ use crate::grid::{BLOCK, BLOCK_NODES, SparseGrid};
 use crate::surface::neighbourhood::{Neighbourhood, SIDE};
 use crate::workspace::Workspace;
 
-/// How far a smoothed node sees, in voxels.
+/// Radius of the filter, in voxels.
 pub(super) const REACH: f32 = 2.0;
 
-/// (2 W - W²) χ with W the binomial filter [1 2 1] / 4 along each axis: unlike W alone it leaves what is quadratic as it is,
-/// so that curved surfaces do not shrink. `outside` and `inside` are the values where nothing is stored.
+/// Applies the filter 2 W - W² to χ, where W is the binomial filter [1 2 1] / 4 along each axis. Unlike W alone it
+/// preserves quadratic functions, so that curved surfaces do not shrink. `inside` and `outside` are the values in
+/// blocks that are not stored.
 pub(super) fn smooth(
     grid: &SparseGrid,
     chi: &[f32],
@@ -28,7 +29,7 @@ pub(super) fn smooth(
     twice
 }
 
-/// Rows along an axis that a block's smoothed rows depend on.
+/// Number of rows along an axis that the smoothed rows of a block depend on.
 const ROWS: usize = BLOCK + 2;
 
 type Row = [f32; BLOCK];
@@ -47,7 +48,7 @@ fn binomial(grid: &SparseGrid, values: &[f32], [inside, outside]: [f32; 2], out:
         for (z, plane) in along_x.iter_mut().enumerate() {
             for (y, row) in plane.iter_mut().enumerate() {
                 let nodes: &[f32; ROWS] =
-                    around.0[(z * SIDE + y) * SIDE..][..ROWS].try_into().expect("the rows' length");
+                    around.0[(z * SIDE + y) * SIDE..][..ROWS].try_into().expect("the slice has ROWS nodes");
                 let from = |first: usize| core::array::from_fn(|x| nodes[first + x]);
                 *row = mean(from(0), from(1), from(2));
             }
@@ -69,7 +70,7 @@ mod tests {
     use super::*;
     use glam::Vec3;
 
-    /// Curved fields stay; what alternates from node to node goes.
+    /// Quadratic fields are preserved, and fields that alternate from node to node are removed.
     #[test]
     fn only_the_finest_detail_goes() {
         let grid = SparseGrid::new(Vec3::ZERO, 1.0, [2; 3], |_| 0);
@@ -84,7 +85,7 @@ mod tests {
         let smoothed = smooth(&grid, &fields, [0.0; 2], &mut Workspace::default());
         for (i, &value) in smoothed.iter().enumerate() {
             let at = node(i);
-            // Nodes farther in than the filter reaches.
+            // Only nodes that the border does not influence.
             if at.iter().all(|v| (2..14).contains(v)) {
                 assert!((value - curved(at)).abs() < 1e-3, "{at:?}: {value}, not {}", curved(at));
             }

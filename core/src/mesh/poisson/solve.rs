@@ -1,4 +1,4 @@
-//! Conjugate gradients on one level, preconditioned by the diagonal.
+//! Conjugate gradients on one level with the Jacobi preconditioner (Hestenes & Stiefel, 1952).
 
 use super::spline::ABSENT;
 use super::system::Cell;
@@ -6,12 +6,12 @@ use crate::error::Result;
 use crate::grid::{BLOCK, BLOCK_NODES};
 use crate::workspace::Workspace;
 
-/// The operator: six times the node less its neighbours, plus the screening of the cells.
+/// The operator A: six times the node minus its neighbours (the negative Laplacian), plus the screening of the cells.
 pub(super) struct Operator<'a> {
     pub(super) neighbours: &'a [[u32; 6]],
     pub(super) cells: &'a [Cell],
     pub(super) screening: f32,
-    /// One over the diagonal; 0 at nodes whose value is given.
+    /// Reciprocal of the diagonal; 0 at nodes whose value is fixed.
     pub(super) inverse_diagonal: &'a [f32],
 }
 
@@ -25,7 +25,7 @@ fn row(block: &[f32], z: usize, y: usize) -> &Row {
 }
 
 impl Operator<'_> {
-    /// `out` = A `v`; returns v · A v, for a v that is 0 at given nodes.
+    /// Computes `out` = A `v` and returns v · A v. `v` must be 0 at fixed nodes for the product to be right.
     fn apply(&self, v: &[f32], out: &mut [f32]) -> f64 {
         let mut product = 0.0;
         let block = |slot: u32| -> &[f32] {
@@ -69,8 +69,8 @@ impl Operator<'_> {
         product
     }
 
-    /// Improves `x` towards A x = `rhs`, for `iterations` or until the residual has fallen to `tolerance` of the
-    /// right-hand side. `rhs` is used up. `step` is called once an iteration.
+    /// Improves the solution `x` of A x = `rhs`, until the residual is `tolerance` times the right-hand side or less,
+    /// and for at most `iterations`. `rhs` is overwritten. `step` is called once per iteration.
     pub(super) fn solve(
         &self,
         rhs: &mut [f32],
@@ -128,7 +128,7 @@ fn sum_lanes(lanes: [f32; BLOCK]) -> f64 {
     lanes.iter().fold(0.0, |sum, &lane| sum + f64::from(lane))
 }
 
-/// Σ a b d, in the order of the nodes.
+/// Σ a b d, summed in the order of the nodes.
 fn dot(a: &[f32], b: &[f32], d: &[f32]) -> f64 {
     let mut sum = 0.0;
     let blocks = a.chunks_exact(BLOCK).zip(b.chunks_exact(BLOCK)).zip(d.chunks_exact(BLOCK));

@@ -1,22 +1,16 @@
-//! The quadratic B-spline by which points and nodes see each other.
+//! Stencils of the quadratic B-spline, which connect points and nodes.
 
 use glam::Vec3;
 
 use crate::grid::{BLOCK, BLOCK_NODES, SparseGrid};
 use crate::math::floor;
+use crate::surface::bspline::quadratic;
 
 /// Index of a node that is not stored.
 pub(super) const ABSENT: u32 = u32::MAX;
 
-/// Values at the three nodes nearest to a point that lies `d` beyond the middle one.
-#[inline]
-pub(super) fn quadratic(d: f32) -> [f32; 3] {
-    let (below, above) = (0.5 - d, 0.5 + d);
-    [0.5 * below * below, 0.75 - d * d, 0.5 * above * above]
-}
-
-/// Integrals over the four edges that are nearest to a point that lies `d` beyond the node in their middle: a cubic
-/// B-spline's values.
+/// Integrals of the quadratic B-spline over the four edges nearest to a point that lies `d` beyond the node in their
+/// middle. They are the values of the cubic B-spline.
 #[inline]
 pub(super) fn along_edges(d: f32) -> [f32; 4] {
     let (below, above) = (0.5 - d, 0.5 + d);
@@ -24,23 +18,23 @@ pub(super) fn along_edges(d: f32) -> [f32; 4] {
     [below * below * below / 6.0, near(above), near(below), above * above * above / 6.0]
 }
 
-/// The 27 nodes that see a point, with the B-spline's values along each axis.
+/// The 27 nodes around a point whose splines reach it, with the values of the B-spline along each axis.
 pub(super) struct Stencil {
     /// Indices of the nodes' values, x fastest.
     pub(super) nodes: [u32; 27],
-    /// Values for the three nodes of an axis.
+    /// Values at the three nodes along each axis.
     pub(super) values: [[f32; 3]; 3],
 }
 
 impl Stencil {
-    /// Of a point given in the grid's own coordinates (nodes at integers).
+    /// The stencil of a point in the grid's coordinates (nodes at integers).
     pub(super) fn new(grid: &SparseGrid, point: Vec3) -> Self {
         let nearest = point.to_array().map(|v| floor(v + 0.5));
         let values = core::array::from_fn(|k| quadratic(point[k] - nearest[k] as f32));
         Self { nodes: cube::<3, 27>(grid, nearest.map(|v| v - 1)), values }
     }
 
-    /// Sums `values` of the grid over the stencil.
+    /// Sums a field over the stencil, weighted by the spline.
     pub(super) fn gather<const N: usize>(&self, field: &[[f32; N]]) -> [f32; N] {
         let mut sum = [0.0; N];
         let [vx, vy, vz] = &self.values;
@@ -56,19 +50,19 @@ impl Stencil {
     }
 }
 
-/// Nodes along an axis that a point's divergence reaches: most along the edge of a [`Cube`].
+/// Nodes along an axis that the divergence of a point reaches, which is the largest edge of a [`Cube`].
 pub(super) const WIDEST: usize = 5;
 
-/// Where the values of a cube of nodes are.
+/// Locates the values of a cube of nodes.
 pub(super) struct Cube {
-    /// First value of each of the blocks that the nodes can lie in, [`ABSENT`] where none is stored.
+    /// Index of the first value of each block that the nodes can lie in, or [`ABSENT`] if the block is not stored.
     blocks: [u32; 8],
-    /// Along each axis: which of the blocks, and where in it.
+    /// For each node along each axis: its contribution to the index into `blocks`, and its offset within the block.
     places: [[(usize, u32); WIDEST]; 3],
 }
 
 impl Cube {
-    /// `side` nodes along each axis from `first` upward.
+    /// The cube of `side` nodes along each axis that starts at node `first`.
     pub(super) fn new(grid: &SparseGrid, first: [i32; 3], side: usize) -> Self {
         let shift = BLOCK.trailing_zeros();
         let mask = BLOCK as i32 - 1;
@@ -93,7 +87,7 @@ impl Cube {
         Self { blocks, places }
     }
 
-    /// Indices of the values of a row along x, [`ABSENT`] where they are not stored.
+    /// Indices of the values of a row along x, or [`ABSENT`] where they are not stored.
     #[inline]
     pub(super) fn row(&self, y: usize, z: usize) -> [u32; WIDEST] {
         let (y, z) = (self.places[1][y], self.places[2][z]);
@@ -105,7 +99,7 @@ impl Cube {
     }
 }
 
-/// Indices of the values of the N³ nodes from `first` upward, x fastest.
+/// Indices of the values of the N³ nodes of the cube that starts at node `first`, x fastest.
 pub(super) fn cube<const N: usize, const NODES: usize>(grid: &SparseGrid, first: [i32; 3]) -> [u32; NODES] {
     let cube = Cube::new(grid, first, N);
     let mut nodes = [ABSENT; NODES];

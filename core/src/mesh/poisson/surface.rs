@@ -1,4 +1,4 @@
-//! From the solution to the mesh.
+//! Converts χ to distances and extracts the mesh from them.
 
 use alloc::vec::Vec;
 use glam::Vec3;
@@ -12,13 +12,14 @@ use crate::point_cloud::Mesh;
 use crate::surface::{Unstored, marching_cubes};
 use crate::workspace::Workspace;
 
-/// How far outside the envelope the surface may lie, in voxels.
+/// Largest distance by which the surface may lie outside the envelope, in voxels.
 const TOLERANCE: f32 = 0.1;
 
-/// Distance to the surface χ = `iso` at the nodes, in voxels, positive inside; `envelope` is that to the envelope.
+/// Signed distance to the surface χ = `iso` at the nodes, in voxels, positive inside. `envelope` is the signed distance
+/// to the envelope.
 ///
-/// χ is smoothed but where a value that the envelope holds is in the smoothing's reach: near the silhouettes' contours,
-/// which say where the surface ends, it would be rounded off.
+/// χ is smoothed, except where the filter would reach nodes that are fixed by the envelope. There the silhouettes
+/// determine the surface, and smoothing would round it off.
 pub(super) fn distances(
     level: &GridLevel,
     iso: f32,
@@ -35,7 +36,7 @@ pub(super) fn distances(
 }
 
 impl Solution {
-    /// The surface, cut off at the envelope.
+    /// The surface, clipped at the envelope.
     pub(in crate::mesh) fn surface(self, workspace: &mut Workspace) -> Mesh {
         let Self { grid, mut distances, envelope } = self;
         if let Some(envelope) = &envelope {
@@ -50,8 +51,8 @@ impl Solution {
     }
 }
 
-/// Each normal becomes the mean over the triangles around it: the sampling's chance, which tilts the gradient of χ from
-/// node to node, halves.
+/// Replaces each normal by the mean over the triangles around it. This halves the noise that irregular sampling causes
+/// in the gradient of χ.
 pub(in crate::mesh) fn smooth_normals(mesh: &mut Mesh, workspace: &mut Workspace) {
     let mut sums = workspace.filled(Vec3::ZERO, mesh.normals.len());
     for triangle in &mesh.triangles {

@@ -1,30 +1,32 @@
-//! The linear system of one level: (Δ + screening) χ = divergence of the normals, in units of the level's voxel.
+//! The linear system of one level, in units of the level's voxel: (-Δ + screening) χ = -div V + screening · target,
+//! with V the smoothed field of inward normals, where the screening acts at the points (Kazhdan & Hoppe 2013).
 
 use alloc::vec::Vec;
 use glam::Vec3;
 
 use super::profile;
 use super::samples::Sample;
-use super::spline::{ABSENT, Cube, WIDEST, along_edges, cube, quadratic};
+use super::spline::{ABSENT, Cube, WIDEST, along_edges, cube};
 use crate::grid::{BLOCK, BLOCK_NODES, SparseGrid};
 use crate::math::{floor, min};
+use crate::surface::bspline::quadratic;
 use crate::workspace::Workspace;
 
-/// The points of one cell of the grid, merged: they ask for the surface at their mean position.
+/// The merged points of one cell of the grid. The screening term pulls the surface to their mean position.
 pub(super) struct Cell {
-    /// The cell's corners, x fastest.
+    /// Indices of the values at the cell's corners, x fastest.
     pub(super) nodes: [u32; 8],
     /// Trilinear weights of the corners.
     pub(super) shares: [f32; 8],
     /// Area of surface in square voxels.
     pub(super) area: f32,
-    /// χ there, as interpolated from the corners, if the surface passes with the points' mean normal: not quite 1/2,
-    /// because χ bends between the corners.
+    /// Target of the interpolated χ at the mean position: its value if the surface passes there with the mean normal.
+    /// It differs slightly from 1/2 because χ is curved between the corners.
     pub(super) chi: f32,
 }
 
 impl Cell {
-    /// χ at the points.
+    /// χ at the mean position, interpolated from the corners.
     #[inline]
     pub(super) fn value(&self, chi: &[f32]) -> f32 {
         let mut sum = 0.0;
@@ -35,12 +37,13 @@ impl Cell {
     }
 }
 
-/// Adds the right-hand side of the samples' smoothed normals: -div V with V = -n a B(x - p), B the quadratic B-spline.
-/// `shares` says how much of a sample, by its level of detail, belongs to each of the one or two fields.
+/// Adds the right-hand side of the samples: -div V with V = -n a B(x - p), where n is the normal, a the area, p the
+/// position and B the quadratic B-spline. `shares` maps a sample's level of detail to its share in each of the one or
+/// two fields.
 ///
-/// The divergence at a node is the difference between V's integrals over the edges that meet there: the differences of χ
-/// along edges are then those integrals, so that χ at the nodes is the smoothed indicator itself, whichever way the
-/// surface lies to the grid.
+/// The divergence at a node is computed as the difference of the integrals of V over the edges that meet there.
+/// Differences of χ along edges are then equal to those integrals. Therefore χ at the nodes is exactly the smoothed
+/// indicator function, for any orientation of the surface.
 pub(super) fn splat(
     samples: &[Sample],
     grid: &SparseGrid,
@@ -87,12 +90,12 @@ pub(super) fn splat(
     }
 }
 
-/// Merges the samples cell by cell.
+/// Merges the samples in the cells of the grid.
 pub(super) fn cells(samples: &[Sample], grid: &SparseGrid, level: usize, workspace: &mut Workspace) -> Vec<Cell> {
     const NONE: u32 = u32::MAX;
     let scale = 1.0 / (1 << level) as f32;
     let mut index = workspace.filled(NONE, grid.blocks.len() * BLOCK_NODES);
-    // Area; area times offset from the cell's first corner, and times normal; that corner.
+    // Sums of area, area times the offset from the cell's first corner, and area times normal; then that corner.
     let mut sums: Vec<([f32; 7], [i32; 3])> = workspace.take();
     for sample in samples {
         let at = sample.at * scale;
@@ -129,14 +132,15 @@ pub(super) fn cells(samples: &[Sample], grid: &SparseGrid, level: usize, workspa
             let outward = Vec3::from_array(core::array::from_fn(|k| (i >> k & 1) as f32 - offset[k])).dot(normal);
             sum + shares[i] * profile::chi(-outward)
         });
-        // A sample of a coarser level stands for more than this cell's surface.
+        // A sample of a coarser level represents more surface than this cell contains.
         cells.push(Cell { nodes, shares, area: min(area, 1.0), chi });
     }
     workspace.recycle(sums);
     cells
 }
 
-/// One over the system's diagonal; 0 where χ is given: where `fixed`, and on the border of what is stored.
+/// Reciprocal of the system's diagonal. It is 0 where χ is given: at nodes that are `fixed`, and at the border of the
+/// stored blocks.
 pub(super) fn inverse_diagonal(
     neighbours: &[[u32; 6]],
     cells: &[Cell],
@@ -189,8 +193,8 @@ mod tests {
     use crate::mesh::poisson::samples;
     use crate::point_cloud::{Point, Rank};
 
-    /// Over a plane of points, the sum over what one point adds, χ is its profile at the nodes themselves: the
-    /// right-hand side is minus the profile's second difference.
+    /// For a plane of points, χ at the nodes is its profile, and the right-hand side is minus the second difference of
+    /// the profile. Summing the contributions of one point over a plane of nodes is equivalent to a plane of points.
     #[test]
     fn differences_of_chi_are_integrals_along_edges() {
         let grid = SparseGrid::new(Vec3::ZERO, 1.0, [2; 3], |_| 0);
