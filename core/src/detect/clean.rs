@@ -1,4 +1,4 @@
-//! §4.3: removes what cannot be surface from a view's points, and gives the rest their normals.
+//! §4.3: cleaning. Removes outliers from the points of a view and computes the normals of the remaining points.
 
 use super::{depth::DepthMap, level::PyramidLevel};
 use crate::{
@@ -11,25 +11,26 @@ use crate::{
 use alloc::vec::Vec;
 use glam::Vec3;
 
-/// The constraints of §4.3.
+/// Parameters of the constraints of §4.3.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
 pub struct CleanParams {
     /// Radius of a point's neighbourhood in pixels of footprint.
     pub radius_pixels: f32,
-    /// Density: a point goes if it has fewer than this share of the average number of neighbours; the paper has 1/2.
+    /// Density constraint: a point is removed if its number of neighbours is less than this fraction of the average.
+    /// The paper uses 1/2.
     pub density: Option<f32>,
-    /// PCA: a point goes if λ3/λ1 or λ3/λ2 of its neighbourhood's covariance is larger, with λ1 ≥ λ2 ≥ λ3; the paper has
-    /// 1/2.
+    /// PCA constraint: a point is removed if λ3/λ1 or λ3/λ2 exceeds this, where λ1 ≥ λ2 ≥ λ3 are the eigenvalues of its
+    /// neighbourhood's covariance. The paper uses 1/2.
     pub flatness: Option<f32>,
-    /// Normal: a point goes if |n·c| is smaller, with c the unit vector to the camera.
+    /// Normal constraint: a point is removed if |n·c| is less than this, where c is the unit vector to the camera.
     pub facing: Option<f32>,
 }
 
-/// Windows of at least this reach in pixels are sampled more sparsely.
+/// Windows that reach at least this far, in pixels, are sampled at every second pixel.
 const WIDE: usize = 4;
 
-/// A view's points with normals: what is left of a depth map. `rank` tells per pixel how its depth came about.
+/// Converts a depth map to cleaned points with normals. `rank` is the kind of each pixel's point.
 pub fn clean(
     level: &PyramidLevel,
     map: &DepthMap,
@@ -76,7 +77,7 @@ pub fn clean(
         let position = level.camera.unproject((i % w) as f32, (i / w) as f32, map.depth[i]);
         let toward = (level.camera.centre - position).normalize_or_zero();
         let facing = fit.normal.dot(toward);
-        if params.facing.is_some_and(|least| facing.abs() < least) {
+        if params.facing.is_some_and(|limit| facing.abs() < limit) {
             counts.cleaned_normal += 1;
             continue;
         }
@@ -86,17 +87,17 @@ pub fn clean(
     cloud
 }
 
-/// Fewer points than this have no normal.
+/// Smallest number of points in a neighbourhood, the point itself included, that determines a normal.
 const MIN_NEIGHBOURS: f32 = 4.0;
 
-/// Buffers that go from view to view.
+/// Buffers that are reused for all views.
 #[derive(Default)]
 pub struct CleanScratch {
     planes: [Vec<f32>; 4],
     fits: Vec<Fit>,
 }
 
-/// A point's neighbourhood.
+/// PCA of a point's neighbourhood.
 struct Fit {
     pixel: u32,
     neighbours: f32,
@@ -105,31 +106,31 @@ struct Fit {
     normal: Vec3,
 }
 
-/// [`Fit`]s of pixels side by side.
+/// [`Fit`]s of neighbouring pixels, side by side.
 pub(super) struct Fits {
     pub(super) count: Lanes,
     pub(super) values: [Lanes; 3],
     pub(super) normal: [Lanes; 3],
 }
 
-/// A depth map's points, each coordinate a picture of its own with a margin all round. Points of one view lie on a
-/// pixel each, so a ball's points are within a window of pixels.
+/// The points of a depth map, with one plane per coordinate and a margin on all sides. Each point of a view belongs to
+/// a pixel, so that all points in a ball lie in a window of pixels.
 pub(super) struct Points<'a> {
-    /// x, y, z and whether (1) or not (0) there is a point.
+    /// x, y, z, and 1 where there is a point or 0 where there is none.
     planes: &'a [Vec<f32>; 4],
     /// Row length of the planes.
     stride: usize,
-    /// How far a window reaches, in pixels; a wide one is read at every second pixel.
+    /// How far a window reaches, in pixels, and the spacing of the pixels that are read.
     reach: usize,
     step: usize,
     /// Radius of a neighbourhood per unit of depth.
     radius: f32,
-    /// The camera's optical axis and its offset: depth is their sum with a point.
+    /// The camera's optical axis and its offset: the depth of a point p is axis · p + offset.
     axis: Vec3,
     offset: f32,
 }
 
-/// [`Points::fit`] at a place.
+/// [`Points::fit`] at a pixel.
 pub(super) struct FitAt<'a> {
     pub(super) points: &'a Points<'a>,
     pub(super) x: usize,
@@ -155,7 +156,7 @@ impl<'a> Points<'a> {
         let (w, h) = (level.camera.width as usize, level.camera.height as usize);
         let reach = libm::ceilf(params.radius_pixels) as usize;
         let step = if reach < WIDE { 1 } else { 2 };
-        // Lanes at the end of a row run over it.
+        // Lanes can extend beyond the end of a row.
         let stride = w + 2 * reach + LANES;
         for plane in planes.iter_mut() {
             plane.clear();
@@ -186,7 +187,7 @@ impl<'a> Points<'a> {
             let radius = self.radius * (depth + self.offset);
             within[l] = radius * radius;
         }
-        // Odd reaches of sparse windows begin one further in, so that the centre is among the pixels read.
+        // If every second pixel is read and the reach is odd, start one pixel later, so that the centre is read.
         let first = self.reach % self.step;
         let (mut count, mut sum, mut products) = ([0.0; LANES], [[0.0; LANES]; 3], [[0.0; LANES]; 6]);
         for dy in (first..=2 * self.reach).step_by(self.step) {

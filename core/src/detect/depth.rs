@@ -1,4 +1,4 @@
-//! §4.1: the depth map of one view, tile by tile.
+//! §4.1: the depth map of one view, computed tile by tile.
 
 use super::{
     level::PyramidLevel,
@@ -13,47 +13,47 @@ use crate::{
 use alloc::vec::Vec;
 use glam::Vec3;
 
-/// How one pass of detection searches.
+/// Parameters of the search (§4.1).
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
 pub struct SearchParams {
-    /// J: how many neighbouring views vote.
+    /// J: the number of neighbouring views that vote.
     pub neighbours: u32,
-    /// Radius of the correlation window in pixels of the pass's resolution, at most 4.
+    /// Radius of the correlation window, in pixels of the resolution that is searched. At most 4.
     pub window_radius: u32,
-    /// δ: distance of samples, in pixels by which they move on average in the neighbours' pictures.
+    /// δ: spacing of the samples, as their average displacement in the neighbouring pictures, in pixels.
     pub step_pixels: f32,
-    /// What the correlation windows lie on.
+    /// Orientation of the correlation windows.
     pub windows: Windows,
-    /// Curves to depth.
+    /// How correlation curves determine the depth.
     pub vote: VoteParams,
-    /// Interpolates the best sample's position by a parabola; otherwise the position is a sample's, as in the paper.
+    /// Whether to refine the position of the best sample by a parabola. The paper uses the sample itself.
     pub interpolate: bool,
 }
 
-/// What the correlation windows lie on.
+/// Orientation of the correlation windows.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "lowercase"))]
 pub enum Windows {
-    /// The guide surface, shifted along the rays.
+    /// Parallel to the guide surface.
     Slanted,
-    /// A plane that faces the camera, as in the paper.
+    /// Parallel to the image plane, as in the paper.
     Upright,
 }
 
-/// Depth (0 where there is none) and fidelity f of eq. 1, row after row.
+/// Depth (0 where there is none) and fidelity f of eq. 1 per pixel, row after row.
 #[derive(Debug, Clone, Default)]
 pub struct DepthMap {
     /// Depth along the optical axis.
     pub depth: Vec<f32>,
-    /// Support, at most the number of neighbours.
+    /// Fidelity: the support of the neighbouring views, at most their number.
     pub fidelity: Vec<f32>,
 }
 
-/// Hypotheses swept at most; a tile whose range is deeper is swept in coarser steps.
+/// Largest number of depth hypotheses per tile. Tiles with a deeper range use larger steps.
 const MAX_HYPOTHESES: usize = 256;
 
-/// Finds every pixel's depth. `keep_going` is asked once a row of tiles.
+/// Finds the depth of every pixel. `keep_going` is called once per row of tiles, and its error cancels the search.
 pub fn depth_map(
     target: &PyramidLevel,
     neighbours: &[&PyramidLevel],
@@ -76,7 +76,7 @@ pub fn depth_map(
     for y0 in (0..h).step_by(TILE) {
         keep_going(y0, h)?;
         let mut x0 = 0;
-        // A tile begins at the first column with a pixel to search: thin limbs take one, not two.
+        // A tile starts at the first column with a pixel to search, so that a thin limb needs one tile and not two.
         while let Some(first) = (x0..w).find(|&x| (y0..(y0 + TILE).min(h)).any(|y| !range.of(y * w + x).is_empty())) {
             let (scratch, map) = (&mut *scratch, &mut *map);
             simd.run(TileSweep { target, neighbours, range, params, corner: (first, y0), scratch, map });
@@ -86,7 +86,7 @@ pub fn depth_map(
     Ok(())
 }
 
-/// Buffers that go from tile to tile and from view to view.
+/// Buffers that are reused for all tiles and views.
 #[derive(Default)]
 pub struct SweepScratch {
     tile: Tile,
@@ -94,7 +94,7 @@ pub struct SweepScratch {
     flat: Vec<f32>,
 }
 
-/// The samples of a tile: hypothesis i lies at the inverse depth `1/guide - step * (i + first)`.
+/// The depth hypotheses of a tile. Hypothesis i has the inverse depth `1/guide - step * (i + first)`.
 struct Hypotheses {
     first: f32,
     step: f32,
@@ -106,7 +106,7 @@ impl Hypotheses {
         self.step * (i + self.first)
     }
 
-    /// Hypothesis on which a pixel has a depth.
+    /// Fractional index of the hypothesis at which a pixel has a given depth.
     fn position(&self, guide: f32, depth: f32) -> f32 {
         (1.0 / guide - 1.0 / depth) / self.step - self.first
     }
@@ -142,7 +142,7 @@ fn sweep_tile(tile: TileSweep) {
     let guide: &[f32] = if params.windows == Windows::Slanted {
         &range.guide
     } else {
-        // The guide of a whole tile is its nearest depth: the hypotheses are planes.
+        // With one guide depth for the whole tile, its nearest, the hypotheses are planes.
         let nearest = searched.clone().map(|(x, y)| range.guide[y * w + x]).fold(f32::INFINITY, f32::min);
         flat.clear();
         flat.resize(w * h, nearest);
@@ -185,7 +185,7 @@ fn sweep_tile(tile: TileSweep) {
     }
 }
 
-/// Chooses a tile's hypotheses so that they cover its pixels' intervals, with one to spare at either end.
+/// Chooses the hypotheses of a tile so that they cover the intervals of its pixels, with one more at either end.
 fn hypotheses(
     target: &PyramidLevel,
     neighbours: &[&PyramidLevel],
@@ -207,7 +207,8 @@ fn hypotheses(
     if count == 0.0 {
         return None;
     }
-    // How fast the neighbours' pixels move when 1/z grows: mean over the neighbours at the tile's middle.
+    // Displacement in the neighbouring pictures per unit of inverse depth, at the centre of the tile, as the mean over
+    // the neighbours.
     let middle = middle / count;
     let ray = middle - target.camera.centre;
     let nudged = target.camera.centre + ray * (1.0 + 1e-3);

@@ -1,4 +1,4 @@
-//! Detection of one view: its depth map (§4.1), the hull's points where stereo has failed (§4.2), cleaning (§4.3).
+//! Detection of one view: depth map (§4.1), substitution where stereo has failed (§4.2) and cleaning (§4.3).
 
 use super::{
     clean::{self, CleanParams, CleanScratch},
@@ -18,32 +18,32 @@ use crate::{
 };
 use alloc::vec::Vec;
 
-/// Point cloud detection (§4).
+/// Parameters of point cloud detection (§4).
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
 pub struct DetectionParams {
-    /// Level of the image pyramid: 0 is full resolution, 1 half of it.
+    /// Level of the image pyramid: 0 is full resolution and 1 half resolution.
     pub octave: u32,
-    /// §4.1.
+    /// Search along the rays (§4.1).
     pub search: SearchParams,
-    /// Half width of the search around a guiding surface, in pixels of footprint along the ray.
+    /// Half width of the search range around a guide surface, in pixels of footprint along the optical axis.
     pub band_pixels: f32,
-    /// §4.2. Without it, pixels where stereo has failed give no point.
+    /// Substitution (§4.2). Without it, pixels for which stereo has failed give no point.
     pub substitution: Option<SubstitutionParams>,
-    /// §4.3.
+    /// Cleaning (§4.3).
     pub clean: CleanParams,
 }
 
-/// The surface that a search starts from.
+/// The surface that guides the search.
 #[derive(Clone, Copy)]
 pub enum Guide<'a> {
-    /// The hull's mesh: the search runs through all of the hull.
+    /// The hull's mesh. The whole hull is searched, as in the paper.
     Hull(&'a Mesh),
-    /// A mesh found before: the search stays near it.
+    /// A mesh that is close to the result. Only a band around it is searched.
     Surface(&'a Mesh),
 }
 
-/// Buffers for the detection of one view after another. Their content does not matter between views.
+/// Buffers for the detection of one view after another. Their content never affects a result.
 #[derive(Default)]
 pub struct DetectionScratch {
     raster: Raster,
@@ -55,10 +55,10 @@ pub struct DetectionScratch {
     clean: CleanScratch,
 }
 
-/// Detects the points of one view (§4.1 to §4.3). Their weights are left to meshing.
+/// Detects the points of one view (§4.1 to §4.3). Their weights are set later ([`crate::mesh::weigh`]).
 ///
-/// `view` is a place in the rig's order; `level` gives the view of a place at the octave of `params`. Progress is reported
-/// once per row of tiles.
+/// `view` is a place in the rig's order. `level` returns the view at a place in the resolution of `params.octave`.
+/// Progress is reported once per row of tiles.
 ///
 /// # Errors
 /// [`crate::Error::Cancelled`].

@@ -1,16 +1,17 @@
-//! A view at one resolution of the image pyramid: what the sweep reads.
+//! A view at one level of the image pyramid, as the plane sweep (§4.1) reads it.
 
 use crate::{camera::Pinhole, view::View};
 use alloc::{borrow::Cow, vec, vec::Vec};
 
-/// Luma and silhouette of a view: its own at full resolution, made at half of it.
+/// Luma and silhouette of a view at one resolution: borrowed from the view at full resolution, and computed otherwise.
 #[derive(Debug, Clone)]
 pub struct PyramidLevel<'a> {
     /// The camera at this resolution.
     pub camera: Pinhole,
     /// Luma, row after row.
     pub luma: Cow<'a, [u8]>,
-    /// Signed distance to the contour in 1/64 of this level's pixels; positive inside. All inside without a mask.
+    /// Signed distance to the contour in 1/64 of this level's pixels, positive inside. Without a silhouette all pixels
+    /// are inside.
     pub inside: Cow<'a, [i16]>,
 }
 
@@ -24,7 +25,7 @@ impl<'a> PyramidLevel<'a> {
         Self { camera: view.camera, luma: Cow::Borrowed(&view.luma), inside }
     }
 
-    /// The view at an octave, if that is not the view itself: means of 2 x 2 pixels, `octave` times.
+    /// The view at an octave, by `octave` times averaging 2 x 2 pixels. `None` if that is the view itself.
     pub fn made(view: &View, octave: u32) -> Option<PyramidLevel<'static>> {
         let full = PyramidLevel::full(view);
         if octave == 0 {
@@ -34,7 +35,7 @@ impl<'a> PyramidLevel<'a> {
         Some((1..octave).fold(full.halved(), |level, _| level.halved()))
     }
 
-    /// The view at an octave: what [`Self::made`] gave for it, or the view itself.
+    /// The view at an octave: the result of [`Self::made`], or the view itself if that was `None`.
     pub fn new(view: &'a View, made: Option<&'a PyramidLevel<'static>>) -> Self {
         made.map_or_else(
             || Self::full(view),
@@ -42,7 +43,7 @@ impl<'a> PyramidLevel<'a> {
         )
     }
 
-    /// Half the resolution, means of 2 x 2 pixels.
+    /// The next level at half the resolution, by averaging 2 x 2 pixels.
     fn halved(&self) -> PyramidLevel<'static> {
         let camera = self.camera.halved();
         let (w, h, full) = (camera.width as usize, camera.height as usize, self.camera.width as usize);
@@ -54,7 +55,7 @@ impl<'a> PyramidLevel<'a> {
                 let sum: u32 = square.iter().map(|&k| u32::from(self.luma[k])).sum();
                 luma.push(((sum + 2) / 4) as u8);
                 let sum: i32 = square.iter().map(|&k| i32::from(self.inside[k])).sum();
-                // A mean of four distances, in pixels twice as large.
+                // The mean of four distances, in units of pixels that are twice as large.
                 inside.push((sum / 8) as i16);
             }
         }

@@ -1,23 +1,23 @@
-//! Where each pixel's search runs (§4.1): inside the hull, or in a band around a surface found before.
+//! The depth range in which each pixel is searched (§4.1): the hull's intervals, or a band around a guide surface.
 
 use super::level::PyramidLevel;
 use crate::raster::{Crossings, Interval, Raster};
 use alloc::vec::Vec;
 
-/// Depth intervals of a view's pixels and the surface that the windows follow. Kept from view to view so that its memory
-/// is asked for once.
+/// Depth intervals of a view's pixels, and the guide surface that the windows follow. Reused for all views, so that its
+/// memory is allocated once.
 #[derive(Debug, Clone, Default)]
 pub struct SearchRange {
-    /// Per pixel the first of its intervals, then one end.
+    /// For each pixel, the index of its first interval; then the number of intervals.
     starts: Vec<u32>,
     intervals: Vec<Interval>,
-    /// Depth of the guide surface per pixel, 0 where there is nothing to search.
+    /// Depth of the guide surface per pixel; 0 where nothing is searched.
     pub guide: Vec<f32>,
 }
 
 impl SearchRange {
-    /// Becomes the pieces of the silhouette pixels' rays inside the hull, given by its mesh's crossings with them; the
-    /// guide is the hull's front.
+    /// Sets the range to the intervals of the silhouette pixels' rays inside the hull. They are given by the crossings
+    /// of the rays with the hull's mesh. The guide surface is the hull's front.
     pub fn set_in_hull(&mut self, level: &PyramidLevel, crossings: &mut Crossings) {
         self.clear();
         for pixel in 0..level.inside.len() {
@@ -32,7 +32,8 @@ impl SearchRange {
         }
     }
 
-    /// Becomes a band of half width `band` (scene units along the ray) round the surface that a camera sees.
+    /// Sets the range to a band around the surface that the camera sees. `band` is its half width in scene units along
+    /// the optical axis.
     pub fn set_around_surface(&mut self, level: &PyramidLevel, surface: &Raster, band: f32) {
         self.clear();
         for (&inside, &inverse) in level.inside.iter().zip(&surface.inverse) {
@@ -52,7 +53,7 @@ impl SearchRange {
         self.guide.clear();
     }
 
-    /// A pixel's intervals, nearest first.
+    /// The intervals of a pixel, nearest first.
     #[inline]
     pub fn of(&self, pixel: usize) -> &[Interval] {
         &self.intervals[self.starts[pixel] as usize..self.starts[pixel + 1] as usize]

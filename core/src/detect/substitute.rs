@@ -1,21 +1,24 @@
-//! §4.2: where stereo has failed, the hull's point takes its place.
+//! §4.2: substitution. Where stereo has failed, the first point of the hull on the ray is used.
 //!
-//! Shading makes concave parts salient, so that a pixel without any texture more probably lies on the hull.
+//! Shading gives concave parts texture, so that a pixel without texture more probably lies on the hull.
 
 use super::depth::DepthMap;
 use crate::{point_cloud::Rank, report::Counts};
 use alloc::vec::Vec;
 
-/// Substitution of §4.2.
+/// Parameters of substitution (§4.2).
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
 pub struct SubstitutionParams {
-    /// Stereo has failed where the fidelity is below this share of the number of neighbouring views; the paper has 1/4.
+    /// Stereo has failed where the fidelity is less than this fraction of the number of neighbouring views. The paper
+    /// uses 1/4.
     pub below: f32,
 }
 
-/// Replaces failed depths by the guide's and sets the rank of every pixel's point. `guide` is the depth of the guide
-/// surface per pixel, zero where nothing was searched; `neighbours` is J. Without parameters failed pixels have no point.
+/// Replaces failed depths by those of the guide surface, and sets the rank of every pixel's point.
+///
+/// `guide` is the depth of the guide surface per pixel, or 0 where nothing was searched. `neighbours` is J. Without
+/// parameters failed pixels get no point.
 pub fn substitute(
     map: &mut DepthMap,
     guide: &[f32],
@@ -24,14 +27,14 @@ pub fn substitute(
     rank: &mut Vec<Rank>,
     counts: &mut Counts,
 ) {
-    let weakest = params.map_or(0.0, |params| params.below * neighbours as f32);
+    let threshold = params.map_or(0.0, |params| params.below * neighbours as f32);
     rank.clear();
     rank.resize(map.depth.len(), Rank::Detected);
     for i in 0..map.depth.len() {
         if guide[i] <= 0.0 {
             continue;
         }
-        if map.depth[i] > 0.0 && map.fidelity[i] >= weakest {
+        if map.depth[i] > 0.0 && map.fidelity[i] >= threshold {
             counts.detected += 1;
         } else if params.is_some() {
             counts.substituted += 1;

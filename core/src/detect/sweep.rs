@@ -1,56 +1,61 @@
-//! Hypothesis sweep: scores every sample of a tile of pixels against every neighbouring view.
+//! §4.1: a warped plane sweep (after Collins, A Space-Sweep Approach to True Multi-Image Matching, CVPR 1996). It
+//! correlates every depth hypothesis of a tile of pixels with a neighbouring view.
 //!
-//! Sample i of a pixel lies where the inverse depth is `1/z = 1/g - i Δ`, g the pixel's guide depth: the samples with
-//! the same i form a hypothesis that runs parallel to the guide surface, so windows follow its slant and its steps. A
-//! neighbour sees the hypothesis at the homogeneous pixel `M r + e / z`, M r of the pixel's ray, e of the target's centre:
-//! from hypothesis to hypothesis that only moves by `Δ e`. A window is warped once a hypothesis, its sums are shared by all pixels.
+//! Hypothesis i of a pixel has the inverse depth `1/z = 1/g - i Δ`, where g is the pixel's guide depth. The hypotheses
+//! of all pixels with the same i form a surface that is parallel to the guide surface, so that windows follow its slant
+//! and its steps. A neighbour sees this surface at the homogeneous pixel `M r + e / z`, where `M r` is the projection
+//! of the pixel's ray and e the epipole, the projection of the target's centre. From one hypothesis to the next this
+//! only moves by `Δ e`. Each pixel is warped once per hypothesis, and sums over windows are shared by neighbouring
+//! pixels (the running sums of Lewis, Fast Normalized Cross-Correlation, 1995, serve the same purpose).
 
 use super::level::PyramidLevel;
 use crate::math::{inverse_sqrt, max, split};
 use core::ops::Range;
 use glam::Vec3;
 
-/// Pixels along a tile's edge.
+/// Pixels along the edge of a tile.
 pub const TILE: usize = 16;
 /// Pixels in a tile.
 pub const TILE_PIXELS: usize = TILE * TILE;
 /// Largest radius of the correlation window.
 pub const MAX_RADIUS: usize = 4;
-/// Row length of the buffers that hold a tile with its margin.
+/// Row length of the buffers for a tile with its margin.
 const WIDTH: usize = TILE + 2 * MAX_RADIUS;
 
-/// Added to the variances in grey levels squared: windows whose contrast is no more than noise do not correlate.
+/// Noise variance in squared grey levels, added to the variances of both windows. Windows with no more contrast than
+/// noise therefore do not correlate.
 pub const NOISE_VARIANCE: f32 = 1.0;
 
 /// A row of a tile with its margin.
 pub type Row = [f32; WIDTH];
 pub const EMPTY: Row = [0.0; WIDTH];
 
-/// Buffers and plane-independent moments of one tile of the target view.
+/// One tile of the target view: buffers, and window sums that are the same for all hypotheses.
 #[derive(Default)]
 pub struct Tile {
     radius: usize,
-    /// Rows with pixels to search; scores of others are not made.
+    /// Rows with pixels to search. Only these are scored.
     rows: Range<usize>,
-    /// Offset so that sums of products stay small: the tile's mean luma.
+    /// Mean luma of the tile, which is subtracted so that sums of products remain small.
     mean: f32,
-    /// One on the object, zero elsewhere.
+    /// 1 on the object and 0 elsewhere.
     weight: [Row; WIDTH],
     /// Weighted luma of the target.
     target: [Row; WIDTH],
     /// Inverse guide depth.
     guide: [Row; WIDTH],
-    /// Where a neighbour sees the guide: homogeneous pixels.
+    /// Homogeneous pixels at which a neighbour sees the guide surface.
     seen: [[Row; 3]; WIDTH],
-    /// How `seen` moves from hypothesis to hypothesis.
+    /// Displacement of `seen` per unit of inverse depth.
     epipole: Vec3,
     /// Warped, weighted luma of a neighbour.
     warped: [Row; WIDTH],
-    /// Per pixel: 1 / Σw, Σwa, 1 / √(var a), and what the noise adds to Σ (b - b̄)².
+    /// Window sums of each row.
     moments: [Moments; TILE],
 }
 
-/// A row's window sums that no hypothesis changes.
+/// Window sums of a row that are the same for all hypotheses. With weights w, target luma a and neighbour luma b, they
+/// are 1 / Σw, Σ wa, 1 / √(Σ w(a - ā)² + noise), and the noise term that is added to Σ w(b - b̄)².
 #[derive(Default, Clone, Copy)]
 struct Moments {
     inverse_count: [f32; TILE],
@@ -60,7 +65,8 @@ struct Moments {
 }
 
 impl Tile {
-    /// Reads the target's pixels round the tile at (x0, y0); `guide` is a depth a pixel, 0 where the pixel is not searched.
+    /// Loads the target's pixels around the tile at (x0, y0). `guide` is one depth per pixel, or 0 where a pixel is not
+    /// searched.
     pub fn load(&mut self, level: &PyramidLevel, guide: &[f32], x0: usize, y0: usize, radius: usize) {
         debug_assert!(radius <= MAX_RADIUS);
         self.radius = radius;
@@ -97,7 +103,7 @@ impl Tile {
         self.sum_target();
     }
 
-    /// Window sums that no hypothesis changes.
+    /// Computes the window sums that are the same for all hypotheses.
     fn sum_target(&mut self) {
         let (r, size) = (self.radius, TILE + 2 * self.radius);
         for y in self.rows.clone() {
@@ -114,7 +120,7 @@ impl Tile {
             let moments = &mut self.moments[y];
             for x in 0..TILE {
                 let (n, a) = (count[x], sum[x]);
-                // At least one pixel's noise, so that empty windows score 0.
+                // The noise of at least one pixel, so that empty windows score 0.
                 let noise = NOISE_VARIANCE * max(n, 1.0);
                 let inverse = if n > 0.0 { 1.0 / n } else { 0.0 };
                 moments.inverse_count[x] = inverse;
@@ -126,7 +132,7 @@ impl Tile {
         }
     }
 
-    /// Prepares the sweep against a neighbour.
+    /// Prepares the sweep for a neighbour.
     pub fn face(&mut self, target: &PyramidLevel, neighbour: &PyramidLevel, x0: usize, y0: usize) {
         let (rows, offset) = neighbour.camera.projection();
         let c = target.camera.centre;
@@ -144,8 +150,8 @@ impl Tile {
         }
     }
 
-    /// ZNCC in [-1, 1] of the tile's windows with the faced neighbour's, on the hypothesis `shift` = i Δ behind the guide.
-    /// Rows without pixels to search keep what `out` held.
+    /// ZNCC in [-1, 1] of the tile's windows with those of the neighbour that [`Self::face`] was called for, on the
+    /// hypothesis at inverse depth `1/g - shift`. Rows without pixels to search keep the previous content of `out`.
     #[inline(always)]
     pub fn score(&mut self, neighbour: &PyramidLevel, shift: f32, out: &mut [f32; TILE_PIXELS]) {
         let shift = self.epipole * shift;
@@ -158,7 +164,7 @@ impl Tile {
             out.fill(-1.0);
             return;
         }
-        // Vertical sums of b, b², ab.
+        // Running vertical sums of b, b² and ab.
         let mut columns = [EMPTY; 3];
         for y in rows.start..rows.start + 2 * r {
             accumulate(&mut columns, &self.target[y], &self.warped[y], 1.0);
@@ -171,7 +177,8 @@ impl Tile {
     }
 }
 
-/// A neighbour's weighted luma along a row, bilinear, less `mean`; false if no pixel falls into its picture.
+/// Samples a neighbour's luma along a row bilinearly, subtracts `mean` and applies the weights. Returns false if no
+/// pixel lies in its picture.
 #[inline(always)]
 fn warp(seen: &[Row; 3], shift: Vec3, neighbour: &PyramidLevel, mean: f32, weight: &Row, out: &mut Row) -> bool {
     let (w, h) = (neighbour.camera.width as usize, neighbour.camera.height as usize);
@@ -189,7 +196,7 @@ fn warp(seen: &[Row; 3], shift: Vec3, neighbour: &PyramidLevel, mean: f32, weigh
         (px[x], fx[x]) = split(if u < right { u } else { right });
         (py[x], fy[x]) = split(if v < bottom { v } else { bottom });
     }
-    // The four pixels round each place, packed: only this loop cannot be vector code.
+    // Gathers the four pixels around each position, packed into one word. Only this loop cannot be vectorised.
     let mut squares = [0u32; WIDTH];
     for x in 0..WIDTH {
         let square = &luma[py[x] as usize * w + px[x] as usize..][..w + 2];
@@ -205,7 +212,7 @@ fn warp(seen: &[Row; 3], shift: Vec3, neighbour: &PyramidLevel, mean: f32, weigh
     visible != 0
 }
 
-/// Adds a row to the vertical sums, or takes it away.
+/// Adds a row to the vertical sums, or subtracts it (`sign` is 1 or -1).
 #[inline(always)]
 fn accumulate(columns: &mut [Row; 3], a: &Row, b: &Row, sign: f32) {
     let [sums, squares, products] = columns;
@@ -217,7 +224,7 @@ fn accumulate(columns: &mut [Row; 3], a: &Row, b: &Row, sign: f32) {
     }
 }
 
-/// Sums of windows from vertical sums.
+/// Sums over windows, from vertical sums.
 #[inline(always)]
 pub fn windows(column: &Row, radius: usize) -> [f32; TILE] {
     let mut sums = [0.0; TILE];
@@ -230,7 +237,7 @@ pub fn windows(column: &Row, radius: usize) -> [f32; TILE] {
     sums
 }
 
-/// A row's scores from vertical sums.
+/// ZNCC of a row, from vertical sums.
 #[inline(always)]
 fn correlate(columns: &[Row; 3], radius: usize, moments: &Moments, out: &mut [f32; TILE]) {
     let [sum, squares, products] =

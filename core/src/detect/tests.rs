@@ -1,4 +1,4 @@
-//! The sweep against ZNCC as it is defined, and vector code against the same code without it.
+//! Compares the sweep with the definition of ZNCC, and AVX2 code with baseline code.
 
 use super::{
     clean::{CleanParams, FitAt, Fits, Points},
@@ -18,7 +18,7 @@ use glam::{DVec3, Vec3};
 const WIDTH: u32 = 48;
 const HEIGHT: u32 = 40;
 
-/// A sequence without pattern.
+/// A generator of pseudo-random numbers.
 struct Random(u32);
 
 impl Random {
@@ -32,7 +32,7 @@ impl Random {
     }
 }
 
-/// A view from x along z, with a picture of `luma` and an object that fills it but for every seventh pixel or so.
+/// A view from x along z, with a picture of `luma`. About one pixel in seven is background.
 fn level(x: f64, random: &mut Random, mut luma: impl FnMut(&mut Random) -> u8) -> PyramidLevel<'static> {
     let k = [[60.0, 0.0, 23.5], [0.0, 60.0, 19.5], [0.0, 0.0, 1.0]];
     let r = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
@@ -45,7 +45,7 @@ fn level(x: f64, random: &mut Random, mut luma: impl FnMut(&mut Random) -> u8) -
     }
 }
 
-/// Brightness between pixels.
+/// Luma at a position between pixels.
 fn bilinear(level: &PyramidLevel, u: f64, v: f64) -> f64 {
     let at = |x: usize, y: usize| f64::from(level.luma[y * WIDTH as usize + x]);
     let (x, y) = (u as usize, v as usize);
@@ -89,7 +89,7 @@ fn scores_are_zncc() {
     }
 }
 
-/// All that a tile goes through; what came out, bit by bit.
+/// Sweeps some tiles. The output is the bits of all scores, positions and supports.
 struct Sweep<'a> {
     target: &'a PyramidLevel<'a>,
     neighbour: &'a PyramidLevel<'a>,
@@ -126,7 +126,7 @@ impl Work for Sweep<'_> {
     }
 }
 
-/// A number's bits; which of the NaNs an operation gives is nowhere said.
+/// The bits of a number. All NaNs are treated alike, because it is not specified which one an operation gives.
 fn canonical(v: f32) -> u32 {
     if v.is_nan() { f32::NAN.to_bits() } else { v.to_bits() }
 }
@@ -156,7 +156,7 @@ fn neighbourhoods_are_the_same_with_vector_code() {
     let odd = [1e-3, 1e30, f32::MIN_POSITIVE / 8.0, 0.0, -0.0, -1.0, f32::NAN, f32::INFINITY];
     let mut random = Random(23);
     let level = level(0.1, &mut random, |_| 0);
-    // Rough, and flat: all depths alike.
+    // A rough surface, and a flat one with equal depths.
     for roughness in [0.4, 0.0] {
         for odd in odd {
             let pixels = 0..WIDTH * HEIGHT;
@@ -179,7 +179,7 @@ fn neighbourhoods_are_the_same_with_vector_code() {
     }
 }
 
-/// Eigenvalues and normals, bit by bit.
+/// The bits of eigenvalues and normals.
 struct Principal([Lanes; 6]);
 
 impl Work for Principal {
@@ -205,6 +205,6 @@ fn eigenvectors_are_the_same_with_vector_code() {
     let normal = Vec3::new(0.6, 0.0, 0.8);
     let projection = |i: usize, j: usize| f32::from(u8::from(i == j)) - normal[i] * normal[j];
     let plane = [(0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2)].map(|(i, j)| [projection(i, j); LANES]);
-    let (_, least) = principal(plane);
-    assert!((least[0][0] * 0.6 + least[2][0] * 0.8).abs() > 0.999_99);
+    let (_, normals) = principal(plane);
+    assert!((normals[0][0] * 0.6 + normals[2][0] * 0.8).abs() > 0.999_99);
 }

@@ -1,53 +1,55 @@
-//! Eq. 1: the sample on a pixel's ray that most neighbouring views support with a peak of their own curve.
+//! Eq. 1 (§4.1): selects the depth hypothesis of a pixel that has the most support. A neighbouring view supports a
+//! hypothesis if the view's own correlation curve has a peak there.
 
 use super::sweep::{EMPTY, MAX_RADIUS, TILE, TILE_PIXELS, windows};
 use crate::math::max;
 use alloc::{vec, vec::Vec};
 
-/// How curves of scores become one depth.
+/// Parameters of the vote: how correlation curves determine the depth.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
 pub struct VoteParams {
-    /// Standard deviation, in samples, of the Gaussian that smooths each view's curve (§4.1), if it is smoothed.
+    /// Smooths each view's curve by a Gaussian with this standard deviation, in hypotheses (§4.1).
     pub smoothing: Option<f32>,
-    /// What a view's curve adds to the support of a sample.
+    /// What a view's curve adds to the support of a hypothesis.
     pub support: Support,
-    /// Pixels add the votes of their neighbours up to this far on the same depth hypothesis to their own, so that the
-    /// surroundings decide what a single window leaves open. Not in eq. 1. At most 4.
+    /// Averages the votes for a hypothesis over the pixels within this distance, in pixels, so that neighbouring pixels
+    /// resolve ambiguities of a single window. At most 4. Not part of eq. 1.
     pub agreement_radius: Option<u32>,
 }
 
-/// What a view's curve adds to the support of a sample.
+/// What a view's curve adds to the support of a hypothesis.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "lowercase"))]
 pub enum Support {
-    /// Its score at the sample: eq. 1 without the local-maximum rule, for comparison.
+    /// Its score. This is eq. 1 without the local-maximum rule, for comparison.
     Scores,
-    /// Its score, but only where the curve peaks: eq. 1 as printed. Peaks one sample apart do not support each other.
+    /// Its score if the curve has a peak there: eq. 1 as printed. Peaks that are one hypothesis apart do not support
+    /// each other.
     Peaks,
-    /// Its peaks, spread to the samples around them by a Gaussian kernel of this standard deviation, in samples (Vogiatzis,
-    /// Hernández, Torr, Cipolla: Multiview Stereo via Volumetric Graph-Cuts and Occlusion Robust Photo-Consistency, PAMI
-    /// 2007, spread peaks by a Parzen window).
+    /// Its peaks, spread to nearby hypotheses by a Gaussian kernel with this standard deviation, in hypotheses.
+    /// Vogiatzis, Hernández, Torr and Cipolla (Multiview Stereo via Volumetric Graph-Cuts and Occlusion Robust
+    /// Photo-Consistency, PAMI 2007) spread peaks by a Parzen window in this way.
     SpreadPeaks(f32),
 }
 
-/// Scores of a tile: one neighbour's on every hypothesis, and what all have voted.
+/// Correlation curves of a tile: the scores of one neighbour on all hypotheses, and the votes of all neighbours so far.
 #[derive(Debug, Default)]
 pub struct Curves {
-    /// `[hypothesis][pixel]`: a neighbour's scores.
+    /// `[hypothesis][pixel]`: the scores of a neighbour.
     scores: Vec<[f32; TILE_PIXELS]>,
-    /// The same smoothed, unless they are taken as they are.
+    /// The smoothed scores. Not used without smoothing.
     smooth: Vec<[f32; TILE_PIXELS]>,
-    /// `[hypothesis][pixel]`: support gathered from all neighbours.
+    /// `[hypothesis][pixel]`: the sum of the support of all neighbours.
     votes: Vec<[f32; TILE_PIXELS]>,
-    /// Weights of the smoothing.
+    /// Weights of the smoothing, from the centre outward.
     gaussian: Vec<f32>,
-    /// How a peak spreads.
+    /// The kernel that spreads peaks.
     spread: Spread,
 }
 
 impl Curves {
-    /// Prepares for the scores that `params` asks for.
+    /// Computes the kernels for the given parameters.
     pub fn tune(&mut self, params: &VoteParams) {
         let spread = match params.support {
             Support::SpreadPeaks(sigma) => sigma,
@@ -56,22 +58,22 @@ impl Curves {
         (self.gaussian, self.spread) = (gaussian(params.smoothing.unwrap_or(0.0)), Spread::new(spread));
     }
 
-    /// Makes room for a tile with `hypotheses` hypotheses.
-    pub fn reset(&mut self, hypotheses: usize) {
-        self.scores.resize(hypotheses, [0.0; TILE_PIXELS]);
+    /// Starts a new tile with `count` hypotheses.
+    pub fn reset(&mut self, count: usize) {
+        self.scores.resize(count, [0.0; TILE_PIXELS]);
         if self.gaussian.len() > 1 {
-            self.smooth.resize(hypotheses, [0.0; TILE_PIXELS]);
+            self.smooth.resize(count, [0.0; TILE_PIXELS]);
         }
         self.votes.clear();
-        self.votes.resize(hypotheses, [0.0; TILE_PIXELS]);
+        self.votes.resize(count, [0.0; TILE_PIXELS]);
     }
 
-    /// Where the scores of a neighbour on each hypothesis go.
+    /// The scores of a neighbour on each hypothesis, to be overwritten.
     pub fn scores_mut(&mut self) -> &mut [[f32; TILE_PIXELS]] {
         &mut self.scores
     }
 
-    /// Adds the support of the neighbour whose scores are there.
+    /// Adds the support of the neighbour whose scores have been written.
     #[inline(always)]
     pub fn vote(&mut self, params: &VoteParams) {
         let curves = if self.gaussian.len() > 1 {
@@ -91,7 +93,7 @@ impl Curves {
         }
     }
 
-    /// Replaces every pixel's votes by the mean over the searched pixels round it, within the tile.
+    /// Replaces the votes of every pixel by their mean over the searched pixels around it, within the tile.
     #[inline(always)]
     pub fn agree(&mut self, radius: usize, searched: &[bool; TILE_PIXELS]) {
         let weight = searched.map(|s| if s { 1.0 } else { 0.0 });
@@ -107,8 +109,8 @@ impl Curves {
         }
     }
 
-    /// The best supported hypothesis among `first..=last` for a pixel: its position, fractional where `refine` asks, and
-    /// the support, the fidelity of §4.1.
+    /// The hypothesis among `first..=last` with the most support: its index, which is fractional with `refine`, and its
+    /// support, which is the fidelity of §4.1.
     pub fn best(&self, pixel: usize, first: usize, last: usize, refine: bool) -> (f32, f32) {
         let (mut best, mut support) = (first, f32::NEG_INFINITY);
         for i in first..=last {
@@ -124,7 +126,7 @@ impl Curves {
     }
 }
 
-/// One half of a normalised Gaussian, centre first, out to two standard deviations.
+/// One half of a normalised Gaussian, from the centre to two standard deviations.
 fn gaussian(sigma: f32) -> Vec<f32> {
     if sigma <= 0.0 {
         return vec![1.0];
@@ -136,7 +138,7 @@ fn gaussian(sigma: f32) -> Vec<f32> {
     half
 }
 
-/// Convolves along the hypotheses; beyond the ends the end's value goes on.
+/// Convolves along the hypotheses. The values at the ends are repeated beyond them.
 #[inline(always)]
 fn smooth(curve: &[[f32; TILE_PIXELS]], kernel: &[f32], out: &mut [[f32; TILE_PIXELS]]) {
     let last = curve.len() - 1;
@@ -153,7 +155,7 @@ fn smooth(curve: &[[f32; TILE_PIXELS]], kernel: &[f32], out: &mut [[f32; TILE_PI
     }
 }
 
-/// Sums over a square of pixels, cut at the tile's edges.
+/// Sums over a square of pixels around each pixel, clipped at the tile's edges.
 #[inline(always)]
 fn box_sum(values: &[f32; TILE_PIXELS], radius: usize) -> [f32; TILE_PIXELS] {
     debug_assert!(radius <= MAX_RADIUS);
@@ -171,22 +173,22 @@ fn box_sum(values: &[f32; TILE_PIXELS], radius: usize) -> [f32; TILE_PIXELS] {
     out
 }
 
-/// A kernel's weights round a peak, for each of its places between two samples.
+/// The weights of a kernel around a peak, tabulated by the sub-sample position of the peak.
 #[derive(Debug, Default)]
 struct Spread {
-    /// Hypotheses on either side that a peak reaches.
+    /// Number of hypotheses on either side that a peak reaches.
     reach: usize,
-    /// `[place][hypothesis]`.
+    /// `[position][hypothesis]`.
     weights: Vec<[f32; Spread::WIDEST]>,
 }
 
 impl Spread {
-    /// Places between two samples that are told apart.
+    /// Number of sub-sample positions in the table.
     const PLACES: usize = 32;
-    /// Most hypotheses that a peak reaches.
+    /// Largest number of hypotheses that a peak reaches.
     const WIDEST: usize = 16;
 
-    /// Of standard deviation `sigma`, in samples; 0 leaves a peak where it is.
+    /// A Gaussian with standard deviation `sigma`, in hypotheses. With 0, peaks are not spread.
     fn new(sigma: f32) -> Self {
         if sigma <= 0.0 {
             return Self { reach: 0, weights: vec![[1.0; Self::WIDEST]; Self::PLACES + 1] };
@@ -200,7 +202,7 @@ impl Spread {
         Self { reach, weights: (0..=Self::PLACES).map(row).collect() }
     }
 
-    /// Adds every positive peak of a curve to the votes, spread by the kernel round its sub-sample position.
+    /// Adds all positive peaks of a curve to the votes, spread by the kernel around their sub-sample positions.
     #[inline(always)]
     fn peaks(&self, curve: &[[f32; TILE_PIXELS]], votes: &mut [[f32; TILE_PIXELS]]) {
         for i in 1..curve.len() - 1 {
@@ -223,7 +225,7 @@ impl Spread {
     }
 }
 
-/// Where bytes are one rather than zero, in order: few are.
+/// The indices of the bytes that are 1, in ascending order. Fast if most bytes are 0.
 #[inline(always)]
 fn ones(bytes: &[u8; TILE_PIXELS]) -> impl Iterator<Item = usize> {
     const WORD: usize = 8;
@@ -237,7 +239,8 @@ fn ones(bytes: &[u8; TILE_PIXELS]) -> impl Iterator<Item = usize> {
     })
 }
 
-/// Vertex of the parabola through three equidistant values, relative to the middle one, which is the largest.
+/// Position of the vertex of the parabola through three equidistant values, relative to the middle one, which is the
+/// largest.
 #[inline]
 fn vertex(before: f32, peak: f32, after: f32) -> f32 {
     let curvature = before - 2.0 * peak + after;

@@ -1,4 +1,4 @@
-//! Binary glTF 2.0, written byte by byte: one unlit mesh with vertex colours.
+//! Binary glTF 2.0 (GLB) with one unlit mesh with vertex colours.
 
 use super::{bounds, put, scene_position};
 use crate::point_cloud::Mesh;
@@ -6,13 +6,13 @@ use alloc::{format, string::String, vec::Vec};
 use core::fmt::Write;
 use glam::{DVec3, Vec3};
 
-/// What a GLB holds besides positions, colours and triangles.
+/// Optional content of a GLB, besides positions, colours and triangles.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Options {
-    /// Write normals: for hosts that light the mesh themselves. The unlit material does not need them.
+    /// Whether to write normals. The unlit material does not need them, but hosts that light the mesh do.
     pub normals: bool,
-    /// The scene's upward direction, recorded as `scenes[0].extras.up`. glTF's own up is +y; coordinates stay in the
-    /// scene's frame, so it is the player that turns a clip whose up is another.
+    /// The scene's upward direction, written as `scenes[0].extras.up`. In glTF up is +y, but the coordinates remain in
+    /// the scene's frame. Players turn the scene if its upward direction differs.
     pub up: Option<[f64; 3]>,
 }
 
@@ -28,8 +28,10 @@ const FLOAT: u32 = 5126;
 const ARRAY_BUFFER: u32 = 34962;
 const ELEMENT_ARRAY_BUFFER: u32 = 34963;
 
-/// A mesh as GLB bytes: positions in the scene's frame (`origin` is [`crate::Rig::origin`]), linear colours in single
-/// precision, indices of 16 bits where they suffice. A mesh without triangles gives a valid file without a scene.
+/// Writes a mesh as the bytes of a GLB file.
+///
+/// Positions are in the scene's frame (`origin` is [`crate::Rig::origin`]). Colours are linear and in single precision.
+/// Indices have 16 bits if that is sufficient. A mesh without triangles gives a valid file without a scene.
 pub fn write(mesh: &Mesh, origin: DVec3, options: &Options) -> Vec<u8> {
     let asset = concat!(r#""asset":{"version":"2.0","generator":"pcmvs "#, env!("CARGO_PKG_VERSION"), r#""}"#);
     let bounds = match bounds(mesh, origin) {
@@ -58,7 +60,7 @@ pub fn write(mesh: &Mesh, origin: DVec3, options: &Options) -> Vec<u8> {
     container(json, file.binary)
 }
 
-/// The binary chunk as it grows, and the JSON that describes it.
+/// The binary chunk under construction, and the parts of the JSON that describe it.
 #[derive(Default)]
 struct Layout {
     binary: Vec<u8>,
@@ -82,8 +84,8 @@ impl Layout {
             let _ = write!(attributes, r#","NORMAL":{normal}"#);
         }
         if mesh.colours.len() == count {
-            // 16-bit colours would be smaller, but some readers take them for 8-bit ones; 8-bit linear ones lose
-            // what is dark.
+            // 16-bit colours would be smaller, but some readers mistake them for 8-bit colours. Linear 8-bit colours
+            // lose detail in dark regions.
             let (start, table) = (self.binary.len(), linear_from_srgb());
             mesh.colours.iter().for_each(|c| put(&mut self.binary, &c.map(|v| table[usize::from(v)])));
             let colour = self.accessor(start, ARRAY_BUFFER, FLOAT, "VEC3", count, "");
@@ -91,7 +93,7 @@ impl Layout {
         }
         let start = self.binary.len();
         let corners = mesh.triangles.iter().flatten();
-        // 65535 restarts a primitive and is no index: 65535 vertices still fit.
+        // The index 65535 is reserved for primitive restart. The largest index is therefore 65534, for 65535 vertices.
         let component = if count <= usize::from(u16::MAX) {
             corners.for_each(|&i| self.binary.extend_from_slice(&(i as u16).to_le_bytes()));
             5123
@@ -103,7 +105,7 @@ impl Layout {
         self.primitive = format!(r#""attributes":{{{attributes}}},"indices":{indices},"material":0"#);
     }
 
-    /// Describes the bytes from `start` on as a buffer view and an accessor of its own, whose index is returned.
+    /// Describes the bytes from `start` to the end as a new buffer view and accessor. Returns their index.
     fn accessor(&mut self, start: usize, target: u32, component: u32, kind: &str, count: usize, range: &str) -> usize {
         let index = self.views.len();
         let length = self.binary.len() - start;
@@ -115,7 +117,7 @@ impl Layout {
     }
 }
 
-/// Puts the chunks together; each is padded to four bytes, text with spaces and binary with zeros.
+/// Assembles the chunks. Each is padded to a multiple of four bytes: JSON with spaces and binary data with zeros.
 fn container(json: String, mut binary: Vec<u8>) -> Vec<u8> {
     let mut text = json.into_bytes();
     text.resize(text.len().next_multiple_of(4), b' ');
@@ -135,19 +137,19 @@ fn container(json: String, mut binary: Vec<u8>) -> Vec<u8> {
     out
 }
 
-/// JSON of three numbers, with every digit that their double has: readers that parse doubles get the same values.
+/// JSON of three numbers, with all digits of their double-precision values, so that readers get the same values.
 fn numbers(v: [f32; 3]) -> String {
     let [x, y, z] = v.map(f64::from);
     format!("[{x},{y},{z}]")
 }
 
-/// Single-precision normals are off by a few rounding errors at most; glTF wants unit length.
+/// Normalises a normal once more, because glTF requires unit length. The input differs only by rounding errors.
 fn unit(n: Vec3) -> [f32; 3] {
     let length = libm::sqrtf(n.length_squared());
     if length > 0.0 { (n / length).to_array().map(|v| v + 0.0) } else { [0.0, 0.0, 1.0] }
 }
 
-/// IEC 61966-2-1: sRGB code to linear light in 0..=1.
+/// Table from sRGB bytes to linear light in 0..=1 (IEC 61966-2-1).
 fn linear_from_srgb() -> [f32; 256] {
     core::array::from_fn(|code| {
         let v = code as f64 / 255.0;

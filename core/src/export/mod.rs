@@ -1,6 +1,8 @@
-//! Meshes and clouds as files' bytes, the same on every machine: GLB for players, PLY for tools.
+//! Writes meshes and point clouds as the bytes of files: GLB for players and PLY for tools. The bytes are the same on
+//! every machine.
 //!
-//! Files hold single-precision coordinates in the scene's frame: [`crate::Rig::origin`] is added, no axis is turned.
+//! Coordinates are in single precision and in the scene's frame: [`crate::Rig::origin`] is added, and no axis is
+//! changed.
 
 pub mod glb;
 pub mod ply;
@@ -8,12 +10,12 @@ pub mod ply;
 use crate::point_cloud::Mesh;
 use glam::{DVec3, Vec3};
 
-/// A position relative to the rig's origin in the scene's frame, as files hold it; -0 becomes +0.
+/// Converts a position relative to the rig's origin to the scene's frame, in the precision of files; -0 becomes +0.
 fn scene_position(position: Vec3, origin: DVec3) -> [f32; 3] {
     (origin + position.as_dvec3()).to_array().map(|v| v as f32 + 0.0)
 }
 
-/// Smallest and largest coordinates of the positions that the files hold; `None` for a mesh without vertices.
+/// Smallest and largest coordinates of a mesh, as written to files. `None` for a mesh without vertices.
 pub fn bounds(mesh: &Mesh, origin: DVec3) -> Option<[[f32; 3]; 2]> {
     let first = scene_position(*mesh.positions.first()?, origin);
     Some(mesh.positions.iter().fold([first, first], |[mut low, mut high], &position| {

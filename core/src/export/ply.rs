@@ -1,4 +1,4 @@
-//! Binary little-endian PLY, for tools that look at meshes and clouds.
+//! Binary little-endian PLY, for tools that inspect meshes and point clouds.
 
 use super::{put, scene_position};
 use crate::point_cloud::{Mesh, PointCloud};
@@ -14,8 +14,8 @@ fn header(comment: &str, elements: &str) -> Vec<u8> {
         .into_bytes()
 }
 
-/// A mesh as PLY bytes: positions in the scene's frame (`origin` is [`crate::Rig::origin`]), normals, sRGB colours
-/// where the mesh has them, triangles.
+/// Writes a mesh as the bytes of a PLY file: positions in the scene's frame (`origin` is [`crate::Rig::origin`]),
+/// normals, sRGB colours if the mesh has them, and triangles.
 pub fn write_mesh(mesh: &Mesh, origin: DVec3) -> Vec<u8> {
     let coloured = mesh.colours.len() == mesh.positions.len() && !mesh.colours.is_empty();
     let colours = if coloured { "property uchar red\nproperty uchar green\nproperty uchar blue\n" } else { "" };
@@ -41,8 +41,8 @@ pub fn write_mesh(mesh: &Mesh, origin: DVec3) -> Vec<u8> {
     out
 }
 
-/// A point cloud as PLY bytes: position in the scene's frame (`origin` is [`crate::Rig::origin`]), normal, fidelity
-/// and weight, detecting view (65535: none) and rank (the value of [`crate::Rank`]).
+/// Writes a point cloud as the bytes of a PLY file: position in the scene's frame (`origin` is [`crate::Rig::origin`]),
+/// normal, fidelity, weight, detecting view (65535 for none) and rank (the value of [`crate::Rank`]).
 pub fn write_cloud(cloud: &PointCloud, origin: DVec3) -> Vec<u8> {
     let mut out = header(
         "comment rank 0 implicit, 1 substituted, 2 detected, 3 frontier\n",

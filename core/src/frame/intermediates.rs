@@ -1,4 +1,4 @@
-//! What the stages between the hull and the mesh pass on.
+//! The results of the stages before the final mesh.
 
 use crate::{
     point_cloud::{Mesh, PointCloud},
@@ -11,9 +11,9 @@ use alloc::vec::Vec;
 pub struct Intermediates {
     /// The visual hull's own mesh (§0).
     pub hull: Mesh,
-    /// The mesh that guided detection, empty if there was none.
+    /// The mesh that guided detection. Empty if there was none.
     pub coarse: Mesh,
-    /// One cleaned cloud per view, in the rig's order (§4).
+    /// One cleaned point cloud per view, in the rig's order (§4).
     pub detected: Vec<PointCloud>,
     /// Frontier points (§4.4).
     pub frontier: PointCloud,
@@ -24,7 +24,7 @@ pub struct Intermediates {
 }
 
 impl Intermediates {
-    /// Hands the memory to a workspace.
+    /// Returns the memory to a workspace.
     pub(super) fn recycle_into(self, workspace: &mut Workspace) {
         self.hull.recycle_into(workspace);
         self.coarse.recycle_into(workspace);

@@ -1,5 +1,5 @@
-//! One frame from pictures to a coloured mesh: the state machine that runs the stages, and the only place that knows their
-//! order. [`crate::reconstruct`], the C ABI and WebAssembly all run through [`Frame`].
+//! One frame, from pictures to a coloured mesh: the state machine that runs the stages. The order of the stages is
+//! defined only here. [`crate::reconstruct`], the C ABI and the WebAssembly module all use [`Frame`].
 
 mod intermediates;
 mod memory;

@@ -1,4 +1,4 @@
-//! The order of the stages, and the way from one to the next.
+//! The order of the stages, and the transition from one to the next.
 
 use super::state::Frame;
 use crate::{
@@ -32,13 +32,13 @@ pub fn position(stage: Stage) -> usize {
     ORDER.iter().position(|&s| s == stage).expect("every stage is in the order")
 }
 
-/// The stage before another.
+/// The stage that precedes another.
 fn before(stage: Stage) -> Option<Stage> {
     position(stage).checked_sub(1).map(|i| ORDER[i])
 }
 
 impl<R: Deref<Target = Rig> + Sync> Frame<R> {
-    /// Does the work of one stage.
+    /// Executes one stage.
     fn run(&mut self, stage: Stage, executor: &impl Executor, progress: &dyn Progress) -> Result<()> {
         match stage {
             Stage::Views => self.collect_views(),
@@ -52,7 +52,7 @@ impl<R: Deref<Target = Rig> + Sync> Frame<R> {
         }
     }
 
-    /// Whether this frame's parameters need a stage.
+    /// Whether a stage has anything to do with this frame's parameters.
     fn needs(&self, stage: Stage) -> bool {
         match stage {
             Stage::Contours | Stage::Detect | Stage::Merge => self.params.method == Method::Pcmvs,
@@ -76,12 +76,14 @@ impl<R: Deref<Target = Rig> + Sync> Frame<R> {
         }
     }
 
-    /// Runs one stage. For [`Stage::Views`] every camera must have its view ([`Frame::view`]); [`Stage::Detect`] detects
-    /// the views for which [`Frame::detect`] has not been called. Those two also complete by themselves when the stage after
-    /// them is asked for and every camera's part is there.
+    /// Runs one stage.
+    ///
+    /// [`Stage::Views`] requires a view of every camera ([`Frame::view`]). [`Stage::Detect`] detects the views for
+    /// which [`Frame::detect`] has not been called. Both stages also complete implicitly when the next stage is run and
+    /// every camera has its view or its points.
     ///
     /// # Errors
-    /// [`Error::WrongOrder`] if the stage before is not complete, and the errors of the stage itself.
+    /// [`Error::WrongOrder`] if the preceding stage is not complete, and the errors of the stage itself.
     pub fn step(&mut self, stage: Stage, executor: &impl Executor, progress: &dyn Progress) -> Result<()> {
         let previous = before(stage);
         match previous {
@@ -112,10 +114,10 @@ impl<R: Deref<Target = Rig> + Sync> Frame<R> {
         Ok(())
     }
 
-    /// The whole job: reads the views, then runs all stages. `inputs` are in the order of the cameras as given.
+    /// Reads all views and runs all stages. `inputs` are in the order in which the cameras were passed to [`Rig::new`].
     ///
     /// # Errors
-    /// [`Error::ViewCount`] and the errors of every stage.
+    /// [`Error::ViewCount`] and the errors of all stages.
     pub fn run_all(&mut self, inputs: &[ViewInput], executor: &impl Executor, progress: &dyn Progress) -> Result<()> {
         if inputs.len() != self.cameras() {
             return Err(Error::ViewCount { given: inputs.len() as u32, cameras: self.cameras() as u32 });
@@ -145,11 +147,11 @@ impl<R: Deref<Target = Rig>> Frame<R> {
         if self.reached.is_some_and(|reached| position(reached) >= position(stage)) {
             return Ok(());
         }
-        let problem = format!("this needs the stage `{}`, which has not run yet", stage.name());
+        let problem = format!("this requires the stage `{}`, which has not run: run it first", stage.name());
         Err(Error::WrongOrder { camera: None, problem })
     }
 
-    /// Whether the stage before detection is the last one that is complete.
+    /// Whether the stage before detection is the last complete one.
     pub(super) fn is_detecting(&self) -> bool {
         self.reached == before(Stage::Detect)
     }

@@ -1,13 +1,15 @@
-//! What a frame may know of a neighbouring frame.
+//! What a frame can take over from a neighbouring frame.
 
 use crate::point_cloud::Mesh;
 use alloc::sync::Arc;
 
-/// Knowledge from a frame before or after.
+/// Knowledge from a previous or following frame.
 #[derive(Debug, Clone)]
 pub struct Prior {
-    /// A surface in the rig's internal frame (relative to [`crate::Rig::origin`]) that guides detection instead of the
-    /// coarse pass. Detection searches only within [`crate::detect::DetectionParams::band_pixels`] around it, so that it
-    /// must be that close to this frame's surface: give it only for what has hardly moved.
+    /// A surface that guides detection in place of the coarse pass. Its positions are relative to
+    /// [`crate::Rig::origin`].
+    ///
+    /// Detection searches only within [`crate::detect::DetectionParams::band_pixels`] of this surface. The surface of
+    /// the frame must lie within that band, so set a prior only if the subject has hardly moved.
     pub surface: Arc<Mesh>,
 }

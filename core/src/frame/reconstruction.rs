@@ -9,13 +9,13 @@ use alloc::vec::Vec;
 pub struct Reconstruction {
     /// The closed, coloured mesh.
     pub mesh: Mesh,
-    /// What each camera's red, green and blue were multiplied by for the mesh's colours, in the order of the cameras as
-    /// given. [`crate::Rig::with_gains`] fixes them for later frames.
+    /// The factors applied to each camera's red, green and blue when the mesh was coloured, in the order in which the
+    /// cameras were given. [`crate::Rig::with_gains`] fixes them for later frames.
     pub gains: Vec<[f32; 3]>,
-    /// What the stages counted.
+    /// Counts of all stages.
     pub counts: Counts,
     /// A 64-bit hash of each stage's output, in the order of [`super::ORDER`].
     pub hashes: Vec<(Stage, u64)>,
-    /// What the stages passed on.
+    /// The results of the stages before the final mesh.
     pub intermediates: Intermediates,
 }

@@ -1,4 +1,4 @@
-//! What a frame does in each stage: it reads what the stages before have left, calls the stage, and keeps the result.
+//! What a frame does in each stage: it passes in the results of earlier stages, calls the stage and stores its result.
 
 use super::state::Frame;
 use crate::{
@@ -20,7 +20,7 @@ use crate::{
 use core::{iter::once, mem::take, ops::Deref};
 
 impl<R: Deref<Target = Rig> + Sync> Frame<R> {
-    /// §0: the hull and its own mesh without stray components.
+    /// §0: the visual hull, and its mesh without stray components.
     pub(super) fn carve_hull(&mut self, progress: &dyn Progress) -> Result<()> {
         let limit = self.memory.limit();
         let workspace = &mut self.memory.workspace;
@@ -54,7 +54,7 @@ impl<R: Deref<Target = Rig> + Sync> Frame<R> {
         Ok(())
     }
 
-    /// The surface that guides detection: the prior's, or that of a coarse pass, if there is either.
+    /// Sets the surface that guides detection: that of the prior or of the coarse pass, if there is one.
     pub(super) fn make_guide(&mut self, executor: &impl Executor, progress: &dyn Progress) -> Result<()> {
         take(&mut self.intermediates.coarse).recycle_into(&mut self.memory.workspace);
         self.forget_points();
@@ -82,7 +82,7 @@ impl<R: Deref<Target = Rig> + Sync> Frame<R> {
         Ok(())
     }
 
-    /// §4.1 to §4.3 for all views that have not been detected yet.
+    /// §4.1 to §4.3, for all views that have not been detected yet.
     pub(super) fn detect_missing(&mut self, executor: &impl Executor, progress: &dyn Progress) -> Result<()> {
         let missing = self.undetected();
         let frame = &*self;
@@ -91,7 +91,7 @@ impl<R: Deref<Target = Rig> + Sync> Frame<R> {
         self.collect_points()
     }
 
-    /// §5: all points as one cloud.
+    /// §5: merges all points into one cloud.
     pub(super) fn merge_points(&mut self, progress: &dyn Progress) -> Result<()> {
         if self.params.method == Method::Hull {
             return Ok(());
@@ -107,7 +107,7 @@ impl<R: Deref<Target = Rig> + Sync> Frame<R> {
         Ok(())
     }
 
-    /// §6: the merged cloud's mesh.
+    /// §6: the mesh of the merged cloud.
     pub(super) fn mesh_points(&mut self, progress: &dyn Progress) -> Result<()> {
         if self.params.method == Method::Hull {
             self.mesh = self.intermediates.hull.clone();
@@ -125,7 +125,7 @@ impl<R: Deref<Target = Rig> + Sync> Frame<R> {
         Ok(())
     }
 
-    /// §7: the mesh's colours.
+    /// §7: the colours of the mesh.
     pub(super) fn colour_mesh(&mut self, progress: &dyn Progress) -> Result<()> {
         self.mesh.colours.clear();
         let gains = colour::colour(

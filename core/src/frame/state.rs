@@ -1,4 +1,4 @@
-//! A frame as far as it has been made.
+//! The state of a frame.
 
 use super::{intermediates::Intermediates, memory::Memory, prior::Prior, reconstruction::Reconstruction};
 use crate::{
@@ -20,28 +20,29 @@ use alloc::{format, vec::Vec};
 use core::ops::Deref;
 use spin::{Mutex, Once};
 
-/// One frame from pictures to a coloured mesh. `R` is a reference to the rig, such as `&Rig` or `Arc<Rig>`.
+/// One frame, from pictures to a coloured mesh. `R` is a reference to the rig, such as `&Rig` or `Arc<Rig>`.
 ///
-/// Either [`Frame::run_all`] does the whole job, or the host runs stage after stage: [`Frame::view`] for every camera, then
-/// [`Frame::step`] for each stage of [`super::ORDER`]. Work of single views ([`Frame::view`], [`Frame::detect`]) borrows the
-/// frame shared, so that a host may do it on several threads; the results do not depend on threads or order.
+/// [`Frame::run_all`] does everything. Alternatively the host runs the stages itself: it calls [`Frame::view`] for
+/// every camera and then [`Frame::step`] for each stage of [`super::ORDER`]. [`Frame::view`] and [`Frame::detect`] work
+/// on single views and take `&self`, so that a host can call them from several threads. The results do not depend on
+/// the threads or the order.
 ///
-/// A stage that fails leaves the frame as it was after the stage before, so that it can be run again. Running an
-/// earlier stage again voids what came after it.
+/// If a stage fails, the frame remains in the state after the previous stage, and the stage can be run again. Running
+/// an earlier stage again discards the results of the stages that follow it.
 pub struct Frame<R> {
     pub(super) rig: R,
     pub(super) params: Params,
     pub(super) prior: Option<Prior>,
     pub(super) memory: Memory,
-    /// The last stage that is complete.
+    /// The last complete stage.
     pub(super) reached: Option<Stage>,
-    /// Views in the rig's order, until all are there.
+    /// One slot per view in the rig's order, used until the stage `Views` is complete.
     pub(super) incoming: Vec<Mutex<Option<View>>>,
     pub(super) views: Vec<View>,
     pub(super) hull: Option<VisualHull>,
-    /// The views at the octave of detection where that is not the view itself: each is made by the first that needs it.
+    /// The views at the octave of detection, unless that is the view itself. Each is computed on first use.
     octaves: Vec<Once<Option<PyramidLevel<'static>>>>,
-    /// Points of each view, until all are there.
+    /// One slot per view for its points, used until the stage `Detect` is complete.
     pub(super) found: Vec<Mutex<Option<(PointCloud, Counts)>>>,
     pub(super) intermediates: Intermediates,
     pub(super) mesh: Mesh,
@@ -55,7 +56,7 @@ fn slots<T>(count: usize) -> Vec<Mutex<Option<T>>> {
 }
 
 impl<R: Deref<Target = Rig>> Frame<R> {
-    /// A frame without any view, with working memory to use.
+    /// A frame without views. `memory` is the working memory that it uses.
     pub fn new(rig: R, params: Params, memory: Memory) -> Self {
         let count = rig.cameras().len();
         Self {
@@ -77,7 +78,7 @@ impl<R: Deref<Target = Rig>> Frame<R> {
         }
     }
 
-    /// Takes what is known from a neighbouring frame.
+    /// Sets what is known from a neighbouring frame.
     pub fn set_prior(&mut self, prior: Prior) {
         self.prior = Some(prior);
     }
@@ -97,7 +98,7 @@ impl<R: Deref<Target = Rig>> Frame<R> {
         self.incoming.len()
     }
 
-    /// Place in the rig's order of a camera that is numbered as given.
+    /// Place in the rig's order of a camera, given by its index in [`Rig::cameras`].
     ///
     /// # Errors
     /// [`Error::NoSuchCamera`].
@@ -106,11 +107,12 @@ impl<R: Deref<Target = Rig>> Frame<R> {
         self.rig.place(camera).ok_or(Error::NoSuchCamera { camera: camera as u32, cameras })
     }
 
-    /// Reads the picture and silhouette of a camera, numbered as given. A later call for the same camera replaces them.
+    /// Reads the picture and silhouette of a camera, given by its index in [`Rig::cameras`]. A later call for the same
+    /// camera replaces them.
     ///
     /// # Errors
-    /// [`Error::NoSuchCamera`], [`Error::Image`], [`Error::Silhouette`], [`Error::OutOfMemory`], [`Error::Cancelled`], and
-    /// [`Error::WrongOrder`] once the hull has been carved.
+    /// [`Error::NoSuchCamera`], [`Error::Image`], [`Error::Silhouette`], [`Error::OutOfMemory`], [`Error::Cancelled`],
+    /// and [`Error::WrongOrder`] once the hull has been carved.
     pub fn view(&self, camera: usize, input: &ViewInput, progress: &dyn Progress) -> Result<()> {
         progress.on_stage_start(Stage::Views);
         let result = self.read_view(camera, input, progress);
@@ -123,7 +125,7 @@ impl<R: Deref<Target = Rig>> Frame<R> {
         if self.reached.is_some() {
             return Err(Error::WrongOrder {
                 camera: Some(camera as u32),
-                problem: "the hull has been made of all views: begin a new frame".into(),
+                problem: "the visual hull has already been carved from all views: begin a new frame".into(),
             });
         }
         memory::check_rig(&self.rig, self.memory.limit())?;
@@ -135,11 +137,11 @@ impl<R: Deref<Target = Rig>> Frame<R> {
         Ok(())
     }
 
-    /// Detects the points of one view (§4.1 to §4.3); `camera` is numbered as given.
+    /// Detects the points of one view (§4.1 to §4.3). `camera` is the camera's index in [`Rig::cameras`].
     ///
     /// # Errors
-    /// [`Error::NoSuchCamera`], [`Error::Cancelled`], and [`Error::WrongOrder`] before the stage ahead of detection is
-    /// complete or after the points have been merged.
+    /// [`Error::NoSuchCamera`], [`Error::Cancelled`], and [`Error::WrongOrder`] if the stages before detection are not
+    /// complete or the points have already been merged.
     pub fn detect(&self, camera: usize, progress: &dyn Progress) -> Result<()> {
         progress.on_stage_start(Stage::Detect);
         let result = self.place(camera).and_then(|place| self.detect_place(place, progress));
@@ -150,8 +152,8 @@ impl<R: Deref<Target = Rig>> Frame<R> {
     pub(super) fn detect_place(&self, place: usize, progress: &dyn Progress) -> Result<()> {
         if !self.is_detecting() {
             let problem = match self.require(Stage::Detect) {
-                Ok(()) => "the points of all views have been merged already",
-                Err(_) => "the stages before detection have not all run yet",
+                Ok(()) => "the points of all views have already been collected: begin a new frame",
+                Err(_) => "not all stages before detection have run: run them first",
             };
             return Err(Error::WrongOrder { camera: Some(self.rig.order()[place]), problem: problem.into() });
         }
@@ -176,18 +178,18 @@ impl<R: Deref<Target = Rig>> Frame<R> {
         PyramidLevel::new(view, made.as_ref())
     }
 
-    /// Views, as places in the rig's order, whose points are not there.
+    /// Views that have not been detected, as places in the rig's order.
     pub(super) fn undetected(&mut self) -> Vec<usize> {
         let slots = self.found.iter_mut().enumerate();
         slots.filter_map(|(place, slot)| slot.get_mut().is_none().then_some(place)).collect()
     }
 
-    /// Drops what [`Frame::detect`] has found so far.
+    /// Drops the points that [`Frame::detect`] has found so far.
     pub(super) fn forget_points(&mut self) {
         self.found.iter_mut().for_each(|slot| *slot.get_mut() = None);
     }
 
-    /// What every stage after the hull reads.
+    /// The inputs of every stage after the hull.
     pub(super) fn context<'a>(&'a self, progress: &'a dyn Progress) -> Result<Context<'a>> {
         let hull = self.hull.as_ref().ok_or_else(no_hull)?;
         Ok(Context { rig: &self.rig, views: &self.views, hull, progress })
@@ -196,14 +198,14 @@ impl<R: Deref<Target = Rig>> Frame<R> {
     /// Moves the views out of their slots, in the rig's order.
     pub(super) fn collect_views(&mut self) -> Result<()> {
         if let Some(camera) = first_missing(&self.rig, &mut self.incoming) {
-            let problem = format!("camera {camera} has no view yet: give every camera one");
+            let problem = format!("camera {camera} has no view: give one for every camera");
             return Err(Error::WrongOrder { camera: Some(camera), problem });
         }
         self.views = self.incoming.iter_mut().filter_map(|slot| slot.get_mut().take()).collect();
         Ok(())
     }
 
-    /// Puts the views back into their slots, so that each can be replaced.
+    /// Moves the views back into their slots, so that each can be replaced.
     pub(super) fn reopen_views(&mut self) {
         for (slot, view) in self.incoming.iter_mut().zip(self.views.drain(..)) {
             *slot.get_mut() = Some(view);
@@ -214,7 +216,7 @@ impl<R: Deref<Target = Rig>> Frame<R> {
     /// Moves the points out of their slots, in the rig's order.
     pub(super) fn collect_points(&mut self) -> Result<()> {
         if let Some(camera) = first_missing(&self.rig, &mut self.found) {
-            let problem = format!("camera {camera} has no detected points yet: detect every camera's");
+            let problem = format!("camera {camera} has not been detected: detect every camera");
             return Err(Error::WrongOrder { camera: Some(camera), problem });
         }
         self.intermediates.detected.clear();
@@ -231,7 +233,7 @@ impl<R: Deref<Target = Rig>> Frame<R> {
         Ok(())
     }
 
-    /// Undistorted pictures and silhouettes in the rig's order; empty before the hull has been carved.
+    /// Undistorted pictures and silhouettes in the rig's order. Empty before the hull has been carved.
     pub fn views(&self) -> &[View] {
         &self.views
     }
@@ -241,7 +243,7 @@ impl<R: Deref<Target = Rig>> Frame<R> {
         self.hull.as_ref()
     }
 
-    /// Results of the stages that are complete; others may be empty or left over ([`Frame::require`]).
+    /// Results of the complete stages. Results of other stages may be empty or outdated; see [`Frame::require`].
     pub fn intermediates(&self) -> &Intermediates {
         &self.intermediates
     }
@@ -251,23 +253,23 @@ impl<R: Deref<Target = Rig>> Frame<R> {
         &self.mesh
     }
 
-    /// What each camera's red, green and blue were multiplied by, in the order of the cameras as given; after
-    /// [`Stage::Colour`].
+    /// The factors applied to each camera's red, green and blue, in the order in which the cameras were given. Empty
+    /// before [`Stage::Colour`].
     pub fn gains(&self) -> &[[f32; 3]] {
         &self.gains
     }
 
-    /// What the stages that are complete have counted.
+    /// Counts of the complete stages.
     pub fn counts(&self) -> &Counts {
         &self.counts
     }
 
-    /// A 64-bit hash of the output of each stage that is complete, in order.
+    /// A 64-bit hash of the output of each complete stage, in the order in which the stages ran.
     pub fn hashes(&self) -> &[(Stage, u64)] {
         &self.hashes
     }
 
-    /// The working memory, for a next frame. Everything else is dropped.
+    /// Returns the working memory for the next frame. All results are dropped.
     pub fn recycle(mut self) -> Memory {
         let workspace = &mut self.memory.workspace;
         if let Some(hull) = self.hull.take() {
@@ -280,7 +282,7 @@ impl<R: Deref<Target = Rig>> Frame<R> {
         self.memory
     }
 
-    /// The result, once all stages are complete.
+    /// Returns the result. Call it when all stages are complete.
     pub fn into_reconstruction(self) -> Reconstruction {
         let Self { mesh, gains, counts, hashes, intermediates, .. } = self;
         Reconstruction { mesh, gains, counts, hashes, intermediates }
@@ -288,10 +290,13 @@ impl<R: Deref<Target = Rig>> Frame<R> {
 }
 
 pub(super) fn no_hull() -> Error {
-    Error::WrongOrder { camera: None, problem: "there is no hull yet".into() }
+    Error::WrongOrder {
+        camera: None,
+        problem: "the visual hull has not been carved: run the stage `hull` first".into(),
+    }
 }
 
-/// The first camera, numbered as given, whose slot is empty.
+/// The lowest index of a camera whose slot is empty.
 fn first_missing<T>(rig: &Rig, slots: &mut [Mutex<Option<T>>]) -> Option<u32> {
     let slots = slots.iter_mut().zip(rig.order());
     slots.filter_map(|(slot, &camera)| slot.get_mut().is_none().then_some(camera)).min()

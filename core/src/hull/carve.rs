@@ -1,4 +1,4 @@
-//! Finds where the hull's surface is, coarse to fine, and evaluates the signed distance on a band of blocks around it.
+//! Carving (§0): finds the blocks that the hull's surface may pass, and evaluates the signed distance at their nodes.
 
 use super::{
     carver::{Carver, smallest_distance},
@@ -18,11 +18,11 @@ use crate::{
 use alloc::vec::Vec;
 use glam::Vec3;
 
-/// Visual hull (§0).
+/// Parameters of the visual hull (§0).
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
 pub struct HullParams {
-    /// Distance of the grid's nodes in pixels of footprint at the object.
+    /// Spacing of the grid's nodes, in pixels of footprint at the object.
     pub voxel_pixels: f32,
 }
 
@@ -36,7 +36,7 @@ impl VisualHull {
         Self::with_workspace(views, params, &mut Workspace::default(), progress)
     }
 
-    /// [`Self::new`] with memory to reuse.
+    /// [`Self::new`] with memory for reuse.
     ///
     /// # Errors
     /// As for [`Self::new`].
@@ -55,15 +55,15 @@ impl VisualHull {
         let footprint = footprint(&carvers, (lower + upper) * 0.5);
         let voxel = footprint * params.voxel_pixels;
         let edge = voxel * BLOCK as f32;
-        // A node's margin on every side, so that the band closes inside the grid.
+        // A margin of one block on every side, so that the surface is closed within the grid.
         let origin = lower - Vec3::splat(edge);
         let size = (upper - lower) / edge;
         let dims = [size.x, size.y, size.z].map(|s| libm::ceilf(s) as u32 + 2);
 
-        // A block answers for its nodes and for the cells up to the next block's first nodes.
+        // A block is judged by a ball that contains its nodes and its cells, up to the first nodes of the next block.
         let radius = 0.5 * edge * 1.7320508 + voxel;
-        let most = dims.iter().product::<u32>() as usize;
-        let (mut list_starts, mut needed) = (workspace.empty(most + 1), workspace.empty(most));
+        let max_blocks = dims.iter().product::<u32>() as usize;
+        let (mut list_starts, mut needed) = (workspace.empty(max_blocks + 1), workspace.empty(max_blocks));
         let mut carver_lists = workspace.take();
         list_starts.push(0);
         let mut crossing = Vec::new();
@@ -133,9 +133,9 @@ impl VisualHull {
     }
 }
 
-/// Median over the views of a pixel's size at a point.
+/// Median over the views of the footprint at a point.
 fn footprint(carvers: &[Carver], p: Vec3) -> f32 {
-    // Bits of positive numbers have their order.
+    // The bits of positive numbers sort like the numbers.
     let mut sizes: Vec<u32> = carvers
         .iter()
         .filter_map(|c| {

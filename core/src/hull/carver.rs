@@ -1,10 +1,10 @@
-//! A view that carves.
+//! A view with a silhouette, which carves the hull (§0).
 
 use crate::{camera::Pinhole, math::min, silhouette::Silhouette, view::View};
 use alloc::sync::Arc;
 use glam::Vec3;
 
-/// Signed distances are clamped to this many voxels. Beyond, only the sign matters.
+/// Signed distances are at most this many voxels. Beyond that only the sign matters.
 const FAR: f32 = 64.0;
 
 /// A view with a silhouette.
@@ -23,7 +23,8 @@ impl Carver {
         Some(Self { camera: view.camera, silhouette, index: view.index })
     }
 
-    /// Distance in scene units from a point's projection to the contour, positive inside; `None` if unseen.
+    /// Distance from a point's projection to the contour, scaled to scene units at the point's depth; positive inside.
+    /// `None` if the view does not see the point.
     #[inline]
     pub(super) fn distance(&self, p: Vec3) -> Option<f32> {
         let q = self.camera.project(p);
@@ -34,8 +35,8 @@ impl Carver {
     }
 }
 
-/// The smallest distance over some views and the view it comes from. A point that fewer than `needed` of them see is
-/// outside. The view with index `without` is left out.
+/// The smallest distance over some views, and the view that it comes from. A point that fewer than `needed` of these
+/// views see is outside. The view with index `without` is excluded.
 pub(super) fn smallest_distance<'c>(
     carvers: impl Iterator<Item = &'c Carver>,
     p: Vec3,

@@ -1,11 +1,11 @@
-//! Judges a ball of space against all silhouettes at once.
+//! Classifies a ball in space against all silhouettes (§0).
 
 use super::carver::Carver;
 use crate::surface::SLOPE;
 use alloc::vec::Vec;
 use glam::Vec3;
 
-/// What the silhouettes say about a ball.
+/// Position of a ball relative to the hull.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub(super) enum Verdict {
     Outside,
@@ -13,8 +13,10 @@ pub(super) enum Verdict {
     Boundary,
 }
 
-/// Judges a ball against all views; indices of those that may carve a part of it go to `crossing`. The second value
-/// is how many silhouettes see the whole ball as theirs, the third how many may see some of it so.
+/// Classifies a ball against all views. The indices of the views that may carve a part of it are written to `crossing`.
+///
+/// The second result is the number of silhouettes that contain the whole ball, and the third the number of those that
+/// may contain a part of it. A ball for which the third is smaller than `needed` is outside.
 pub(super) fn judge(
     carvers: &[Carver],
     centre: Vec3,
@@ -46,7 +48,7 @@ pub(super) fn judge(
         match carver.silhouette.sample(q.x.clamp(0.0, w - 1.0), q.y.clamp(0.0, h - 1.0)) {
             Some(d) if whole && d < -r => return (Verdict::Outside, 0, 0),
             Some(d) if whole && d > r => containing += 1,
-            // At the picture's edge: what this view sees of the ball is background, of the rest it knows nothing.
+            // The ball crosses the picture's edge. The visible part is background, and nothing is known about the rest.
             Some(d) if d < -2.0 * r => crossing.push(i as u16),
             _ => {
                 crossing.push(i as u16);

@@ -1,8 +1,9 @@
-//! Visual hull (§0): the space that every silhouette allows.
+//! Visual hull (§0; Laurentini, The Visual Hull Concept for Silhouette-Based Image Understanding, PAMI 1994): the
+//! largest volume that is consistent with all silhouettes.
 //!
-//! The hull is the set where [`VisualHull::signed_distance`] is positive. That function takes, over the views that see a
-//! point, the smallest distance from the point's projection to the silhouette's contour. It is exact to the contour's own
-//! precision. A sparse grid of its values around the surface serves to find the surface and to mesh it.
+//! The hull is the set in which [`VisualHull::signed_distance`] is positive. That function is the minimum, over the
+//! views that see a point, of the distance from the point's projection to the silhouette's contour. It is as accurate
+//! as the contours. A sparse grid of its values around the surface is used to find the surface and to mesh it.
 
 mod carve;
 mod carver;

@@ -1,4 +1,4 @@
-//! Rays through the hull's grid.
+//! Rays through the hull's grid, for the frontier points of §4.4.
 
 use super::visual_hull::VisualHull;
 use crate::{
@@ -8,7 +8,7 @@ use crate::{
 use glam::Vec3;
 
 impl VisualHull {
-    /// If the grid's block at a place is all outside: the parameter along a ray from there to its end.
+    /// If the block at a point is entirely outside: the ray parameter from the point to the exit of the block.
     pub(crate) fn outside_block(&self, place: Vec3, direction: Vec3) -> Option<f32> {
         let edge = self.grid.voxel * BLOCK as f32;
         let q = (place - self.grid.origin) / edge;
@@ -17,13 +17,13 @@ impl VisualHull {
         outside.then(|| leave(q, direction / edge, cell))
     }
 
-    /// Where a ray runs through the hull's bounding box.
+    /// The parameters at which a ray enters and leaves the hull's bounding box.
     pub(crate) fn span(&self, start: Vec3, direction: Vec3) -> Option<(f32, f32)> {
         clip(start, direction, self.lower, self.upper)
     }
 }
 
-/// Parameters at which a ray enters and leaves a box, in front of its start.
+/// Parameters at which a ray enters and leaves a box, in front of its start (the slab method of Kay & Kajiya, 1986).
 fn clip(start: Vec3, direction: Vec3, lower: Vec3, upper: Vec3) -> Option<(f32, f32)> {
     let (mut near, mut far) = (0.0f32, f32::INFINITY);
     for axis in 0..3 {
@@ -41,7 +41,7 @@ fn clip(start: Vec3, direction: Vec3, lower: Vec3, upper: Vec3) -> Option<(f32, 
     (near < far).then_some((near, far))
 }
 
-/// Parameter to the exit of a unit cell.
+/// Ray parameter at the exit of a unit cell.
 fn leave(q: Vec3, direction: Vec3, cell: [i32; 3]) -> f32 {
     let mut t = f32::INFINITY;
     for axis in 0..3 {

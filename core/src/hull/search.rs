@@ -1,4 +1,4 @@
-//! Finds roughly where the object is in the space between the cameras.
+//! Finds the approximate extent of the object in the space between the cameras (§0).
 
 use super::{
     carver::Carver,
@@ -13,48 +13,49 @@ use crate::{
 use alloc::{vec, vec::Vec};
 use glam::Vec3;
 
-/// Fewest silhouettes that must see a point for it to belong to the object.
+/// Smallest number of silhouettes that must contain a point of the object.
 const MIN_SILHOUETTES: u32 = 2;
 
-/// Cells along an edge of the searched cube.
+/// Number of cells along an edge of the searched cube.
 const CELLS: usize = 128;
-/// Half diagonal of a cube over its half edge.
+/// Ratio of a cube's diagonal to its edge: √3.
 const DIAGONAL: f32 = 1.7320508;
 
-/// What is in a cell.
+/// Content of a cell.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Cell {
-    /// Nothing.
+    /// Outside the hull.
     Empty,
-    /// What too few silhouettes agree on.
+    /// A group of cells that too few silhouettes support.
     Stray,
-    /// The object, perhaps.
+    /// Possibly part of the object.
     Object,
 }
 
-/// The cells of a cube round the rig's origin that may hold the object.
+/// The cells of a cube around the rig's origin that may contain the object.
 pub(super) struct Search {
     half: f32,
-    /// Per cell, x fastest, what is there.
+    /// Content of each cell, x fastest.
     pub cells: Vec<Cell>,
     pub lower: Vec3,
     pub upper: Vec3,
-    /// How many silhouettes must see a point for it to belong to the object.
+    /// Number of silhouettes that must contain a point of the object.
     pub needed: u32,
 }
 
 impl Search {
-    /// Subdivides the cube of the cameras' radius.
+    /// Subdivides a cube that contains all cameras.
     ///
-    /// Where hardly a view looks, a few silhouettes agree by accident: between two cameras that face each other the
-    /// cones of both run together all the way. So a point needs two silhouettes, or two fifths of those that see
-    /// the best seen place; and of the connected groups of cells only those are kept that reach half of that best.
+    /// Where only few views look, their silhouettes may agree by accident: between two cameras that face each other,
+    /// the cones of both silhouettes overlap all the way. A cell therefore needs the support of at least two
+    /// silhouettes, and of at least two fifths of the largest support that any cell has. Of the connected groups of
+    /// such cells, those are kept in which some cell has at least half of the largest support.
     pub fn new(carvers: &[Carver], workspace: &mut Workspace, progress: &dyn Progress) -> Result<Self> {
         let half = carvers.iter().map(|c| c.camera.centre.length()).fold(0.0, f32::max) * 1.2;
         let support = support(carvers, half, workspace, progress)?;
-        let most = support.iter().copied().max().unwrap_or(0);
-        let needed = (2 * u32::from(most)).div_ceil(5).max(MIN_SILHOUETTES);
-        let cells = classify(&support, needed, most, workspace);
+        let largest = support.iter().copied().max().unwrap_or(0);
+        let needed = (2 * u32::from(largest)).div_ceil(5).max(MIN_SILHOUETTES);
+        let cells = classify(&support, needed, largest, workspace);
         workspace.recycle(support);
         let (mut lower, mut upper) = (Vec3::INFINITY, Vec3::NEG_INFINITY);
         let size = 2.0 * half / CELLS as f32;
@@ -66,7 +67,7 @@ impl Search {
         if lower.x > upper.x { Err(Error::EmptyHull) } else { Ok(Self { half, cells, lower, upper, needed }) }
     }
 
-    /// Whether the object may be in a cube.
+    /// Whether a cube may contain a part of the object.
     pub fn touches(&self, centre: Vec3, half_edge: f32) -> bool {
         let scale = CELLS as f32 / (2.0 * self.half);
         let index = |v: f32| ((v + self.half) * scale).clamp(0.0, CELLS as f32 - 1.0) as usize;
@@ -82,7 +83,7 @@ fn coordinates(i: usize) -> [usize; 3] {
     [i % CELLS, i / CELLS % CELLS, i / (CELLS * CELLS)]
 }
 
-/// For every cell the number of views in whose silhouette it may lie, zero if some view excludes it.
+/// For every cell, the number of views whose silhouette it may lie in, or zero if some view excludes it.
 fn support(carvers: &[Carver], half: f32, workspace: &mut Workspace, progress: &dyn Progress) -> Result<Vec<u16>> {
     let mut support = workspace.filled(0u16, CELLS * CELLS * CELLS);
     let mut crossing = Vec::new();
@@ -114,8 +115,9 @@ fn support(carvers: &[Carver], half: f32, workspace: &mut Workspace, progress: &
     Ok(support)
 }
 
-/// Finds the 26-connected groups of cells that have the support `needed`: those that reach half of `most` are the object's.
-fn classify(support: &[u16], needed: u32, most: u16, workspace: &mut Workspace) -> Vec<Cell> {
+/// Finds the 26-connected groups of cells with a support of at least `needed`. Groups in which some cell has at least
+/// half of the support `largest` belong to the object.
+fn classify(support: &[u16], needed: u32, largest: u16, workspace: &mut Workspace) -> Vec<Cell> {
     let mut cells = workspace.filled(Cell::Empty, support.len());
     let mut group: Vec<u32> = workspace.take();
     for first in 0..support.len() {
@@ -144,7 +146,7 @@ fn classify(support: &[u16], needed: u32, most: u16, workspace: &mut Workspace) 
                 }
             }
         }
-        if 2 * best >= most {
+        if 2 * best >= largest {
             group.iter().for_each(|&i| cells[i as usize] = Cell::Object);
         }
     }

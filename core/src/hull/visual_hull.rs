@@ -1,4 +1,4 @@
-//! The hull and its signed distance.
+//! The visual hull (§0) and its signed distance.
 
 use super::carver::{Carver, smallest_distance};
 use crate::{
@@ -16,11 +16,11 @@ pub struct VisualHull {
     pub(super) carvers: Vec<Carver>,
     pub(super) grid: SparseGrid,
     pub(super) values: Vec<f32>,
-    /// For each stored block where its carvers start in `carver_lists`, then one end.
+    /// For each stored block, the start of its list in `carver_lists`; then the total length.
     pub(super) list_starts: Vec<u32>,
-    /// For each stored block how many of its carvers must see a point for it to be the object's.
+    /// For each stored block, how many carvers of its list must see a point that belongs to the object.
     pub(super) needed: Vec<u32>,
-    /// Indices into `carvers` of those whose contour passes a block.
+    /// Lists of indices into `carvers`: the carvers whose contour may pass a block.
     pub(super) carver_lists: Vec<u16>,
     pub(super) min_silhouettes: u32,
     pub(super) lower: Vec3,
@@ -29,7 +29,7 @@ pub struct VisualHull {
 }
 
 impl VisualHull {
-    /// Hands its memory to a workspace.
+    /// Returns its memory to a workspace.
     pub fn recycle_into(self, workspace: &mut Workspace) {
         workspace.recycle(self.values);
         workspace.recycle(self.list_starts);
@@ -37,17 +37,18 @@ impl VisualHull {
         workspace.recycle(self.carver_lists);
     }
 
-    /// Signed distance to the hull's surface in scene units, positive inside: exact in sign, a lower bound inside.
+    /// Signed distance to the hull's surface in scene units, positive inside. Its sign is exact. It is measured in
+    /// pictures and scaled by the footprint, so that its slope can reach [`crate::surface::SLOPE`].
     pub fn signed_distance(&self, p: Vec3) -> f32 {
         self.signed_distance_without(p, u16::MAX)
     }
 
-    /// As [`Self::signed_distance`], over all views but one.
+    /// [`Self::signed_distance`] over all views except one.
     pub fn signed_distance_without(&self, p: Vec3, view: u16) -> f32 {
         self.nearest_contour(p, view).0
     }
 
-    /// [`Self::signed_distance_without`], and the view that it comes from.
+    /// [`Self::signed_distance_without`] and the view that it comes from.
     pub(super) fn nearest_contour(&self, p: Vec3, view: u16) -> (f32, Option<&Carver>) {
         let slot = self.slot(p);
         if slot < SparseGrid::INSIDE {
@@ -60,7 +61,7 @@ impl VisualHull {
                 self.needed[slot as usize],
             )
         } else {
-            // Whatever single views say, the block as a whole was judged.
+            // The block as a whole was classified as inside or outside, so that the sign is known.
             let (d, from) = smallest_distance(self.carvers.iter(), p, view, self.grid.voxel, self.min_silhouettes);
             (if slot == SparseGrid::INSIDE { max(d, self.grid.voxel) } else { min(d, -self.grid.voxel) }, from)
         }
@@ -73,17 +74,17 @@ impl VisualHull {
         Vec3::new(d(Vec3::X), d(Vec3::Y), d(Vec3::Z)).normalize_or_zero()
     }
 
-    /// Corners of the hull's bounding box.
+    /// Lower and upper corner of the hull's bounding box.
     pub fn bounds(&self) -> (Vec3, Vec3) {
         (self.lower, self.upper)
     }
 
-    /// Median over the views of a pixel's size at the object.
+    /// The footprint: the size of a pixel at the object in scene units, as the median over the views.
     pub fn footprint(&self) -> f32 {
         self.footprint
     }
 
-    /// The grid and the signed distance at its nodes.
+    /// The sparse grid and the signed distance at its nodes.
     pub fn field(&self) -> (&SparseGrid, &[f32]) {
         (&self.grid, &self.values)
     }
@@ -94,7 +95,7 @@ impl VisualHull {
         marching_cubes(&self.grid, &self.values, 0.0, unstored, workspace)
     }
 
-    /// The grid's block at a point.
+    /// Slot of the block at a point.
     fn slot(&self, p: Vec3) -> u32 {
         let q = (p - self.grid.origin) / (self.grid.voxel * BLOCK as f32);
         self.grid.slot(floor(q.x), floor(q.y), floor(q.z))
@@ -104,7 +105,7 @@ impl VisualHull {
         &self.carver_lists[self.list_starts[slot] as usize..self.list_starts[slot + 1] as usize]
     }
 
-    /// Signed distance from the grid, trilinear: fast, for searching.
+    /// Signed distance by trilinear interpolation of the grid: fast but less accurate.
     #[inline]
     pub(crate) fn coarse(&self, p: Vec3) -> f32 {
         self.grid.interpolate(&self.values, p, -self.grid.voxel, self.grid.voxel)
@@ -116,7 +117,7 @@ impl Envelope for VisualHull {
         self.bounds()
     }
 
-    /// From the grid near the surface: meshing asks for it at every node.
+    /// Uses the grid near the surface, because meshing needs the distance at every node.
     fn signed_distance(&self, p: Vec3) -> f32 {
         if self.slot(p) < SparseGrid::INSIDE { self.coarse(p) } else { self.signed_distance(p) }
     }

@@ -1,10 +1,10 @@
-//! The signed distance along a walk through space.
+//! The signed distance at a sequence of nearby points.
 
 use super::{carver::Carver, visual_hull::VisualHull};
 use glam::Vec3;
 
-/// The signed distance at the places of a walk. A view that sees one place clearly outside mostly does so for the next
-/// as well, and one that does is enough.
+/// Evaluates the signed distance at successive points of a path. A view that excludes one point clearly will mostly
+/// exclude the next one too, and one such view is sufficient.
 pub(crate) struct Walk<'h> {
     hull: &'h VisualHull,
     without: u16,
@@ -12,12 +12,13 @@ pub(crate) struct Walk<'h> {
 }
 
 impl<'h> Walk<'h> {
-    /// Over all views but one.
+    /// Over all views except one.
     pub(crate) fn new(hull: &'h VisualHull, without: u16) -> Self {
         Self { hull, without, excluding: None }
     }
 
-    /// [`VisualHull::signed_distance_without`]; where that is below `-clear`, a larger value that is below too.
+    /// [`VisualHull::signed_distance_without`]. If that is less than `-clear`, the result may be a larger value that is
+    /// also less than `-clear`.
     #[inline]
     pub(crate) fn signed_distance(&mut self, p: Vec3, clear: f32) -> f32 {
         if let Some(d) = self.excluding.and_then(|carver| carver.distance(p)).filter(|&d| d < -clear) {

@@ -1,4 +1,5 @@
-//! §5.2: of two points that claim the same pixel the less certain one goes.
+//! §5.2: conflict cleaning. Of two points that claim to be the surface in the same pixel, the less certain one is
+//! removed.
 
 use super::virtual_view::Viewpoint;
 use crate::{
@@ -8,19 +9,21 @@ use crate::{
 };
 use alloc::{vec, vec::Vec};
 
-/// Conflict cleaning of §5.2.
+/// Parameters of conflict cleaning (§5.2).
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
 pub struct ConflictParams {
-    /// ε: points further apart do not conflict, in pixels of footprint.
+    /// ε: points farther apart than this do not conflict, in pixels of footprint.
     pub distance_pixels: f32,
-    /// How many virtual views are tested besides the cameras.
+    /// Number of virtual views that are tested besides the cameras.
     pub virtual_views: u32,
 }
 
+/// The end of a linked list.
 const NONE: u32 = u32::MAX;
 
-/// Removes conflicting points, seen from each viewpoint in turn; `step` is told after each how many are done.
+/// Removes conflicting points, as seen from each viewpoint in turn. The first `cameras` viewpoints are cameras. Points
+/// closer than `distance` scene units can conflict. `step` is called before each viewpoint with its index.
 pub fn clean_conflicts(
     cloud: &mut PointCloud,
     viewpoints: &[Viewpoint],
@@ -35,7 +38,7 @@ pub fn clean_conflicts(
     for (v, viewpoint) in viewpoints.iter().enumerate() {
         step(v)?;
         let mut first = vec![NONE; viewpoint.pixels()];
-        // A linked list a pixel, of the points that face the viewpoint (criterion 4).
+        // For each pixel a linked list of the points that face the viewpoint (criterion 4).
         for (i, s) in cloud.iter().enumerate().rev() {
             if dead[i] || s.normal.dot(viewpoint.camera.centre - s.position) <= 0.0 {
                 continue;
@@ -55,7 +58,7 @@ pub fn clean_conflicts(
             for &(i, depth) in &seen {
                 let s = &cloud[i as usize];
                 let loses = if s.rank == Rank::Implicit {
-                    // An implicit point must not hide a valid one, however far behind.
+                    // An implicit point must not occlude a valid point, however far behind it is.
                     seen.iter().any(|&(j, behind)| cloud[j as usize].rank != Rank::Implicit && behind > depth)
                 } else {
                     seen.iter().any(|&(j, _)| beats(&cloud[j as usize], s, distance))
@@ -76,7 +79,7 @@ pub fn clean_conflicts(
     Ok(())
 }
 
-/// Whether two points of one pixel conflict (criteria 2 and 3) and the first is the more certain.
+/// Whether two points in one pixel conflict (criteria 2 and 3) and the first is the more certain one.
 fn beats(winner: &Point, loser: &Point, distance: f32) -> bool {
     winner.rank != Rank::Implicit
         && winner.view != loser.view

@@ -1,4 +1,4 @@
-//! §5.1: as uniform as possible a sampling, keeping the points of highest fidelity.
+//! §5.1: downsampling. Makes the sampling as uniform as possible and keeps the points of highest fidelity.
 
 use super::neighbour_grid::NeighbourGrid;
 use crate::{
@@ -7,19 +7,20 @@ use crate::{
 };
 use glam::Vec3;
 
-/// Downsampling of §5.1.
+/// Parameters of downsampling (§5.1).
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
 pub struct DownsampleParams {
     /// ρ: radius of a neighbourhood in pixels of footprint.
     pub radius_pixels: f32,
-    /// α of eq. 2: least cosine between a normal and the neighbourhood's mean.
+    /// α of eq. 2: smallest cosine between a normal and the mean normal of its neighbourhood.
     pub normal_agreement: f32,
-    /// Points of at least this fidelity, as a share of the number of neighbouring views, always stay.
+    /// Points with at least this fidelity are always kept. A fraction of the number of neighbouring views.
     pub keep_above: f32,
 }
 
-/// Thins the merged cloud. Frontier and implicit points all stay; ties of fidelity go to the earlier point.
+/// Downsamples the merged cloud. All frontier and implicit points are kept. If fidelities are equal the earlier point
+/// wins.
 pub fn downsample(cloud: &[Point], radius: f32, keep_above: f32, agreement: f32, counts: &mut Counts) -> PointCloud {
     let grid = NeighbourGrid::new(cloud.iter().map(|p| p.position), radius);
     let mut kept = PointCloud::new();

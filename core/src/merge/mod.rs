@@ -1,4 +1,4 @@
-//! Point cloud merging (§5): the clouds of all views to one, thinned and without contradictions.
+//! Point cloud merging (§5): combines the clouds of all views, downsamples them (§5.1) and removes conflicts (§5.2).
 
 mod conflict;
 mod downsample;
@@ -12,17 +12,17 @@ use crate::{context::Context, error::Result, point_cloud::PointCloud, progress, 
 use alloc::vec::Vec;
 use virtual_view::Viewpoint;
 
-/// Merging (§5).
+/// Parameters of merging (§5).
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
 pub struct MergingParams {
-    /// §5.1, if it runs.
+    /// Downsampling (§5.1).
     pub downsample: Option<DownsampleParams>,
-    /// §5.2, if it runs.
+    /// Conflict cleaning (§5.2).
     pub conflicts: Option<ConflictParams>,
 }
 
-/// Merges points of all views and kinds. `neighbours` is J, the largest fidelity.
+/// Merges the points of all views and kinds. `neighbours` is J, the number of neighbouring views and largest fidelity.
 ///
 /// # Errors
 /// [`crate::Error::Cancelled`].

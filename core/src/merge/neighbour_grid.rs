@@ -1,20 +1,20 @@
-//! Radius queries over points: a uniform grid, sorted by cell.
+//! Radius queries over points, by a uniform grid in which the points are sorted by cell.
 
 use alloc::vec::Vec;
 use glam::Vec3;
 
-/// Points sorted into cubic cells of one radius's size.
+/// Points sorted into cubic cells, whose edge is the query radius or larger.
 pub struct NeighbourGrid {
     cell: f32,
     lower: Vec3,
     size: [i32; 3],
-    /// Indices of the points, cell after cell (x fastest), by index within a cell.
+    /// Indices of the points, cell after cell (x fastest), and in ascending order within a cell.
     order: Vec<u32>,
-    /// Where each cell starts in `order`, then one end.
+    /// Start of each cell in `order`; then the number of points.
     starts: Vec<u32>,
 }
 
-/// More cells than this a point make the cells larger.
+/// Cells are enlarged until there are at most about this many per point.
 const MAX_CELLS_PER_POINT: usize = 32;
 
 impl NeighbourGrid {
@@ -36,7 +36,7 @@ impl NeighbourGrid {
         }
         let size = cells(cell);
         let mut grid = Self { cell, lower, size, order: Vec::new(), starts: Vec::new() };
-        // Counting sort keeps points of a cell in order of their indices.
+        // Counting sort is stable: within a cell the points remain in the order of their indices.
         grid.starts.resize((size[0] * size[1] * size[2]) as usize + 1, 0);
         for p in points.clone() {
             let cell = grid.cell_of(p);
@@ -55,7 +55,8 @@ impl NeighbourGrid {
         grid
     }
 
-    /// Calls `f` with every point in the cells that a ball touches: all points of the ball and some more.
+    /// Calls `f` with the index of every point in the cells that a ball touches. These are all points in the ball, and
+    /// some outside.
     #[inline]
     pub fn near(&self, p: Vec3, radius: f32, mut f: impl FnMut(usize)) {
         let low = self.coordinates(p - Vec3::splat(radius));

@@ -1,12 +1,13 @@
-//! The views from which conflicts are looked for (§5.2): the cameras, and virtual ones on the sphere through them.
+//! The viewpoints from which conflicts are detected (§5.2): the cameras, and virtual cameras on the sphere through
+//! them.
 
 use crate::camera::{Camera, Pinhole};
 use alloc::vec::Vec;
 use glam::{DVec3, Vec3};
 
-/// A view that only tells which points fall onto the same pixel.
+/// A real or virtual camera without a picture. It only determines which points project to the same pixel.
 pub struct Viewpoint {
-    /// Its camera.
+    /// The camera.
     pub camera: Pinhole,
 }
 
@@ -16,7 +17,7 @@ impl Viewpoint {
         self.camera.width as usize * self.camera.height as usize
     }
 
-    /// Index of the pixel that sees a point.
+    /// Index of the pixel that a point projects to, or `None` outside the picture.
     pub fn pixel(&self, p: Vec3) -> Option<usize> {
         let q = self.camera.project(p);
         let (x, y) = (libm::floorf(q.x + 0.5), libm::floorf(q.y + 0.5));
@@ -25,14 +26,15 @@ impl Viewpoint {
     }
 }
 
-/// `count` virtual views evenly on the sphere of radius `distance` round `target`, that see a ball of `radius` with
-/// pixels of `footprint`.
+/// `count` virtual cameras, evenly distributed on the sphere of radius `distance` around `target`. Each sees a ball of
+/// `radius` around the target, with pixels of size `footprint` there. Lengths are in scene units.
 pub fn virtual_views(count: u32, target: Vec3, distance: f32, radius: f32, footprint: f32) -> Vec<Viewpoint> {
     let focal = f64::from(distance / footprint);
     let size = (2.2 * radius / footprint) as u32 + 1;
     (0..count)
         .map(|i| {
-            // Fibonacci lattice: even over the sphere for any count.
+            // Fibonacci lattice: successive points turn by the golden angle, which is even over the sphere for any
+            // count (González, Measurement of Areas on a Sphere Using Fibonacci and Latitude-Longitude Lattices, 2010).
             let z = 1.0 - (2.0 * f64::from(i) + 1.0) / f64::from(count);
             let (sin, cos) = libm::sincos(f64::from(i) * 2.399_963_229_728_653);
             let across = libm::sqrt(1.0 - z * z);

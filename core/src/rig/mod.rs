@@ -1,4 +1,4 @@
-//! What does not change between frames: the cameras and all that follows from them.
+//! The rig: the cameras, and everything derived from them that all frames share.
 
 mod neighbours;
 
@@ -11,10 +11,10 @@ use alloc::{format, vec::Vec};
 use glam::{DMat3, DVec3, Vec3};
 use neighbours::neighbours;
 
-/// Fewest views from which anything can be made.
+/// Smallest number of views, and of silhouettes, for a reconstruction.
 pub const MIN_VIEWS: u32 = 3;
 
-/// A calibrated set of cameras. Stages work in single precision relative to [`Rig::origin`].
+/// A calibrated set of cameras. The stages work in single precision, relative to [`Rig::origin`].
 #[derive(Debug, Clone)]
 pub struct Rig {
     cameras: Vec<Camera>,
@@ -27,7 +27,7 @@ pub struct Rig {
 }
 
 impl Rig {
-    /// Checks the cameras and prepares what frames share.
+    /// Checks the cameras and computes the data that frames share.
     ///
     /// # Errors
     /// [`Error::TooFewViews`], [`Error::Camera`] and [`Error::DuplicateCamera`].
@@ -61,36 +61,38 @@ impl Rig {
         &self.cameras
     }
 
-    /// The order in which the stages take the views: `order()[k]` is the index, as given, of the k-th camera. It
-    /// depends on the cameras only, so that a result does not depend on how they were numbered.
+    /// The order in which the stages process the views: `order()[k]` is the index in [`Self::cameras`] of the k-th
+    /// camera. It depends on positions and directions alone, so that results do not depend on how the host numbers the
+    /// cameras.
     pub fn order(&self) -> &[u32] {
         &self.order
     }
 
-    /// Place in [`Self::order`] of a camera given by its index, if the rig has it.
+    /// Place in [`Self::order`] of a camera given by its index, or `None` if the rig has no such camera.
     pub fn place(&self, camera: usize) -> Option<usize> {
         self.order.iter().position(|&i| i as usize == camera)
     }
 
-    /// The views that a view is compared with, N(P) of eq. 1: nearest first, as places in [`Self::order`], as is `place`.
-    /// At most `count`, fewer where no others see the same surface.
+    /// The views that a view is compared with: N(P) of eq. 1, nearest first. They and `place` are places in
+    /// [`Self::order`]. There are at most `count`, and fewer if no other views see the same surface.
     pub(crate) fn neighbours(&self, place: usize, count: u32) -> &[u16] {
         let all = &self.neighbours[place];
         &all[..all.len().min(count as usize)]
     }
 
-    /// The cameras without distortion, relative to the origin.
+    /// The cameras without lens distortion, relative to the origin.
     pub fn pinholes(&self) -> &[Pinhole] {
         &self.pinholes
     }
 
-    /// Where a camera's ideal pixels lie in its real pictures; `None` if its lens does not distort.
+    /// The map from a camera's ideal pixels to its real pictures, or `None` if its lens does not distort.
     pub(crate) fn undistortion(&self, camera: usize) -> Option<&Undistortion> {
         self.undistortions[camera].as_ref()
     }
 
-    /// The same rig with fixed gains: what each camera's red, green and blue are multiplied by when a mesh is coloured,
-    /// instead of gains found anew in every frame ([`crate::Reconstruction::gains`], in the order of the cameras as given).
+    /// The same rig with fixed gains: the factors applied to each camera's red, green and blue when a mesh is coloured.
+    /// They replace the gains that are otherwise solved in every frame ([`crate::Reconstruction::gains`]), and are in
+    /// the order in which the cameras were given.
     ///
     /// # Errors
     /// [`Error::GainCount`], and [`Error::Camera`] for a gain that is not finite and positive.
@@ -100,7 +102,7 @@ impl Rig {
         }
         for (i, gain) in gains.iter().enumerate() {
             if !gain.iter().all(|&g| g > 0.0 && g.is_finite()) {
-                let problem = format!("its gains are {gain:?}: they must be positive, 1 leaves colours as they are");
+                let problem = format!("its gains are {gain:?}: they must be positive; 1 leaves colours unchanged");
                 return Err(Error::Camera { camera: i as u32, problem });
             }
         }
@@ -108,12 +110,12 @@ impl Rig {
         Ok(self)
     }
 
-    /// The fixed gains, if there are any, in the order of [`Self::order`].
+    /// The fixed gains in the order of [`Self::order`], if there are any.
     pub fn gains(&self) -> Option<&[Vec3]> {
         self.gains.as_deref()
     }
 
-    /// Gains in the order of [`Self::order`], put in the order of the cameras as given.
+    /// Rearranges gains from the order of [`Self::order`] to that of [`Self::cameras`].
     pub fn as_given(&self, gains: &[Vec3]) -> Vec<[f32; 3]> {
         let mut given = alloc::vec![[1.0; 3]; gains.len()];
         for (&camera, gain) in self.order.iter().zip(gains) {
@@ -122,14 +124,13 @@ impl Rig {
         given
     }
 
-    /// World position of the internal frame's origin: the point nearest to all optical axes.
+    /// World position of the origin of the internal coordinate frame: the point nearest to all optical axes.
     pub fn origin(&self) -> DVec3 {
         self.origin
     }
 }
 
-/// Indices of the cameras sorted by where they are and where they look, so that results do not depend on the order
-/// in which a host numbers them.
+/// Indices of the cameras, sorted by position, direction and intrinsics.
 fn canonical_order(cameras: &[Camera]) -> Vec<u32> {
     let key = |i: u32| {
         let camera = &cameras[i as usize];
@@ -144,7 +145,8 @@ fn canonical_order(cameras: &[Camera]) -> Vec<u32> {
     order
 }
 
-/// The point nearest to all optical axes; slightly drawn to the cameras' mean so that parallel axes have one too.
+/// The point nearest to all optical axes in the least-squares sense. It is pulled slightly towards the mean of the
+/// camera centres, so that it also exists for parallel axes.
 fn meeting_point<'a>(cameras: impl ExactSizeIterator<Item = &'a Camera> + Clone) -> DVec3 {
     let mean = cameras.clone().map(Camera::centre).sum::<DVec3>() / cameras.len() as f64;
     let (mut a, mut b) = (DMat3::IDENTITY * 1e-9, mean * 1e-9);

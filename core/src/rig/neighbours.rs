@@ -1,15 +1,15 @@
-//! Which views a view is compared with: N(P) of eq. 1, chosen by angle.
+//! The views that a view is compared with: N(P) of eq. 1 (§4.1), selected by angle.
 
 use crate::{camera::Pinhole, math::ordered};
 use alloc::vec::Vec;
 
-/// Cosine of 6°: views nearer than that see too little parallax.
+/// Cosine of 6°: views closer than this have too little parallax.
 const MAX_COSINE: f32 = 0.9945;
-/// Cosine of 65°: views further apart hardly share a surface.
+/// Cosine of 65°: views farther apart hardly see the same surface.
 const MIN_COSINE: f32 = 0.4226;
 
-/// The views that a view can be compared with: the smallest angle to it first, ties by index; as seen from the origin,
-/// on which the cameras look.
+/// The views that a view can be compared with, sorted by increasing angle to it; ties are broken by index. Angles are
+/// measured at the origin, which all cameras face.
 pub fn neighbours(cameras: &[Pinhole], view: usize) -> Vec<u16> {
     let toward = |c: &Pinhole| c.centre.normalize_or_zero();
     let own = toward(&cameras[view]);

@@ -1,7 +1,7 @@
-//! Wider vector instructions where the processor has them.
+//! Selects wider vector instructions on processors that have them.
 //!
-//! The same code is compiled twice: for the instructions that every processor of the architecture has, and for AVX2.
-//! Neither fuses multiplication and addition nor reorders sums, so that both give the same bits.
+//! The same code is compiled twice on x86-64: for the baseline instructions of the architecture, and for AVX2. Neither
+//! version fuses multiplications and additions or reorders sums, so that both give the same bits.
 #![allow(unsafe_code)]
 
 mod work;
@@ -13,7 +13,7 @@ pub use work::Work;
 /// Which instructions to use.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Simd {
-    /// What the crate was compiled for.
+    /// The instructions that the crate was compiled for.
     Baseline,
     /// 256-bit vectors.
     #[cfg(target_arch = "x86_64")]
@@ -21,8 +21,8 @@ pub enum Simd {
 }
 
 impl Simd {
-    /// The widest that this processor and its operating system offer; in builds with `--cfg pcmvs_baseline`, which
-    /// tell what the others gain, what the crate was compiled for.
+    /// The widest instructions that the processor and the operating system support. Always [`Self::Baseline`] in builds
+    /// with `--cfg pcmvs_baseline`, which serve to measure the gain of AVX2.
     pub fn detect() -> Self {
         #[cfg(target_arch = "x86_64")]
         if cfg!(not(pcmvs_baseline)) && x86::has_avx2() {
@@ -31,12 +31,12 @@ impl Simd {
         Self::Baseline
     }
 
-    /// Does `work` with these instructions.
+    /// Runs `work` with these instructions.
     #[inline(always)]
     pub fn run<W: Work>(self, work: W) -> W::Output {
         match self {
             Self::Baseline => work.run(),
-            // SAFETY: the variant is made only where the processor has AVX2.
+            // SAFETY: this variant is created only if the processor has AVX2.
             #[cfg(target_arch = "x86_64")]
             Self::Avx2 => unsafe { x86::with_avx2(work) },
         }

@@ -1,7 +1,7 @@
 //! Work that is compiled once per set of instructions.
 
-/// Work for [`Simd::run`]. It is compiled anew for each set of instructions as far as it is inlined: `run` and all that
-/// should be wide must be `#[inline(always)]`, which closures cannot be.
+/// Work for [`super::Simd::run`]. Code is compiled for wider instructions only where it is inlined. Therefore `run` and
+/// all functions in its inner loops must be `#[inline(always)]`, which is not possible for closures.
 pub trait Work {
     /// The result.
     type Output;

@@ -1,4 +1,4 @@
-//! AVX2: whether the processor and the operating system have it, and code compiled for it.
+//! AVX2: detection, and code that is compiled for it.
 
 use super::work::Work;
 use core::arch::x86_64::{__cpuid, __cpuid_count, __get_cpuid_max, _xgetbv};
@@ -8,14 +8,15 @@ pub(super) fn with_avx2<W: Work>(work: W) -> W::Output {
     work.run()
 }
 
-/// AVX2 exists, and the operating system keeps its registers.
+/// Whether the processor has AVX2 and the operating system saves its registers (Intel 64 and IA-32 Architectures
+/// Software Developer's Manual, volume 1, "Detection of Intel AVX2").
 pub(super) fn has_avx2() -> bool {
     const OSXSAVE_AND_AVX: u32 = 1 << 27 | 1 << 28;
     const XMM_AND_YMM: u64 = 0b110;
     const AVX2: u32 = 1 << 5;
     #[target_feature(enable = "xsave")]
     fn kept() -> bool {
-        // SAFETY: the function is called only where the instruction exists.
+        // SAFETY: this is called only after OSXSAVE has been checked, which implies that the instruction exists.
         unsafe { _xgetbv(0) & XMM_AND_YMM == XMM_AND_YMM }
     }
     // SAFETY: every x86-64 processor has cpuid.
