@@ -1,7 +1,7 @@
-//! Times each stage alone, on one thread, with the default preset: `cargo bench`.
+//! Measures each stage separately, on one thread, with the default preset: `cargo bench`.
 //!
-//! The frame is the studio's figure in 20 views of 320 x 240. Every stage runs again and again on what the stages before it
-//! have left.
+//! The frame shows the studio's figure in 20 views of 320 x 240 pixels. Each stage runs repeatedly on the results of the
+//! stages before it.
 
 use criterion::{Criterion, criterion_group, criterion_main};
 use pcmvs_core::{
@@ -45,7 +45,7 @@ fn bench(criterion: &mut Criterion) -> Result<(), Error> {
 }
 
 fn all(criterion: &mut Criterion) {
-    bench(criterion).expect("the studio's capture is sound");
+    bench(criterion).expect("the studio's capture can be reconstructed");
 }
 
 criterion_group!(benches, all);

@@ -1,10 +1,10 @@
-//! Meshes 200,000 points on a torus of radii 0.38 and 0.15 with nodes as far apart as other solvers have them at depth 8,
-//! once exact and once as a measurement would have them: noise of half a voxel along each axis, normals tilted by
-//! 10 degrees (standard deviations).
+//! Meshes 200,000 points on a torus with radii 0.38 and 0.15, at the node spacing that other solvers have at depth 8.
+//! The first cloud is exact. The second one has noise like a measurement: standard deviations of half a voxel along each
+//! axis, and of 10 degrees for normals.
 //!
-//! Prints a line for each cloud: its name, seconds (the fastest of three), the number of vertices, and their mean and
-//! 99 % error in thousandths. Writes the clouds as PLY to the folder named, for other programs.
-#![allow(clippy::disallowed_methods, reason = "no result depends on the example's own numbers")]
+//! Prints one line per cloud: name, seconds (the fastest of three runs), number of vertices, and their mean and
+//! 99th-percentile error in thousandths. If a folder is given, the clouds are written there as PLY for other programs.
+#![allow(clippy::disallowed_methods, reason = "the example's own numbers need not be deterministic")]
 
 use glam::Vec3;
 use pcmvs_core::{Params, Point, Preset, Rank, Silent, Workspace, mesh, surface};
@@ -13,12 +13,12 @@ use studio::noise::Random;
 
 const POINTS: usize = 200_000;
 const RADII: (f32, f32) = (0.38, 0.15);
-/// 256 nodes over 1.1 times the extent.
+/// Spacing of 256 nodes over 1.1 times the extent.
 const VOXEL: f32 = 1.06 * 1.1 / 256.0;
-/// Standard deviations of the noisy cloud: a coordinate, and a normal's angle in degrees.
+/// Standard deviations of the noisy cloud: of each coordinate, and of the angle of normals in degrees.
 const NOISE: (f32, f32) = (0.5 * VOXEL, 10.0);
 
-/// Nothing is outside.
+/// An envelope that contains all of space.
 struct Anywhere;
 
 impl surface::Envelope for Anywhere {
@@ -31,7 +31,7 @@ impl surface::Envelope for Anywhere {
     }
 }
 
-/// Evenly distributed points, from a sequence of low discrepancy.
+/// Evenly distributed points, from a low-discrepancy sequence (R3 of Roberts, 2018).
 fn exact() -> Vec<Point> {
     let mut points = Vec::with_capacity(POINTS);
     let mut i = 0.0_f64;
@@ -40,7 +40,7 @@ fn exact() -> Vec<Point> {
         let [u, v, keep] = [0.819_172_513_396, 0.671_043_606_704, 0.549_700_477_902].map(|a| (i * a).fract() as f32);
         let (a, b) = (u * core::f32::consts::TAU, v * core::f32::consts::TAU);
         let distance = RADII.0 + RADII.1 * b.cos();
-        // The outer side has more surface.
+        // Rejection sampling, because the outer side has more surface.
         if keep * (RADII.0 + RADII.1) < distance {
             let normal = Vec3::new(a.cos() * b.cos(), a.sin() * b.cos(), b.sin());
             let position = Vec3::new(a.cos() * distance, a.sin() * distance, b.sin() * RADII.1);
@@ -50,7 +50,7 @@ fn exact() -> Vec<Point> {
     points
 }
 
-/// The same points as a measurement would have them.
+/// The same points with noise like that of a measurement.
 fn noisy(mut points: Vec<Point>) -> Vec<Point> {
     let mut random = Random::new(1, 0);
     for point in &mut points {
