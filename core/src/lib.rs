@@ -134,7 +134,7 @@ pub use camera::{Camera, Pinhole};
 pub use context::Context;
 pub use error::{Error, ErrorCode, Result};
 pub use executor::{Executor, Pool, Serial};
-pub use frame::{Frame, Memory, Reconstruction};
+pub use frame::{Frame, Memory, Reconstruction, Warning};
 pub use glam;
 pub use image::{ImageRef, PixelFormat};
 pub use params::{Params, Preset};

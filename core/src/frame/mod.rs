@@ -8,6 +8,7 @@ mod prior;
 mod reconstruction;
 mod stages;
 mod state;
+mod warning;
 
 pub use intermediates::Intermediates;
 pub use memory::Memory;
@@ -15,3 +16,4 @@ pub use order::{ORDER, position};
 pub use prior::Prior;
 pub use reconstruction::Reconstruction;
 pub use state::Frame;
+pub use warning::Warning;

@@ -112,7 +112,7 @@ impl<R: Deref<Target = Rig>> Frame<R> {
     ///
     /// # Errors
     /// [`Error::NoSuchCamera`], [`Error::Image`], [`Error::Silhouette`], [`Error::OutOfMemory`], [`Error::Cancelled`],
-    /// and [`Error::WrongOrder`] once the hull has been carved.
+    /// and [`Error::WrongOrder`] once [`Stage::Views`] is complete.
     pub fn view(&self, camera: usize, input: &ViewInput, progress: &dyn Progress) -> Result<()> {
         progress.on_stage_start(Stage::Views);
         let result = self.read_view(camera, input, progress);
@@ -125,7 +125,7 @@ impl<R: Deref<Target = Rig>> Frame<R> {
         if self.reached.is_some() {
             return Err(Error::WrongOrder {
                 camera: Some(camera as u32),
-                problem: "the visual hull has already been carved from all views: begin a new frame".into(),
+                problem: "the stage `views` is complete: begin a new frame".into(),
             });
         }
         memory::check_rig(&self.rig, self.memory.limit())?;
@@ -197,6 +197,9 @@ impl<R: Deref<Target = Rig>> Frame<R> {
 
     /// Moves the views out of their slots, in the rig's order.
     pub(super) fn collect_views(&mut self) -> Result<()> {
+        if !self.views.is_empty() {
+            self.reopen_views();
+        }
         if let Some(camera) = first_missing(&self.rig, &mut self.incoming) {
             let problem = format!("camera {camera} has no view: give one for every camera");
             return Err(Error::WrongOrder { camera: Some(camera), problem });
@@ -210,6 +213,7 @@ impl<R: Deref<Target = Rig>> Frame<R> {
         for (slot, view) in self.incoming.iter_mut().zip(self.views.drain(..)) {
             *slot.get_mut() = Some(view);
         }
+        self.octaves.iter_mut().for_each(|octave| *octave = Once::new());
         self.reached = None;
     }
 
