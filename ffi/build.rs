@@ -1,4 +1,4 @@
-//! Names the shared library's ABI: 0.y versions may break it with every y, later ones with every major version.
+//! Sets the shared library's soname to the ABI version: 0.y before version 1.0, the major version afterwards.
 
 fn main() {
     println!("cargo:rerun-if-changed=build.rs");

@@ -1,8 +1,9 @@
-// libpcmvs in C++17: the same as pcmvs.h, with owners, spans and exceptions. Header-only.
+// libpcmvs for C++17: owning classes, spans and exceptions on top of pcmvs.h. Header-only.
 //
-// Every function that can fail comes twice: `f` throws pcmvs::Error, `try_f` returns a pcmvs_status and throws nothing.
-// Without exceptions (-fno-exceptions) only the latter are there. What pcmvs.h says about threads, lifetimes and order
-// holds here too. A handle that has been moved from is empty: its functions fail with PCMVS_STATUS_NULL_POINTER.
+// Every function that can fail exists twice: `f` throws pcmvs::Error, and `try_f` returns a pcmvs_status and does not
+// throw. If exceptions are disabled (-fno-exceptions), only the latter exist. What pcmvs.h says about threads, lifetimes
+// and the order of calls applies here too. An object that has been moved from holds no handle: its functions fail with
+// PCMVS_STATUS_NULL_POINTER.
 #ifndef PCMVS_HPP
 #define PCMVS_HPP
 
@@ -23,7 +24,7 @@
 
 namespace pcmvs {
 
-/// Elements in someone else's memory.
+/// A view of elements that something else owns.
 template <typename T> class Span {
 public:
     constexpr Span() noexcept = default;
@@ -41,7 +42,7 @@ private:
     std::size_t size_ = 0;
 };
 
-/// A struct of pcmvs.h with its defaults: `auto camera = pcmvs::make<pcmvs_camera>();`
+/// Returns a struct of pcmvs.h with its defaults: `auto camera = pcmvs::make<pcmvs_camera>();`
 template <typename T> T make() noexcept {
     T value;
     if constexpr (std::is_same_v<T, pcmvs_camera>) {
@@ -63,7 +64,7 @@ template <typename T> T make() noexcept {
     return value;
 }
 
-/// A picture without padding between its rows.
+/// Describes a picture in the caller's memory. A stride of 0 means packed rows.
 inline pcmvs_image image(const void *data, std::uint32_t width, std::uint32_t height, pcmvs_pixel_format format,
                          std::ptrdiff_t stride = 0) noexcept {
     auto image = make<pcmvs_image>();
@@ -76,18 +77,18 @@ inline pcmvs_image image(const void *data, std::uint32_t width, std::uint32_t he
 }
 
 #if defined(__cpp_exceptions)
-/// What a failed call has to say.
+/// A failed call; what() is the library's message.
 class Error : public std::runtime_error {
 public:
     explicit Error(const pcmvs_error &detail)
         : std::runtime_error(detail.message[0] != '\0' ? detail.message : pcmvs_status_name(detail.status)),
           detail_(std::make_shared<pcmvs_error>(detail)) {}
     pcmvs_status status() const noexcept { return static_cast<pcmvs_status>(detail_->status); }
-    /// Index of the camera that is to blame; -1 if none.
+    /// Index of the camera to blame. -1 if it is not known or there is none.
     std::int32_t camera() const noexcept { return detail_->camera; }
-    /// The stage in which it failed; -1 if none.
+    /// The stage that failed or whose result was asked for. -1 if the failure belongs to no stage.
     std::int32_t stage() const noexcept { return detail_->stage; }
-    /// Number of the frame; -1 for a rig.
+    /// Number of the frame. -1 for a rig.
     std::int64_t frame() const noexcept { return detail_->frame; }
 
 private:
@@ -98,7 +99,7 @@ private:
 namespace detail {
 
 #if defined(__cpp_exceptions)
-/// For calls that have no detail to tell.
+/// Throws a failure when only the status is known.
 inline void check(pcmvs_status status) {
     if (status != PCMVS_STATUS_OK) {
         pcmvs_error error{};
@@ -109,7 +110,7 @@ inline void check(pcmvs_status status) {
     }
 }
 
-/// For calls that do.
+/// Throws a failure that the handle describes.
 template <typename Handle, typename Get> void check(pcmvs_status status, const Handle *handle, Get get) {
     if (status != PCMVS_STATUS_OK) {
         pcmvs_error error{};
@@ -129,7 +130,7 @@ struct FreeFrame {
     void operator()(pcmvs_frame *frame) const noexcept { pcmvs_frame_free(frame); }
 };
 
-/// A callback that neither throws through C nor loses what was thrown.
+/// Wraps a callback so that its exception does not pass through C and is kept.
 template <typename F> struct Guarded {
     F &call;
 #if defined(__cpp_exceptions)
@@ -160,19 +161,19 @@ template <typename F> struct Guarded {
 
 } // namespace detail
 
-/// A mesh in a frame's memory.
+/// A mesh in a frame's memory; see pcmvs_mesh.
 struct Mesh {
-    Span<float> positions;         ///< x, y, z of each vertex, relative to `origin`
-    Span<float> normals;           ///< unit normal of each vertex
-    Span<std::uint8_t> colours;    ///< red, green, blue of each vertex; empty before colouring
-    Span<std::uint32_t> triangles; ///< three vertices each
-    double origin[3] = {0, 0, 0};  ///< world position of the positions' origin
+    Span<float> positions;         ///< x, y, z per vertex, relative to `origin`
+    Span<float> normals;           ///< unit normal per vertex
+    Span<std::uint8_t> colours;    ///< red, green, blue per vertex; empty before colouring
+    Span<std::uint32_t> triangles; ///< three vertices per triangle
+    double origin[3] = {0, 0, 0};  ///< origin of the positions in the scene's frame
 };
 
 /// Calibrated cameras; see pcmvs_rig.
 class Rig {
 public:
-    /// An empty handle, or none if memory is short.
+    /// Creates a rig without cameras.
     Rig() noexcept {
         pcmvs_rig *made = nullptr;
         pcmvs_rig_new(&made);
@@ -183,7 +184,7 @@ public:
         return pcmvs_rig_set_cameras(rig_.get(), cameras.data(), cameras.size());
     }
 
-    /// Red, green and blue of each camera.
+    /// Fixes the gains: three floats per camera.
     pcmvs_status try_set_gains(Span<float> gains) noexcept {
         return pcmvs_rig_set_gains(rig_.get(), gains.data(), gains.size() / 3);
     }
@@ -194,7 +195,7 @@ public:
         return count;
     }
 
-    /// Why the last failed call failed.
+    /// Describes the last failed call.
     pcmvs_error error() const noexcept {
         pcmvs_error error{};
         pcmvs_rig_error(rig_.get(), &error, sizeof error);
@@ -215,12 +216,12 @@ private:
     std::unique_ptr<pcmvs_rig, detail::FreeRig> rig_;
 };
 
-/// One frame after another; see pcmvs_frame.
+/// A handle for frame after frame; see pcmvs_frame.
 class Frame {
 public:
     Frame() noexcept = default;
 
-    /// Makes `frame` a frame of a rig.
+    /// Creates a frame for a rig.
     static pcmvs_status try_make(const Rig &rig, Frame &frame) noexcept {
         pcmvs_frame *made = nullptr;
         const pcmvs_status status = pcmvs_frame_new(rig.get(), &made);
@@ -237,6 +238,7 @@ public:
     pcmvs_status try_view(std::uint32_t camera, const pcmvs_view &view) noexcept {
         return pcmvs_frame_view(get(), camera, &view);
     }
+    pcmvs_status try_step(std::uint32_t stage) noexcept { return pcmvs_frame_step(get(), stage); }
     pcmvs_status try_hull() noexcept { return pcmvs_frame_hull(get()); }
     pcmvs_status try_contours() noexcept { return pcmvs_frame_contours(get()); }
     pcmvs_status try_coarse() noexcept { return pcmvs_frame_coarse(get()); }
@@ -261,16 +263,28 @@ public:
         return status;
     }
 
-    pcmvs_status try_get_report(pcmvs_report &report) const noexcept {
-        return pcmvs_frame_get_report(get(), &report, sizeof report);
+    pcmvs_status try_get_counts(pcmvs_counts &counts) const noexcept {
+        return pcmvs_frame_get_counts(get(), &counts, sizeof counts);
+    }
+    pcmvs_status try_get_stage_report(std::uint32_t stage, pcmvs_stage_report &report) const noexcept {
+        return pcmvs_frame_get_stage_report(get(), stage, &report, sizeof report);
+    }
+    pcmvs_status try_get_view_report(std::uint32_t camera, pcmvs_view_report &report) const noexcept {
+        return pcmvs_frame_get_view_report(get(), camera, &report, sizeof report);
+    }
+    pcmvs_status try_warning_count(std::uint32_t &count) const noexcept {
+        return pcmvs_frame_warning_count(get(), &count);
+    }
+    pcmvs_status try_get_warning(std::uint32_t index, pcmvs_warning &warning) const noexcept {
+        return pcmvs_frame_get_warning(get(), index, &warning, sizeof warning);
     }
 
-    /// Red, green and blue of each camera, to memory for `capacity` cameras.
+    /// Copies the gains, three floats per camera, to memory for `capacity` cameras.
     pcmvs_status try_copy_gains(float *gains, std::size_t capacity, std::size_t *count = nullptr) const noexcept {
         return pcmvs_frame_copy_gains(get(), gains, capacity, 0, count);
     }
 
-    /// Hands the mesh as a file's bytes to `write(Span<std::byte>)`. What that throws ends the call with
+    /// Passes the mesh as a file's bytes to `write(Span<std::byte>)`. If that throws, the call fails with
     /// PCMVS_STATUS_WRITE_FAILED.
     template <typename F>
     pcmvs_status try_export_mesh(F &&write, const pcmvs_export_options *options = nullptr,
@@ -279,7 +293,7 @@ public:
         return pcmvs_frame_export_mesh(get(), kind, options, guarded.write, &guarded);
     }
 
-    /// Why the last failed call failed.
+    /// Describes the last failed call.
     pcmvs_error error() const noexcept {
         pcmvs_error error{};
         pcmvs_frame_error(get(), &error, sizeof error);
@@ -297,6 +311,7 @@ public:
     }
     void begin(const pcmvs_options *options = nullptr) { check(try_begin(options)); }
     void view(std::uint32_t camera, const pcmvs_view &view) { check(try_view(camera, view)); }
+    void step(std::uint32_t stage) { check(try_step(stage)); }
     void hull() { check(try_hull()); }
     void contours() { check(try_contours()); }
     void coarse() { check(try_coarse()); }
@@ -311,13 +326,35 @@ public:
         return mesh;
     }
 
-    pcmvs_report get_report() const {
-        pcmvs_report report;
-        check(try_get_report(report));
+    pcmvs_counts get_counts() const {
+        pcmvs_counts counts;
+        check(try_get_counts(counts));
+        return counts;
+    }
+
+    pcmvs_stage_report get_stage_report(std::uint32_t stage) const {
+        pcmvs_stage_report report;
+        check(try_get_stage_report(stage, report));
         return report;
     }
 
-    /// Red, green and blue of each camera.
+    pcmvs_view_report get_view_report(std::uint32_t camera) const {
+        pcmvs_view_report report;
+        check(try_get_view_report(camera, report));
+        return report;
+    }
+
+    std::vector<pcmvs_warning> get_warnings() const {
+        std::uint32_t count = 0;
+        check(try_warning_count(count));
+        std::vector<pcmvs_warning> warnings(count);
+        for (std::uint32_t i = 0; i < count; i++) {
+            check(try_get_warning(i, warnings[i]));
+        }
+        return warnings;
+    }
+
+    /// Returns the gains: three floats per camera.
     std::vector<float> get_gains() const {
         std::size_t count = 0;
         check(try_copy_gains(nullptr, 0, &count));
@@ -326,7 +363,7 @@ public:
         return gains;
     }
 
-    /// As try_export_mesh; what `write` throws is thrown on.
+    /// As try_export_mesh, but rethrows what `write` throws.
     template <typename F>
     void export_mesh(F &&write, const pcmvs_export_options *options = nullptr,
                      pcmvs_mesh_kind kind = PCMVS_MESH_KIND_FINAL) const {

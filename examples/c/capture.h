@@ -1,9 +1,9 @@
 /*
- * A capture in a folder of plain files, for the examples and tests in C: cameras.txt, and for camera i of the rig
- * camNN.ppm (its picture) and camNN.pgm (its mask, white on the object), both binary.
+ * Reads a capture from a folder of plain files, for the examples and tests in C. The folder holds cameras.txt and, for
+ * each camera NN of the rig, the picture camNN.ppm and the mask camNN.pgm, which is white on the object. Both are binary.
  *
- * cameras.txt: the number of cameras; then for each its width and height, K (9 numbers, by rows), k1 k2 p1 p2 k3,
- * R (9 numbers, by rows) and t (3 numbers), in OpenCV's convention.
+ * cameras.txt holds the number of cameras, then for each camera its width and height, K (9 numbers, row by row),
+ * k1 k2 p1 p2 k3, R (9 numbers, row by row) and t (3 numbers), in OpenCV's convention.
  */
 #ifndef CAPTURE_H
 #define CAPTURE_H
@@ -22,12 +22,12 @@ struct capture {
 static int capture_read_netpbm(const char *path, pcmvs_image *image) {
     FILE *file = fopen(path, "rb");
     char kind;
-    unsigned width, height, most;
+    unsigned width, height, maximum;
     size_t bytes;
     void *data;
-    if (file == NULL || fscanf(file, "P%c %u %u %u", &kind, &width, &height, &most) != 4 || fgetc(file) == EOF ||
-        (kind != '5' && kind != '6') || most != 255) {
-        fprintf(stderr, "%s: this is no binary PGM or PPM file of 8 bits\n", path);
+    if (file == NULL || fscanf(file, "P%c %u %u %u", &kind, &width, &height, &maximum) != 4 || fgetc(file) == EOF ||
+        (kind != '5' && kind != '6') || maximum != 255) {
+        fprintf(stderr, "%s: this is not a binary PGM or PPM file of 8 bits\n", path);
         if (file != NULL) {
             fclose(file);
         }
@@ -80,7 +80,7 @@ static int capture_read(const char *folder, struct capture *capture) {
     capture->views = NULL;
     snprintf(path, sizeof path, "%s/cameras.txt", folder);
     file = fopen(path, "r");
-    if (file == NULL || fscanf(file, "%u", &n) != 1 || n > PCMVS_MOST_CAMERAS) {
+    if (file == NULL || fscanf(file, "%u", &n) != 1 || n > PCMVS_MAX_CAMERAS) {
         fprintf(stderr, "%s: cannot be read\n", path);
         if (file != NULL) {
             fclose(file);

@@ -1,10 +1,10 @@
-/* Reconstructs a folder (see capture.h) in one call: reconstruct FOLDER OUT.glb */
+/* Reconstructs the capture in a folder (see capture.h) with one call. Usage: reconstruct FOLDER OUT.glb */
 #include "capture.h"
 
-static int show(void *user, pcmvs_stage stage, uint32_t done, uint32_t total) {
+static int show(void *user, uint32_t stage, uint32_t done, uint32_t total) {
     (void)user;
     fprintf(stderr, "\r%-8s %3u %%", pcmvs_stage_name(stage), done * 100 / total);
-    return 0; /* anything else cancels */
+    return 0; /* any other value cancels */
 }
 
 static int write_to_file(void *file, const void *data, size_t size) {

@@ -1,5 +1,5 @@
-// Frame after frame as live capture software makes them: a pool of threads reads pictures and detects points view by
-// view while the host's own thread runs the stages between. live FOLDER FRAMES THREADS OUT.glb
+// Reconstructs frame after frame as live capture software would: a pool of threads reads pictures and detects points,
+// one view per job, and the host's own thread runs the stages in between. Usage: live FOLDER FRAMES THREADS OUT.glb
 #include "capture.h"
 
 #include <atomic>
@@ -11,7 +11,7 @@
 
 namespace {
 
-// Calls `work` for every index below `count` on some threads; the first error is thrown on.
+// Calls `work` for every index below `count` on several threads and rethrows the first exception.
 template <typename F> void on_threads(unsigned threads, std::uint32_t count, F work) {
     std::atomic<std::uint32_t> next{0};
     std::atomic_flag failed = ATOMIC_FLAG_INIT;

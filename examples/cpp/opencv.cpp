@@ -1,7 +1,8 @@
-// Pictures as cv::Mat, calibration from cv::FileStorage: opencv CALIBRATION.yml IMAGES OUT.glb
+// Reconstructs pictures that OpenCV has loaded, with a calibration that OpenCV has stored.
+// Usage: opencv CALIBRATION.yml IMAGES OUT.glb
 //
-// CALIBRATION.yml has a sequence `cameras` of maps with image, mask (file names in the folder IMAGES), K, distortion,
-// R and t. Everything is OpenCV's own convention: nothing is converted.
+// CALIBRATION.yml holds a sequence `cameras` of maps with image, mask (file names in the folder IMAGES), K, distortion,
+// R and t. pcmvs uses OpenCV's conventions, so that nothing has to be converted.
 #include <fstream>
 #include <iostream>
 #include <opencv2/imgcodecs.hpp>
@@ -13,7 +14,7 @@ struct Shot {
     cv::Mat image, mask;
 };
 
-// A matrix of any type and shape as `count` numbers.
+// Reads a matrix of any type and shape as `count` numbers.
 void numbers(const cv::FileNode &node, double *to, int count) {
     cv::Mat matrix;
     node >> matrix;
@@ -25,7 +26,7 @@ void numbers(const cv::FileNode &node, double *to, int count) {
     std::copy_n(wide.ptr<double>(), count, to);
 }
 
-// A Mat as it lies in memory, regions of interest included.
+// Describes a Mat, which may be a region of interest, without copying it.
 pcmvs_image borrow(const cv::Mat &mat) {
     const auto format = mat.type() == CV_8UC1   ? PCMVS_PIXEL_FORMAT_GRAY8
                         : mat.type() == CV_8UC4 ? PCMVS_PIXEL_FORMAT_BGRA8

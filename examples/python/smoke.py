@@ -1,4 +1,7 @@
-"""The C ABI from Python by ctypes alone: smoke.py LIBPCMVS FOLDER OUT.glb (FOLDER as in examples/c/capture.h)."""
+"""Calls the C ABI from Python with ctypes alone.
+
+Usage: smoke.py LIBPCMVS FOLDER OUT.glb, with FOLDER as in examples/c/capture.h.
+"""
 
 import ctypes as c
 import pathlib

@@ -1,8 +1,8 @@
-//! What the C ABI costs over the Rust call, and how long a stage lets a host wait for its progress callback:
-//! measure VIEWS WIDTH HEIGHT ROUNDS. Fails if it costs 1 % or more. Linux only.
+//! Measures the overhead of the C ABI over the same call in Rust, and the longest time between two calls of the progress
+//! callback. Usage: measure VIEWS WIDTH HEIGHT ROUNDS. Fails if the overhead is 1 % or more. Linux only.
 //!
-//! Times are this thread's on the processor, the two calls alternate and change order from round to round, and each
-//! counts by its fastest round, so that a busy machine does not matter much.
+//! Times are processor times of this thread. The two calls alternate and change their order from round to round, and the
+//! fastest round of each counts, so that other load on the machine matters little.
 #![allow(unsafe_code, reason = "it calls the C ABI as a host would")]
 
 #[path = "../tests/common/plain.rs"]
@@ -15,10 +15,14 @@ use pcmvs::{
     image::{pcmvs_image, pcmvs_image_init, pcmvs_pixel_format},
     options::{pcmvs_options, pcmvs_options_init},
     rig::{pcmvs_rig_free, pcmvs_rig_new, pcmvs_rig_set_cameras},
-    status::{pcmvs_stage, pcmvs_status},
+    status::pcmvs_status,
     view::{pcmvs_view, pcmvs_view_init},
 };
-use pcmvs_core::{Mask, Params, Preset, Rig, Serial, Silent, ViewInput, frame::ORDER, reconstruct};
+use pcmvs_core::{
+    Mask, Params, Preset, Rig, Serial, Silent, ViewInput,
+    frame::{ORDER, position},
+    reconstruct,
+};
 use std::{
     env,
     ffi::{c_int, c_long, c_void},
@@ -28,22 +32,23 @@ use std::{
     time::Duration,
 };
 
-/// Longest time without a call, of each stage.
+/// Longest time without a call of the progress callback, per stage.
 struct Gaps {
     last: Duration,
     longest: [Duration; ORDER.len()],
 }
 
-unsafe extern "C" fn follow(gaps: *mut c_void, stage: pcmvs_stage, _: u32, _: u32) -> c_int {
-    // SAFETY: `measure` hands its own over.
+unsafe extern "C" fn follow(gaps: *mut c_void, stage: u32, _: u32, _: u32) -> c_int {
+    // SAFETY: `main` passes its own.
     let gaps = unsafe { &mut *gaps.cast::<Gaps>() };
-    let longest = &mut gaps.longest[stage as usize];
+    let place = ORDER.iter().position(|s| s.id() == stage).expect("a stage");
+    let longest = &mut gaps.longest[place];
     *longest = (*longest).max(now() - gaps.last);
     gaps.last = now();
     0
 }
 
-/// Time that this thread has spent on a processor.
+/// Processor time of this thread.
 fn now() -> Duration {
     const CLOCK_THREAD_CPUTIME_ID: c_int = 3;
     unsafe extern "C" {
@@ -76,7 +81,7 @@ fn main() -> ExitCode {
     let core_rig = Rig::new(&capture.cameras).unwrap();
     let params = Params::preset(Preset::Default);
 
-    // SAFETY: as a C program would, each struct is initialised by its function, and everything outlives the calls.
+    // SAFETY: each struct is initialised by its function, as in C, and everything outlives the calls.
     unsafe {
         let mut cameras = vec![zeroed::<pcmvs_camera>(); views as usize];
         for (c, camera) in cameras.iter_mut().zip(&capture.cameras) {
@@ -132,7 +137,7 @@ fn main() -> ExitCode {
         let (fastest, median) = (cost(rust, c), costs[costs.len() / 2]);
         println!("Rust {rust:.3?}, C {c:.3?}: {fastest:+.2} %, median of {rounds} rounds {median:+.2} %");
         for stage in ORDER {
-            println!("{:8} longest wait for the callback {:.1?}", stage.name(), gaps.longest[stage as usize]);
+            println!("{:8} longest time without a progress call {:.1?}", stage.name(), gaps.longest[position(stage)]);
         }
         if fastest < 1.0 { ExitCode::SUCCESS } else { ExitCode::FAILURE }
     }

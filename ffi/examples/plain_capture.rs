@@ -1,4 +1,4 @@
-//! Renders a small capture as the plain files that the examples in C read: plain_capture FOLDER [VIEWS WIDTH HEIGHT]
+//! Renders a small capture as plain files for the examples in C. Usage: plain_capture FOLDER [VIEWS WIDTH HEIGHT]
 
 use std::{env, io, path::Path};
 

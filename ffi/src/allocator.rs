@@ -1,10 +1,10 @@
-//! The caller's allocator: the one setting of the whole process.
+//! The caller's allocator, the only setting of the whole process.
 //!
-//! Containers of stable Rust take the program's allocator, of which there is one. So this is it: it hands on to what
-//! `pcmvs_set_allocator` was given, or to the system.
+//! Containers of stable Rust use the program's global allocator. This one forwards to the functions given to
+//! `pcmvs_set_allocator`, or to the system.
 
 use crate::{
-    boundary::{Growing, Versioned, init, take},
+    sized::{Growing, Versioned, init, take},
     status::pcmvs_status::{self, InvalidArgument, WrongOrder},
 };
 use std::{
@@ -15,13 +15,13 @@ use std::{
     sync::OnceLock,
 };
 
-/// Gives `size` bytes, never 0, at an address that is a multiple of `alignment`, a power of two; or NULL if there are none:
-/// the process is then aborted.
+/// Allocates `size` bytes, at least 1, at an address that is a multiple of `alignment`, a power of two. Returns NULL if it
+/// cannot; the process is then aborted.
 pub type pcmvs_allocate_fn =
     Option<unsafe extern "C" fn(user: *mut c_void, size: usize, alignment: usize) -> *mut c_void>;
 
-/// Gives `size` bytes in place of the `old_size` at `memory`, with what these held as far as it fits, at the same
-/// alignment; or NULL, if there are none: `memory` then stays as it is.
+/// Resizes the block at `memory` from `old_size` to `size` bytes, at the same alignment, and returns its new address. The
+/// contents are kept up to the smaller of the two sizes. Returns NULL if it cannot; the block then stays as it is.
 pub type pcmvs_reallocate_fn = Option<
     unsafe extern "C" fn(
         user: *mut c_void,
@@ -32,12 +32,12 @@ pub type pcmvs_reallocate_fn = Option<
     ) -> *mut c_void,
 >;
 
-/// Takes memory back; size and alignment are those with which it was asked for last.
+/// Frees the block at `memory`. `size` and `alignment` are those of its last allocation or reallocation.
 pub type pcmvs_deallocate_fn =
     Option<unsafe extern "C" fn(user: *mut c_void, memory: *mut c_void, size: usize, alignment: usize)>;
 
-/// Where the library gets its memory. Its functions are called from every thread that calls the library, at the same time
-/// too, and must not call the library themselves.
+/// Functions that provide the library's memory. They are called on every thread that calls the library, possibly on several
+/// at once. They must not call the library.
 #[repr(C)]
 #[derive(Debug, Clone, Copy)]
 pub struct pcmvs_allocator {
@@ -45,13 +45,13 @@ pub struct pcmvs_allocator {
     pub struct_size: u32,
     /// Zero.
     pub reserved: u32,
-    /// Handed to the functions.
+    /// Passed to the functions.
     pub user: *mut c_void,
-    /// Gives memory.
+    /// Allocates memory.
     pub allocate: pcmvs_allocate_fn,
-    /// Makes memory larger or smaller, or NULL: then it is allocated anew and copied.
+    /// Resizes memory. If it is NULL, the library allocates a new block and copies.
     pub reallocate: pcmvs_reallocate_fn,
-    /// Takes memory back.
+    /// Frees memory.
     pub deallocate: pcmvs_deallocate_fn,
 }
 
@@ -71,9 +71,13 @@ unsafe impl Versioned for pcmvs_allocator {
             deallocate: None,
         }
     }
+
+    fn reserved_is_zero(&self) -> bool {
+        self.reserved == 0
+    }
 }
 
-/// What a host gave, checked.
+/// The functions of a host, checked.
 struct Host {
     user: *mut c_void,
     allocate: unsafe extern "C" fn(*mut c_void, usize, usize) -> *mut c_void,
@@ -81,7 +85,7 @@ struct Host {
     deallocate: unsafe extern "C" fn(*mut c_void, *mut c_void, usize, usize),
 }
 
-// SAFETY: `user` is the host's, which lets it be used on every thread.
+// SAFETY: `user` is the host's, which allows its use on every thread.
 unsafe impl Send for Host {}
 // SAFETY: as above.
 unsafe impl Sync for Host {}
@@ -102,7 +106,7 @@ impl Allocator {
     }
 }
 
-// SAFETY: both the system's allocator and the host's, by its promise, are what the trait asks for.
+// SAFETY: the system's allocator keeps the trait's contract, and so does the host's, by its promise.
 unsafe impl GlobalAlloc for Allocator {
     #[inline]
     unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
@@ -155,20 +159,21 @@ unsafe impl GlobalAlloc for Allocator {
     }
 }
 
-/// Sets an allocator to nothing. `size` is `sizeof *allocator`.
+/// Initialises an allocator without functions. `size` is `sizeof *allocator`.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn pcmvs_allocator_init(allocator: *mut pcmvs_allocator, size: usize) -> pcmvs_status {
     // SAFETY: the caller's promise.
     unsafe { init(allocator, size, "allocator") }
 }
 
-/// Has the library take all its memory from the caller's allocator, in the whole process and for good. Comes before any
-/// other function but the inits and names: once the library has allocated (any other call may, and any that fails), or has
-/// an allocator, it fails with `PCMVS_STATUS_WRONG_ORDER`. `allocator` is read during the call only; `user` must last as
-/// long as the process uses the library.
+/// Makes the library take all of its memory from the caller's functions, in the whole process and until it ends. Call it
+/// before every function other than `pcmvs_..._init`, `pcmvs_version...`, `pcmvs_status_name` and `pcmvs_stage_...`: once
+/// the library has allocated memory or has an allocator, it fails with `PCMVS_STATUS_WRONG_ORDER`. Any other call, and any
+/// call that fails, may allocate. `allocator` is read only during the call; `user` must stay valid while the process uses
+/// the library.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn pcmvs_set_allocator(allocator: *const pcmvs_allocator) -> pcmvs_status {
-    // Nothing here allocates: a call that fails leaves the decision open.
+    // Nothing here allocates, so that another call can follow one that fails.
     // SAFETY: the caller's promise.
     let given = match unsafe { take(allocator) } {
         Ok(given) => given,

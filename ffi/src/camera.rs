@@ -1,32 +1,33 @@
 //! Calibrated cameras.
 
 use crate::{
-    boundary::{Growing, Versioned, init},
+    sized::{Growing, Versioned, init},
     status::pcmvs_status,
 };
 use pcmvs_core::Camera;
 use std::mem::size_of;
 
-/// A calibrated camera in OpenCV's convention. World to pixel is `x = K * distort(R X + t)`: x right, y down,
-/// z forward; the first pixel's centre is at (0, 0). Matrices are row after row.
+/// A calibrated camera in OpenCV's convention. A point X of the scene projects to the pixel `K * distort(R X + t)`. In the
+/// camera's frame x points right, y down and z forward. The centre of the first pixel is (0, 0). Matrices are stored row
+/// by row.
 #[repr(C)]
 #[derive(Debug, Clone, Copy)]
 pub struct pcmvs_camera {
     /// Set by `pcmvs_camera_init`.
     pub struct_size: u32,
-    /// Pixels in a row of the camera's pictures.
+    /// Width of the camera's pictures in pixels.
     pub width: u32,
-    /// Rows of the camera's pictures.
+    /// Height of the camera's pictures in pixels.
     pub height: u32,
     /// Zero.
     pub reserved: u32,
-    /// Intrinsic matrix by rows; the last row is 0 0 1. Skew is allowed.
+    /// Intrinsic matrix K in pixels. The last row is 0 0 1. Skew is allowed.
     pub k: [f64; 9],
-    /// OpenCV's k1, k2, p1, p2, k3.
+    /// Distortion coefficients k1, k2, p1, p2, k3 as in OpenCV.
     pub distortion: [f64; 5],
-    /// Rotation by rows, world to camera.
+    /// Rotation R from the scene's to the camera's frame.
     pub r: [f64; 9],
-    /// Translation, world to camera, in the scene's unit.
+    /// Translation t from the scene's to the camera's frame, in the scene's unit.
     pub t: [f64; 3],
 }
 
@@ -49,6 +50,10 @@ unsafe impl Versioned for pcmvs_camera {
             t: [0.0; 3],
         }
     }
+
+    fn reserved_is_zero(&self) -> bool {
+        self.reserved == 0
+    }
 }
 
 impl pcmvs_camera {
@@ -59,7 +64,7 @@ impl pcmvs_camera {
     }
 }
 
-/// Sets a camera to identity matrices without distortion. `size` is `sizeof *camera`.
+/// Initialises a camera with identity matrices and no distortion. `size` is `sizeof *camera`.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn pcmvs_camera_init(camera: *mut pcmvs_camera, size: usize) -> pcmvs_status {
     // SAFETY: the caller's promise.

@@ -1,9 +1,12 @@
-//! Seconds of each stage, over all threads.
+//! Seconds of each stage.
 
-use pcmvs_core::{Stage, frame::ORDER, frame::position};
+use pcmvs_core::{
+    Stage,
+    frame::{ORDER, position},
+};
 use std::sync::{Mutex, PoisonError};
 
-/// Adds up the time of each stage of a frame.
+/// Adds up the seconds that a frame's stages take.
 #[derive(Debug, Default)]
 pub(crate) struct Clock(Mutex<[f64; ORDER.len()]>);
 

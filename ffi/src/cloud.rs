@@ -1,40 +1,41 @@
 //! A frame's clouds and silhouettes.
 
 use crate::{
-    boundary::{Growing, Result, write},
-    error::Failure,
-    frame::{Work, pcmvs_frame, shared},
-    mesh::Target,
+    failure::{Failure, Result},
+    frame::{pcmvs_frame, shared},
+    sized::{Growing, write},
     status::pcmvs_status::{self, InvalidArgument, WrongOrder},
+    target::Target,
+    work::Work,
 };
 use pcmvs_core::{Point, Stage};
 use std::mem::size_of;
 
-/// Which of a frame's clouds. Numbers never change.
+/// The point clouds of a frame. Numbers never change.
 #[repr(u32)]
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum pcmvs_cloud_kind {
-    /// On contour generators, after `pcmvs_frame_contours`.
+    /// Frontier points, from `pcmvs_frame_contours`.
     Frontier = 0,
-    /// On the hull where no camera looks, after `pcmvs_frame_contours`.
+    /// Implicit points: points of the hull that no camera sees, from `pcmvs_frame_contours`.
     Implicit = 1,
-    /// One view's points, after `pcmvs_frame_merge`.
+    /// The points of one view, from detection. Available after `pcmvs_frame_merge`.
     Detected = 2,
-    /// All that reaches meshing, after `pcmvs_frame_merge`.
+    /// The merged cloud, which becomes the mesh, from `pcmvs_frame_merge`.
     Merged = 3,
 }
 
-/// What makes a point trustworthy. Numbers never change.
+/// Kinds of points, from the least to the most trustworthy. Numbers never change.
 #[repr(u32)]
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum pcmvs_rank {
-    /// On the hull where no camera looks.
+    /// On the hull, seen by no camera.
     Implicit = 0,
-    /// Put on the hull because stereo failed.
+    /// Placed on the hull where stereo failed.
     Substituted = 1,
     /// Found by stereo.
     Detected = 2,
-    /// On a contour generator, certainly on the surface.
+    /// A frontier point, which is certainly on the surface.
     Frontier = 3,
 }
 
@@ -42,30 +43,31 @@ pub enum pcmvs_rank {
 #[repr(C)]
 #[derive(Debug, Clone, Copy)]
 pub struct pcmvs_point {
-    /// x, y, z; add `pcmvs_rig_origin` for the scene's frame.
+    /// x, y, z relative to `pcmvs_rig_origin`.
     pub position: [f32; 3],
-    /// Unit normal, outward.
+    /// Unit normal, pointing outwards.
     pub normal: [f32; 3],
-    /// How well the neighbouring views agree, from 0 to their number.
+    /// How well the neighbouring views agree, from 0 to the number of neighbours.
     pub fidelity: f32,
     /// Weight in meshing.
     pub weight: f32,
-    /// Index of the camera that sees it; -1 for implicit points.
+    /// Index of the camera that sees the point. -1 for implicit points.
     pub camera: i32,
     /// A `pcmvs_rank`.
     pub rank: u32,
 }
 
-/// A view's silhouette in the frame's memory, for the camera without lens distortion. Valid until the next call on the
-/// frame that is not const.
+/// A view's silhouette in the frame's memory, undistorted. Stays valid until the next call on the frame that takes a
+/// non-const `pcmvs_frame *`.
 #[repr(C)]
 #[derive(Debug, Clone, Copy)]
 pub struct pcmvs_silhouette {
-    /// Pixels in a row.
+    /// Width in pixels.
     pub width: u32,
-    /// Rows.
+    /// Height in pixels.
     pub height: u32,
-    /// For each pixel its distance to the contour in 1/64 pixel, positive on the object; 32767 where nothing is known.
+    /// Signed distance of each pixel to the contour in 1/64 pixel, positive inside the object, in packed rows from the
+    /// top down. 32767 where undistortion has no source pixel.
     pub distances: *const i16,
 }
 
@@ -74,7 +76,7 @@ impl Growing for pcmvs_silhouette {
 }
 
 impl Work {
-    /// A cloud by its number, and the stage that makes it; `camera` chooses among the detected ones.
+    /// A cloud by its number, and the stage that makes it. `camera` selects one of the detected clouds.
     pub(crate) fn cloud_of_kind(&self, kind: u32, camera: u32) -> Result<(&[Point], Stage)> {
         let stage = match kind {
             0 | 1 => Stage::Contours,
@@ -82,21 +84,20 @@ impl Work {
             _ => return Err(Failure::new(InvalidArgument, format!("cloud {kind} is not known"))),
         };
         self.require(stage)?;
+        let of = self.frame.intermediates();
         let cloud = match kind {
-            0 => &self.frame.intermediates().frontier,
-            1 => &self.frame.intermediates().implicit,
-            2 => {
-                &self.frame.intermediates().detected
-                    [self.frame.place(camera as usize).map_err(|e| Failure::from(e).at(stage))?]
-            }
-            _ => &self.frame.intermediates().merged,
+            0 => &of.frontier,
+            1 => &of.implicit,
+            2 => &of.detected[self.place(camera, stage)?],
+            _ => &of.merged,
         };
         Ok((cloud, stage))
     }
 }
 
-/// Copies a cloud, a `pcmvs_cloud_kind`, to the caller's memory; `camera` chooses among the detected ones. `buffer`,
-/// `capacity`, `stride` and `count` as for `pcmvs_frame_copy_mesh`. Presets without a stage have no points of it.
+/// Copies a cloud to the caller's memory. `kind` is a `pcmvs_cloud_kind`; `camera` selects one of the detected clouds and
+/// is ignored otherwise. `buffer`, `capacity`, `stride` and `count` are as in `pcmvs_frame_copy_mesh`. A cloud whose stage
+/// the preset leaves out is empty.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn pcmvs_frame_copy_cloud(
     frame: *const pcmvs_frame,
@@ -126,8 +127,8 @@ pub unsafe extern "C" fn pcmvs_frame_copy_cloud(
     unsafe { shared(frame, copy) }
 }
 
-/// Looks at a view's silhouette where it lies, after `pcmvs_frame_hull`. Fails with `PCMVS_STATUS_WRONG_ORDER` for a
-/// view that was given none. `size` is `sizeof *silhouette`.
+/// Returns a pointer to a view's silhouette in the frame's memory, once `PCMVS_STAGE_VIEWS` is complete. Fails with
+/// `PCMVS_STATUS_WRONG_ORDER` if the view has no silhouette. `size` is `sizeof *silhouette`.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn pcmvs_frame_get_silhouette(
     frame: *const pcmvs_frame,
@@ -135,11 +136,10 @@ pub unsafe extern "C" fn pcmvs_frame_get_silhouette(
     silhouette: *mut pcmvs_silhouette,
     size: usize,
 ) -> pcmvs_status {
-    let look = |work: &Work| {
-        work.require(Stage::Hull)?;
-        let views = work.frame.views();
+    let get = |work: &Work| {
+        work.require(Stage::Views)?;
         let at = |failure: Failure| failure.of_camera(camera).at(Stage::Views);
-        let found = views[work.frame.place(camera as usize).map_err(Failure::from)?].silhouette.as_ref();
+        let found = work.frame.views()[work.place(camera, Stage::Views)?].silhouette.as_ref();
         let found = found.ok_or_else(|| at(Failure::new(WrongOrder, "this view was given no silhouette")))?;
         let (width, height, distances) = (found.width, found.height, found.distances().as_ptr());
         let found = pcmvs_silhouette { width, height, distances };
@@ -147,5 +147,5 @@ pub unsafe extern "C" fn pcmvs_frame_get_silhouette(
         unsafe { write(silhouette, size, &found, "silhouette") }.map_err(at)
     };
     // SAFETY: the caller's promise.
-    unsafe { shared(frame, look) }
+    unsafe { shared(frame, get) }
 }

@@ -1,4 +1,4 @@
-//! The host's threads behind the core's trait.
+//! The host's threads as an executor of the core.
 
 use pcmvs_core::{Executor, Pool, Serial};
 use std::{
@@ -9,35 +9,35 @@ use std::{
     sync::{Mutex, PoisonError},
 };
 
-/// A piece of work that the library hands out: call it with `job` and an index.
+/// Runs one of the library's jobs. Call it with `job` and the job's index.
 pub type pcmvs_job_fn = Option<unsafe extern "C" fn(job: *mut c_void, index: u32)>;
 
-/// Runs pieces of work on the host's threads: calls `run(job, i)` once for every `i` below `count`, on any thread and in
-/// any order, and returns when all these calls have returned. Pieces left out are then run on the calling thread. The
-/// result does not depend on threads. It must not throw.
+/// Runs jobs on the caller's threads. It calls `run(job, i)` once for every `i` from 0 to `count - 1`, on any threads and
+/// in any order, and returns when all of these calls have returned. The library runs jobs that were left out on the
+/// calling thread. Results do not depend on the threads. It must not throw.
 pub type pcmvs_parallel_fn =
     Option<unsafe extern "C" fn(user: *mut c_void, count: u32, run: pcmvs_job_fn, job: *mut c_void)>;
 
-/// A `pcmvs_parallel_fn` that is there.
+/// A `pcmvs_parallel_fn` that is not NULL.
 type Parallel = unsafe extern "C" fn(*mut c_void, u32, pcmvs_job_fn, *mut c_void);
 
-/// Runs the core's pieces on the host's threads if it lends any.
+/// Runs the core's jobs on the host's threads, or on the calling thread if the host lends none.
 #[derive(Clone, Copy)]
 pub(crate) struct HostThreads {
     pub parallel: pcmvs_parallel_fn,
     pub user: *mut c_void,
 }
 
-// SAFETY: the core calls `map` on the thread that called it only; `user` is the host's.
+// SAFETY: the core calls `map` only on the thread that called it; `user` is the host's.
 unsafe impl Sync for HostThreads {}
 
-/// Work of one `map`, shared with the host's threads.
+/// The jobs of one `map`, shared with the host's threads.
 struct Batch<'a, T, F> {
     job: &'a F,
     results: Vec<Mutex<Slot<T>>>,
 }
 
-/// What has become of a piece.
+/// State of a job.
 enum Slot<T> {
     Waiting,
     Running,
@@ -61,7 +61,7 @@ impl<T: Send, F: Fn(usize) -> T + Sync> Batch<'_, T, F> {
 
     /// # Safety
     /// `batch` points to a batch that lives through the call.
-    unsafe extern "C" fn piece(batch: *mut c_void, index: u32) {
+    unsafe extern "C" fn run_one(batch: *mut c_void, index: u32) {
         // SAFETY: the caller's promise; a batch may be shared between threads.
         unsafe { &*batch.cast::<Self>() }.run(index as usize);
     }
@@ -92,7 +92,7 @@ impl HostThreads {
             .map(|slot| match slot {
                 Slot::Done(result) => result,
                 Slot::Panicked(panic) => resume_unwind(panic),
-                Slot::Waiting | Slot::Running => panic!("the parallel callback returned before its pieces did"),
+                Slot::Waiting | Slot::Running => panic!("the parallel callback returned before its jobs did"),
             })
             .collect()
     }
@@ -100,6 +100,6 @@ impl HostThreads {
     fn hand_out<T: Send, F: Fn(usize) -> T + Sync>(&self, parallel: Parallel, batch: &Batch<T, F>) {
         let job = (&raw const *batch).cast_mut().cast();
         // SAFETY: the batch lives until the host returns, as it promises.
-        unsafe { parallel(self.user, batch.results.len() as u32, Some(Batch::<T, F>::piece), job) };
+        unsafe { parallel(self.user, batch.results.len() as u32, Some(Batch::<T, F>::run_one), job) };
     }
 }

@@ -1,11 +1,12 @@
-//! A frame's results as files' bytes.
+//! A frame's results as files.
 
 use crate::{
-    boundary::{Growing, Result, Versioned, init, read},
-    error::Failure,
-    frame::{Work, pcmvs_frame, shared},
-    mesh::Target,
+    failure::{Failure, Result},
+    frame::{pcmvs_frame, shared},
+    sized::{Growing, Versioned, init, read},
     status::pcmvs_status::{self, InvalidArgument, NullPointer, WriteFailed},
+    target::Target,
+    work::Work,
 };
 use pcmvs_core::{
     Stage,
@@ -16,7 +17,7 @@ use std::{
     mem::size_of,
 };
 
-/// Formats of files. Numbers never change.
+/// File formats. Numbers never change.
 #[repr(u32)]
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum pcmvs_file_format {
@@ -26,7 +27,7 @@ pub enum pcmvs_file_format {
     Ply = 1,
 }
 
-/// What a file holds.
+/// Options for exporting a mesh.
 #[repr(C)]
 #[derive(Debug, Clone, Copy)]
 pub struct pcmvs_export_options {
@@ -34,11 +35,11 @@ pub struct pcmvs_export_options {
     pub struct_size: u32,
     /// A `pcmvs_file_format`.
     pub format: u32,
-    /// GLB only: 1 writes normals, 0 leaves them out. 1 by default.
+    /// GLB only: 1 to write normals, 0 to leave them out. The default is 1.
     pub normals: u32,
-    /// GLB only: 1 if `up` is given, else 0.
+    /// GLB only: 1 if `up` is set, otherwise 0. The default is 0.
     pub has_up: u32,
-    /// GLB only: the scene's upward direction, recorded for players; coordinates stay as they are.
+    /// GLB only: the scene's upward direction, which is recorded for players. Coordinates are not changed.
     pub up: [f64; 3],
 }
 
@@ -54,22 +55,23 @@ unsafe impl Versioned for pcmvs_export_options {
     }
 }
 
-/// Sets export options to their defaults: GLB with normals. `size` is `sizeof *options`.
+/// Initialises export options with their defaults: GLB with normals. `size` is `sizeof *options`.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn pcmvs_export_options_init(options: *mut pcmvs_export_options, size: usize) -> pcmvs_status {
     // SAFETY: the caller's promise.
     unsafe { init(options, size, "options") }
 }
 
-/// Takes the next `size` bytes of a file. Return 0 to go on, anything else to fail with `PCMVS_STATUS_WRITE_FAILED`.
-/// Called on the thread that made the call, once or more often. It must not throw.
+/// Receives the next `size` bytes of a file. Return 0 to continue, or any other value to make the export fail with
+/// `PCMVS_STATUS_WRITE_FAILED`. Called one or more times, on the thread that made the call. It must not throw. It may call
+/// functions that take a `const pcmvs_frame *`; others fail with `PCMVS_STATUS_BUSY`.
 pub type pcmvs_write_fn = Option<unsafe extern "C" fn(user: *mut c_void, data: *const c_void, size: usize) -> c_int>;
 
 impl Work {
     /// A mesh as a file's bytes, and the stage that makes it.
     ///
     /// # Safety
-    /// `options` is NULL or true.
+    /// `options` is NULL or points to as many bytes as its `struct_size` says.
     unsafe fn mesh_file(&self, kind: u32, options: *const pcmvs_export_options) -> Result<(Vec<u8>, Stage)> {
         let (mesh, stage) = self.mesh_of_kind(kind)?;
         let options = if options.is_null() {
@@ -80,7 +82,7 @@ impl Work {
         };
         let refused = |problem: String| Err(Failure::new(InvalidArgument, problem).at(stage));
         if options.normals > 1 || options.has_up > 1 {
-            return refused("normals and has_up are 0 or 1".to_owned());
+            return refused("normals and has_up must be 0 or 1".to_owned());
         }
         if options.has_up == 1 && options.up.iter().any(|v| !v.is_finite()) {
             return refused("up is not finite".to_owned());
@@ -97,10 +99,10 @@ impl Work {
     }
 }
 
-/// Makes a file and hands it over.
+/// Makes a file and passes it to the callback.
 ///
 /// # Safety
-/// The callback is sound.
+/// `write` may be called with `user`.
 unsafe fn hand_over(
     write: pcmvs_write_fn,
     user: *mut c_void,
@@ -110,12 +112,12 @@ unsafe fn hand_over(
     let (bytes, stage) = file()?;
     // SAFETY: the caller's promise.
     if unsafe { write(user, bytes.as_ptr().cast(), bytes.len()) } != 0 {
-        return Err(Failure::new(WriteFailed, "the write callback refused").at(stage));
+        return Err(Failure::new(WriteFailed, "the write callback returned an error").at(stage));
     }
     Ok(())
 }
 
-/// Hands a mesh (`kind` is a `pcmvs_mesh_kind`) as a file's bytes to a callback. `options` may be NULL.
+/// Writes a mesh as a file to a callback. `kind` is a `pcmvs_mesh_kind`. `options` may be NULL. `user` is passed to `write`.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn pcmvs_frame_export_mesh(
     frame: *const pcmvs_frame,
@@ -128,9 +130,9 @@ pub unsafe extern "C" fn pcmvs_frame_export_mesh(
     unsafe { shared(frame, |work| hand_over(write, user, || work.mesh_file(kind, options))) }
 }
 
-/// Writes a mesh as a file's bytes to a buffer of `capacity` bytes; `size`, if not NULL, gets their number. With a NULL
-/// `buffer` and a `capacity` of 0 only the number is told, which costs as much as writing: `pcmvs_frame_export_mesh`
-/// needs no second call. `options` may be NULL.
+/// Writes a mesh as a file to a buffer of `capacity` bytes. `size` receives the file's size in bytes and may be NULL. With
+/// a NULL `buffer` and a `capacity` of 0 the function only writes `size`. That takes as long as writing the file;
+/// `pcmvs_frame_export_mesh` needs one call only. `options` may be NULL.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn pcmvs_frame_export_mesh_to_buffer(
     frame: *const pcmvs_frame,
@@ -152,7 +154,8 @@ pub unsafe extern "C" fn pcmvs_frame_export_mesh_to_buffer(
     unsafe { shared(frame, copy) }
 }
 
-/// Hands a cloud (as for `pcmvs_frame_copy_cloud`) as a PLY file's bytes to a callback.
+/// Writes a cloud as a PLY file to a callback. `kind` and `camera` are as in `pcmvs_frame_copy_cloud`. `user` is passed to
+/// `write`.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn pcmvs_frame_export_cloud(
     frame: *const pcmvs_frame,

@@ -1,23 +1,28 @@
-//! The handle of a frame, and its stages.
+//! The handle of a frame, and its stages: a lock and a status around the core's frame.
 
 use crate::{
-    boundary::{Opaque, Result, Versioned, body, catch, free, into_handle, out, read, read_array, status, write},
-    clock::Clock,
-    error::{Failure, LastFailure, pcmvs_error},
+    boundary::{Opaque, body, catch, free, into_handle, out, status},
+    error::pcmvs_error,
+    failure::{Failure, LastFailure, Result},
     options::pcmvs_options,
-    progress::HostProgress,
     rig::{RigBody, pcmvs_rig, with_rig},
+    sized::{Versioned, read, read_array, write},
+    stage,
     status::pcmvs_status::{self, Busy, InvalidArgument},
     view::{GivenView, pcmvs_view},
+    work::Work,
 };
-use pcmvs_core::{Frame, Memory, Rig, Stage, ViewInput};
-use std::mem::replace;
+use pcmvs_core::{
+    Stage,
+    frame::{ORDER, position},
+};
 use std::sync::{
-    Arc, RwLock, TryLockError,
+    RwLock, TryLockError,
     atomic::{AtomicU32, Ordering},
 };
 
-/// One frame on its way from pictures to a mesh, and its results. Used again for frame after frame.
+/// A frame: it takes one picture per camera and turns them into a mesh stage by stage. The handle holds the results and
+/// can be used for any number of frames, one after the other.
 pub struct pcmvs_frame {
     _private: (),
 }
@@ -29,72 +34,21 @@ pub(crate) struct FrameBody {
     failure: LastFailure,
 }
 
-/// What the handle's lock protects.
-pub(crate) struct Work {
-    options: pcmvs_options,
-    pub frame: Frame<Arc<Rig>>,
-    pub clock: Clock,
-}
-
-impl Work {
-    fn new(rig: Arc<Rig>, options: pcmvs_options, memory: Memory) -> Result<Self> {
-        Ok(Self { options, frame: Frame::new(rig, options.params()?, memory), clock: Clock::default() })
-    }
-
-    /// Begins the next frame. It takes over the working memory of the last one unless either has a limit.
-    fn restart(&mut self, options: pcmvs_options) -> Result<()> {
-        let rig = Arc::clone(self.frame.rig());
-        let next = Self::new(Arc::clone(&rig), options, options.memory())?;
-        let last = replace(self, next);
-        if options.max_memory == 0 && last.options.max_memory == 0 {
-            *self = Self::new(rig, options, last.frame.recycle())?;
-        }
-        Ok(())
-    }
-
-    /// Fails unless a stage is complete.
-    pub fn require(&self, stage: Stage) -> Result<()> {
-        self.frame.require(stage).map_err(|error| Failure::from(error).at(stage))
-    }
-
-    /// Runs all stages.
-    fn run_all(&mut self, inputs: &[ViewInput]) -> Result<()> {
-        let progress = HostProgress::new(&self.options, &self.clock);
-        self.frame.run_all(inputs, &self.options.threads(), &progress).map_err(|error| {
-            let failure = Failure::from(error);
-            progress.stage().map_or(failure.clone(), |stage| failure.at(stage))
-        })
-    }
-
-    /// Runs one stage.
-    fn step(&mut self, stage: Stage) -> Result<()> {
-        let progress = HostProgress::new(&self.options, &self.clock);
-        self.frame.step(stage, &self.options.threads(), &progress).map_err(|error| Failure::from(error).at(stage))
-    }
-}
-
-// SAFETY: the raw pointers in `options` are the host's: it lets them be used on every thread on which it calls.
-unsafe impl Send for Work {}
-// SAFETY: as above.
-unsafe impl Sync for Work {}
-
 impl Opaque for pcmvs_frame {
     type Body = FrameBody;
     const TAG: u64 = u64::from_be_bytes(*b"pcmvsfrm");
 }
 
-const BUSY: &str = "the frame is in use by another call: wait until that has returned";
-
 impl FrameBody {
     fn shared(&self, work: impl FnOnce(&Work) -> Result<()>) -> Result<()> {
         self.failure.check()?;
-        let guard = self.work.try_read().map_err(|_| Failure::new(Busy, BUSY))?;
+        let guard = self.work.try_read().map_err(|_| busy())?;
         catch(|| work(&guard))
     }
 
-    fn alone<T>(&self, work: impl FnOnce(&mut Work) -> Result<T>) -> Result<T> {
+    fn exclusive(&self, work: impl FnOnce(&mut Work) -> Result<()>) -> Result<()> {
         self.failure.check()?;
-        let mut guard = self.work.try_write().map_err(|_| Failure::new(Busy, BUSY))?;
+        let mut guard = self.work.try_write().map_err(|_| busy())?;
         catch(|| work(&mut guard))
     }
 
@@ -103,19 +57,11 @@ impl FrameBody {
     }
 }
 
-/// Runs a stage that needs the frame for itself.
-///
-/// # Safety
-/// As for [`body`].
-unsafe fn step(frame: *mut pcmvs_frame, stage: Stage) -> pcmvs_status {
-    // SAFETY: the caller's promise.
-    match unsafe { body(frame.cast_const()) } {
-        Ok(frame) => frame.keep(frame.alone(|work| work.step(stage))),
-        Err(failure) => failure.status,
-    }
+fn busy() -> Failure {
+    Failure::new(Busy, "the frame is in use by another call: wait until that call has returned")
 }
 
-/// Reads results or runs a stage of one view, together with readers and stages of other views.
+/// Reads results or does the work of one view. Other such calls may run at the same time.
 ///
 /// # Safety
 /// As for [`body`].
@@ -127,6 +73,27 @@ pub(crate) unsafe fn shared(frame: *const pcmvs_frame, work: impl FnOnce(&Work) 
     }
 }
 
+/// Does work that needs the frame for itself.
+///
+/// # Safety
+/// As for [`body`].
+unsafe fn exclusive(frame: *mut pcmvs_frame, work: impl FnOnce(&FrameBody, &mut Work) -> Result<()>) -> pcmvs_status {
+    // SAFETY: the caller's promise.
+    match unsafe { body(frame.cast_const()) } {
+        Ok(frame) => frame.keep(frame.exclusive(|guarded| work(frame, guarded))),
+        Err(failure) => failure.status,
+    }
+}
+
+/// Runs the stages from `first` to `last`, and before them those that have not run yet.
+///
+/// # Safety
+/// As for [`body`].
+unsafe fn run(frame: *mut pcmvs_frame, first: Stage, last: Stage) -> pcmvs_status {
+    // SAFETY: the caller's promise.
+    unsafe { exclusive(frame, |_, work| work.run(first, last)) }
+}
+
 /// # Safety
 /// As for [`read`].
 unsafe fn begin(frame: &FrameBody, work: &mut Work, options: *const pcmvs_options) -> Result<()> {
@@ -136,21 +103,19 @@ unsafe fn begin(frame: &FrameBody, work: &mut Work, options: *const pcmvs_option
         // SAFETY: the caller's promise.
         unsafe { read(options, "options")? }
     };
-    given.params()?;
+    work.restart(given)?;
     frame.number.store(given.frame, Ordering::Relaxed);
-    work.restart(given)
+    Ok(())
 }
 
-/// Makes a frame of a rig that has its cameras. Free it with `pcmvs_frame_free`. Why it failed is told by
-/// `pcmvs_rig_error`.
+/// Creates a frame for a rig whose cameras have been set. Free it with `pcmvs_frame_free`. If this fails,
+/// `pcmvs_rig_error` says why.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn pcmvs_frame_new(rig: *const pcmvs_rig, frame: *mut *mut pcmvs_frame) -> pcmvs_status {
     let make = |rig: &RigBody| {
         let frame = out(frame, "frame")?;
-        let rig = rig.get()?;
-        let options = pcmvs_options::defaults();
-        let work = Work::new(rig, options, options.memory())?;
-        let made = FrameBody { number: AtomicU32::new(0), work: RwLock::new(work), failure: LastFailure::default() };
+        let work = RwLock::new(Work::new(rig.get()?, pcmvs_options::defaults())?);
+        let made = FrameBody { number: AtomicU32::new(0), work, failure: LastFailure::default() };
         // SAFETY: the caller's promise.
         unsafe { frame.write(into_handle(made)) };
         Ok(())
@@ -159,14 +124,14 @@ pub unsafe extern "C" fn pcmvs_frame_new(rig: *const pcmvs_rig, frame: *mut *mut
     unsafe { with_rig(rig, make) }
 }
 
-/// Frees a frame and all that points into it. NULL does nothing. Fails with `PCMVS_STATUS_BUSY` while a call is running.
+/// Frees a frame and everything that pointers obtained from it point to. NULL is ignored. Fails with `PCMVS_STATUS_BUSY`
+/// while a call on the frame is running.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn pcmvs_frame_free(frame: *mut pcmvs_frame) -> pcmvs_status {
     let idle = |frame: &FrameBody| match frame.work.try_write() {
         Err(TryLockError::WouldBlock) => {
-            let failure = Failure::new(Busy, BUSY);
-            frame.keep(Err(failure.clone()));
-            Err(failure)
+            frame.keep(Err(busy()));
+            Err(busy())
         }
         _ => Ok(()),
     };
@@ -174,8 +139,9 @@ pub unsafe extern "C" fn pcmvs_frame_free(frame: *mut pcmvs_frame) -> pcmvs_stat
     unsafe { free(frame, idle) }
 }
 
-/// The whole job in one call: begins a frame and runs all its stages. `views` holds `count` views, one a camera, in the
-/// rig's order. `options` may be NULL. On failure no result is there, and the handle can be used again.
+/// Begins a frame and runs all of its stages. `views` holds one view per camera, in the order in which the cameras were
+/// given to `pcmvs_rig_set_cameras`, and `count` must be the number of cameras. `options` may be NULL. On failure the
+/// frame has no results; the handle can be used again.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn pcmvs_frame_reconstruct(
     frame: *mut pcmvs_frame,
@@ -183,16 +149,11 @@ pub unsafe extern "C" fn pcmvs_frame_reconstruct(
     count: usize,
     options: *const pcmvs_options,
 ) -> pcmvs_status {
-    // SAFETY: the caller's promise.
-    let frame: &FrameBody = match unsafe { body(frame.cast_const()) } {
-        Ok(frame) => frame,
-        Err(failure) => return failure.status,
-    };
-    let result = frame.alone(|work| {
+    let reconstruct = |frame: &FrameBody, work: &mut Work| {
         // SAFETY: the caller's promise.
         unsafe { begin(frame, work, options)? };
         if count != work.frame.cameras() {
-            let problem = format!("{count} views were given for {} cameras: give one each", work.frame.cameras());
+            let problem = format!("{count} views were given for {} cameras: give one per camera", work.frame.cameras());
             return Err(Failure::new(InvalidArgument, problem));
         }
         let at = |failure: Failure| failure.at(Stage::Views);
@@ -202,102 +163,108 @@ pub unsafe extern "C" fn pcmvs_frame_reconstruct(
         let given = |(i, view)| unsafe { GivenView::new(view) }.map_err(|f| at(f.of_camera(i as u32)));
         let given = views.iter().enumerate().map(given).collect::<Result<Vec<_>>>()?;
         let inputs: Vec<_> = given.iter().map(GivenView::input).collect();
-        let made = work.run_all(&inputs);
-        if made.is_err() {
-            // Nothing is kept of a frame that fails.
-            work.restart(work.options)?;
+        let result = work.run_all(&inputs);
+        if result.is_err() {
+            work.reset()?;
         }
-        made
-    });
-    frame.keep(result)
+        result
+    };
+    // SAFETY: the caller's promise.
+    unsafe { exclusive(frame, reconstruct) }
 }
 
-/// Begins a frame to be made stage by stage, and drops the one before. `options` may be NULL.
+/// Begins a frame that is to be made stage by stage, and discards the results of the one before. `options` may be NULL.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn pcmvs_frame_begin(frame: *mut pcmvs_frame, options: *const pcmvs_options) -> pcmvs_status {
     // SAFETY: the caller's promise.
-    match unsafe { body(frame.cast_const()) } {
-        // SAFETY: the caller's promise.
-        Ok(frame) => frame.keep(frame.alone(|work| unsafe { begin(frame, work, options) })),
-        Err(failure) => failure.status,
-    }
+    unsafe { exclusive(frame, |frame, work| begin(frame, work, options)) }
 }
 
-/// Reads a camera's picture and silhouette. Any number of threads may do this for views of their own.
+/// Reads the picture and silhouette of one camera. A second call for the same camera replaces them, until the stage
+/// `PCMVS_STAGE_VIEWS` is complete. May be called on several threads at once, for different cameras.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn pcmvs_frame_view(
     frame: *mut pcmvs_frame,
     camera: u32,
     view: *const pcmvs_view,
 ) -> pcmvs_status {
+    let read_view = |work: &Work| {
+        let at = |failure: Failure| failure.of_camera(camera).at(Stage::Views);
+        // SAFETY: the caller's promise.
+        let given = unsafe { read(view, "view").and_then(|view| GivenView::new(&view)) }.map_err(at)?;
+        work.view(camera, &given.input())
+    };
     // SAFETY: the caller's promise.
-    unsafe {
-        shared(frame, |work| {
-            let at = |failure: Failure| failure.of_camera(camera).at(Stage::Views);
-            let given = read(view, "view").and_then(|view| GivenView::new(&view)).map_err(at)?;
-            let progress = HostProgress::new(&work.options, &work.clock);
-            work.frame.view(camera as usize, &given.input(), &progress).map_err(|e| Failure::from(e).at(Stage::Views))
-        })
-    }
+    unsafe { shared(frame, read_view) }
 }
 
-/// Carves the visual hull, once every camera has its view.
+/// Runs one stage, a `pcmvs_stage`. The stages before it that have not run yet run first; detection then covers the views
+/// for which `pcmvs_frame_detect` has not been called. Only the views must be there: every camera needs its
+/// `pcmvs_frame_view`. Running a stage again discards the results of the stages after it.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn pcmvs_frame_step(frame: *mut pcmvs_frame, stage: u32) -> pcmvs_status {
+    let step = |_: &FrameBody, work: &mut Work| {
+        let stage = stage::by_id(stage)?;
+        work.run(stage, stage)
+    };
+    // SAFETY: the caller's promise.
+    unsafe { exclusive(frame, step) }
+}
+
+/// Carves the visual hull. The same as `pcmvs_frame_step` with `PCMVS_STAGE_HULL`.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn pcmvs_frame_hull(frame: *mut pcmvs_frame) -> pcmvs_status {
     // SAFETY: the caller's promise.
-    unsafe { step(frame, Stage::Hull) }
+    unsafe { run(frame, Stage::Hull, Stage::Hull) }
 }
 
-/// Finds the points that the silhouettes alone give.
+/// Finds the points that follow from the silhouettes alone. The same as `pcmvs_frame_step` with `PCMVS_STAGE_CONTOURS`.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn pcmvs_frame_contours(frame: *mut pcmvs_frame) -> pcmvs_status {
     // SAFETY: the caller's promise.
-    unsafe { step(frame, Stage::Contours) }
+    unsafe { run(frame, Stage::Contours, Stage::Contours) }
 }
 
-/// Detects and meshes at half the resolution.
+/// Detects and meshes at reduced resolution, then runs every further stage that comes before detection. After it,
+/// `pcmvs_frame_detect` can be called.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn pcmvs_frame_coarse(frame: *mut pcmvs_frame) -> pcmvs_status {
     // SAFETY: the caller's promise.
-    unsafe { step(frame, Stage::Coarse) }
+    unsafe { run(frame, Stage::Coarse, ORDER[position(Stage::Detect) - 1]) }
 }
 
-/// Detects the points of one view by stereo with its neighbours. Any number of threads may do this for views of their
-/// own; the result does not depend on threads or order.
+/// Detects the points of one camera's view by stereo with its neighbours. Fails with `PCMVS_STATUS_WRONG_ORDER` until all
+/// stages before detection are complete, which `pcmvs_frame_coarse` ensures. May be called on several threads at once,
+/// for different cameras; the result does not depend on threads or order.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn pcmvs_frame_detect(frame: *mut pcmvs_frame, camera: u32) -> pcmvs_status {
     // SAFETY: the caller's promise.
-    unsafe {
-        shared(frame, |work| {
-            let progress = HostProgress::new(&work.options, &work.clock);
-            work.frame.detect(camera as usize, &progress).map_err(|e| Failure::from(e).at(Stage::Detect))
-        })
-    }
+    unsafe { shared(frame, |work| work.detect(camera)) }
 }
 
-/// Merges all points to one cloud, once every view has been detected.
+/// Merges all points into one cloud. The same as `pcmvs_frame_step` with `PCMVS_STAGE_MERGE`.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn pcmvs_frame_merge(frame: *mut pcmvs_frame) -> pcmvs_status {
     // SAFETY: the caller's promise.
-    unsafe { step(frame, Stage::Merge) }
+    unsafe { run(frame, Stage::Merge, Stage::Merge) }
 }
 
-/// Makes a closed mesh of the merged cloud.
+/// Turns the merged cloud into a closed mesh. The same as `pcmvs_frame_step` with `PCMVS_STAGE_MESH`.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn pcmvs_frame_mesh(frame: *mut pcmvs_frame) -> pcmvs_status {
     // SAFETY: the caller's promise.
-    unsafe { step(frame, Stage::Mesh) }
+    unsafe { run(frame, Stage::Mesh, Stage::Mesh) }
 }
 
-/// Colours the mesh.
+/// Colours the mesh, then runs every stage after that. After it the frame is complete.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn pcmvs_frame_colour(frame: *mut pcmvs_frame) -> pcmvs_status {
     // SAFETY: the caller's promise.
-    unsafe { step(frame, Stage::Colour) }
+    unsafe { run(frame, Stage::Colour, ORDER[ORDER.len() - 1]) }
 }
 
-/// Why the last failed call on this frame failed, calls that only read results included; a failure of this function
-/// itself changes nothing. `size` is `sizeof *error`.
+/// Describes the last failed call on a frame, including calls that only read results. If this function itself fails,
+/// the description stays as it is. `size` is `sizeof *error`.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn pcmvs_frame_error(
     frame: *const pcmvs_frame,
@@ -305,5 +272,5 @@ pub unsafe extern "C" fn pcmvs_frame_error(
     size: usize,
 ) -> pcmvs_status {
     // SAFETY: the caller's promise.
-    status(catch(|| unsafe { write(error, size, &body(frame)?.failure.get(), "error") }))
+    status(catch(|| unsafe { write(error, size, &pcmvs_error::from(&body(frame)?.failure), "error") }))
 }

@@ -1,34 +1,34 @@
-//! Pictures by pointer.
+//! Pictures in the caller's memory.
 
 use crate::{
-    boundary::{Growing, Result, Versioned, init},
-    error::Failure,
+    failure::{Failure, Result},
+    sized::{Growing, Versioned, init},
     status::pcmvs_status::{self, Image, InvalidArgument, NullPointer},
 };
 use pcmvs_core::{ImageRef, PixelFormat};
 use std::{ffi::c_void, mem::size_of, ptr::null, slice::from_raw_parts};
 
-/// Layout of a picture's bytes. Numbers never change.
+/// Pixel formats. Numbers never change.
 #[repr(u32)]
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum pcmvs_pixel_format {
-    /// One byte a pixel.
+    /// One byte per pixel.
     Gray8 = 0,
-    /// Red, green, blue.
+    /// Red, green, blue: three bytes per pixel.
     Rgb8 = 1,
-    /// Blue, green, red.
+    /// Blue, green, red: three bytes per pixel.
     Bgr8 = 2,
-    /// Red, green, blue, ignored.
+    /// Red, green, blue and a byte that is ignored.
     Rgba8 = 3,
-    /// Blue, green, red, ignored.
+    /// Blue, green, red and a byte that is ignored.
     Bgra8 = 4,
-    /// A plane of luma, then a half-size plane of interleaved Cb, Cr (BT.601, video range).
+    /// A plane of luma and a plane of interleaved Cb, Cr at half the width and height. BT.601, video range.
     Nv12 = 5,
-    /// Two bytes a pixel, in the machine's order; 65535 is white.
+    /// Two bytes per pixel in the machine's byte order. 65535 is white.
     Gray16 = 6,
 }
 
-/// A picture in the caller's memory. Read during the call only, never written.
+/// A picture in the caller's memory. It is read only during the call and never written.
 #[repr(C)]
 #[derive(Debug, Clone, Copy)]
 pub struct pcmvs_image {
@@ -36,17 +36,17 @@ pub struct pcmvs_image {
     pub struct_size: u32,
     /// A `pcmvs_pixel_format`.
     pub format: u32,
-    /// Pixels in a row.
+    /// Width in pixels.
     pub width: u32,
-    /// Rows.
+    /// Height in pixels.
     pub height: u32,
-    /// First byte of the topmost row.
+    /// First byte of the top row.
     pub data: *const c_void,
-    /// Bytes from a row to the one below it; negative if rows lie in memory from the bottom up. 0: no padding.
+    /// Bytes from one row to the row below it. Negative if the rows are stored from the bottom up. 0 means packed rows.
     pub stride: isize,
-    /// NV12 only: first byte of the topmost row of the plane of Cb, Cr.
+    /// NV12 only: first byte of the top row of the Cb, Cr plane.
     pub chroma: *const c_void,
-    /// NV12 only: bytes from a row of that plane to the one below it. 0: no padding.
+    /// NV12 only: bytes from one row of the Cb, Cr plane to the row below it, as for `stride`.
     pub chroma_stride: isize,
 }
 
@@ -70,14 +70,14 @@ unsafe impl Versioned for pcmvs_image {
     }
 }
 
-/// Sets a picture to RGB without padding, its size and data to nothing. `size` is `sizeof *image`.
+/// Initialises a picture: RGB, packed rows, no size and no data. `size` is `sizeof *image`.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn pcmvs_image_init(image: *mut pcmvs_image, size: usize) -> pcmvs_status {
     // SAFETY: the caller's promise.
     unsafe { init(image, size, "image") }
 }
 
-/// Rows of bytes: the caller's where they run downwards, else a copy in that order.
+/// Rows of bytes from the top down. Rows that the caller stores from the bottom up are copied.
 struct Plane<'a> {
     borrowed: &'a [u8],
     copied: Option<Vec<u8>>,
@@ -86,7 +86,7 @@ struct Plane<'a> {
 
 impl Plane<'_> {
     /// # Safety
-    /// `data` is NULL or points to the topmost of `rows` rows of `row` bytes that lie `stride` apart.
+    /// `data` is NULL or points to the top row of `rows` rows of `row` bytes that are `stride` bytes apart.
     unsafe fn new(data: *const c_void, rows: usize, row: usize, stride: isize, name: &str) -> Result<Self> {
         if data.is_null() {
             return Err(Failure::new(NullPointer, format!("`{name}` is NULL")));
@@ -127,7 +127,7 @@ pub(crate) struct Pixels<'a> {
 
 impl Pixels<'_> {
     /// # Safety
-    /// The description is true.
+    /// The pointers are NULL or point to as many bytes as the description says.
     pub unsafe fn new(image: &pcmvs_image, name: &str) -> Result<Self> {
         const FORMATS: [(PixelFormat, usize); 7] = [
             (PixelFormat::Gray8, 1),
@@ -164,7 +164,7 @@ impl Pixels<'_> {
         Ok(Self { width: image.width, height: image.height, format, plane, chroma })
     }
 
-    /// As the core takes it.
+    /// The picture as the core takes it.
     pub fn view(&self) -> ImageRef<'_> {
         ImageRef {
             data: self.plane.bytes(),

@@ -1,19 +1,28 @@
 //! `libpcmvs`: the core behind a C ABI. The reference manual is `include/pcmvs.h`, made from the comments here.
 //!
-//! A file is named after the C type it serves. [`boundary`] holds what every function does at the border: catch
-//! panics, check handles, pointers and struct sizes. [`pipeline`] is safe Rust: a frame's stages and their order.
+//! A file is named after the C type it serves. [`boundary`] and [`sized`] hold what every function does at the border: catch
+//! panics, check handles, pointers and struct sizes. [`work`] is safe Rust: the core's frame and what the host has set for
+//! it.
 #![allow(unsafe_code, reason = "the border to C; the core and everything else in the workspace have none")]
 #![allow(non_camel_case_types, reason = "the names are C's")]
 #![allow(clippy::missing_safety_doc, reason = "the header states once for all functions what a caller owes them")]
 
 mod boundary;
+mod clock;
 mod executor;
+mod failure;
 mod progress;
+mod sized;
+mod target;
+mod text;
+mod work;
 
-// The header has them in this order: that in which a user meets them.
+// The header has them in this order, in which a user meets them.
 pub mod version;
 
 pub mod status;
+
+pub mod stage;
 
 #[cfg(feature = "allocator")]
 pub mod allocator;
@@ -21,7 +30,6 @@ pub mod allocator;
 pub mod error;
 
 pub mod camera;
-mod clock;
 
 pub mod rig;
 
@@ -40,3 +48,5 @@ pub mod cloud;
 pub mod export;
 
 pub mod report;
+
+pub mod warning;

@@ -1,45 +1,45 @@
 //! A frame's meshes.
 
 use crate::{
-    boundary::{Growing, Result, out, write},
-    error::Failure,
-    frame::{Work, pcmvs_frame, shared},
-    status::pcmvs_status::{self, BufferTooSmall, InvalidArgument, WrongOrder},
+    failure::{Failure, Result},
+    frame::{pcmvs_frame, shared},
+    sized::{Growing, write},
+    status::pcmvs_status::{self, InvalidArgument, WrongOrder},
+    target::Target,
+    work::Work,
 };
 use pcmvs_core::{Mesh, Stage};
-use std::{
-    ffi::c_void,
-    mem::size_of,
-    ptr::{copy_nonoverlapping, null},
-};
+use std::{ffi::c_void, mem::size_of, ptr::null};
 
-/// Which of a frame's meshes. Numbers never change.
+/// The meshes of a frame. Numbers never change.
 #[repr(u32)]
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum pcmvs_mesh_kind {
-    /// The result: closed, manifold, with colours once `pcmvs_frame_colour` has run.
+    /// The result: closed and manifold, from `pcmvs_frame_mesh`. It has colours after `pcmvs_frame_colour`.
     Final = 0,
-    /// The visual hull, after `pcmvs_frame_hull`.
+    /// The visual hull, from `pcmvs_frame_hull`.
     Hull = 1,
-    /// The coarse pass' mesh, after `pcmvs_frame_coarse`; empty where the preset has none.
+    /// The mesh of the coarse pass, from `pcmvs_frame_coarse`. Empty if the preset has no coarse pass.
     Coarse = 2,
 }
 
-/// What of a mesh is copied. Numbers never change.
+/// Attributes of a mesh that can be copied. Numbers never change. Later versions may add attributes, for example texture
+/// coordinates; a library that does not know an attribute fails with `PCMVS_STATUS_INVALID_ARGUMENT`.
 #[repr(u32)]
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum pcmvs_attribute {
-    /// Per vertex: x, y, z in the scene's frame, three floats.
+    /// Per vertex: x, y, z in the scene's frame. Three floats.
     Position = 0,
-    /// Per vertex: unit normal, outward, three floats.
+    /// Per vertex: unit normal, pointing outwards. Three floats.
     Normal = 1,
-    /// Per vertex: red, green, blue in sRGB, three bytes.
+    /// Per vertex: red, green, blue in sRGB. Three bytes.
     Colour = 2,
-    /// Per triangle: its corners' vertices, counter-clockwise seen from outside, three `uint32_t`.
+    /// Per triangle: its three vertices, counter-clockwise seen from outside. Three `uint32_t`.
     Triangle = 3,
 }
 
-/// A mesh in the frame's memory: packed arrays, valid until the next call on the frame that is not const.
+/// A mesh in the frame's memory. The arrays are packed and stay valid until the next call on the frame that takes a
+/// non-const `pcmvs_frame *`. Later versions may add members at the end, for example texture coordinates and textures.
 #[repr(C)]
 #[derive(Debug, Clone, Copy)]
 pub struct pcmvs_mesh {
@@ -47,15 +47,15 @@ pub struct pcmvs_mesh {
     pub vertex_count: u32,
     /// Number of triangles.
     pub triangle_count: u32,
-    /// x, y, z of each vertex; add `origin` for the scene's frame.
+    /// x, y, z per vertex, relative to `origin`.
     pub positions: *const f32,
-    /// Unit normal of each vertex, outward.
+    /// Unit normal per vertex, pointing outwards.
     pub normals: *const f32,
-    /// Red, green, blue of each vertex in sRGB; NULL without colours.
+    /// Red, green, blue per vertex in sRGB. NULL if the mesh has no colours.
     pub colours: *const u8,
-    /// Three vertices a triangle, counter-clockwise seen from outside.
+    /// Three vertices per triangle, counter-clockwise seen from outside.
     pub triangles: *const u32,
-    /// World position of the positions' origin.
+    /// The origin of `positions` in the scene's frame.
     pub origin: [f64; 3],
 }
 
@@ -76,7 +76,8 @@ impl Work {
     }
 }
 
-/// Looks at a mesh (`kind` is a `pcmvs_mesh_kind`) where it lies. `size` is `sizeof *mesh`.
+/// Returns pointers to a mesh in the frame's memory, without copying it. `kind` is a `pcmvs_mesh_kind`. `size` is
+/// `sizeof *mesh`.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn pcmvs_frame_get_mesh(
     frame: *const pcmvs_frame,
@@ -84,7 +85,7 @@ pub unsafe extern "C" fn pcmvs_frame_get_mesh(
     mesh: *mut pcmvs_mesh,
     size: usize,
 ) -> pcmvs_status {
-    let look = |work: &Work| {
+    let get = |work: &Work| {
         let (found, stage) = work.mesh_of_kind(kind)?;
         let view = pcmvs_mesh {
             vertex_count: found.positions.len() as u32,
@@ -99,12 +100,13 @@ pub unsafe extern "C" fn pcmvs_frame_get_mesh(
         unsafe { write(mesh, size, &view, "mesh") }.map_err(|f| f.at(stage))
     };
     // SAFETY: the caller's promise.
-    unsafe { shared(frame, look) }
+    unsafe { shared(frame, get) }
 }
 
-/// Copies one attribute of a mesh, a `pcmvs_attribute`, to the caller's memory. `buffer` has room for `capacity`
-/// elements that lie `stride` bytes apart (0: no padding); what lies between them is left alone. `count`, if not NULL,
-/// gets the number of elements. With a NULL `buffer` and a `capacity` of 0 only the number is told.
+/// Copies one attribute of a mesh to the caller's memory. `kind` is a `pcmvs_mesh_kind`, `attribute` a `pcmvs_attribute`.
+/// `buffer` has room for `capacity` elements, which start `stride` bytes apart; a `stride` of 0 means that they are packed.
+/// The bytes between elements are not written. `count` receives the number of elements and may be NULL. With a NULL
+/// `buffer` and a `capacity` of 0 the function only writes `count`.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn pcmvs_frame_copy_mesh(
     frame: *const pcmvs_frame,
@@ -123,7 +125,7 @@ pub unsafe extern "C" fn pcmvs_frame_copy_mesh(
             match attribute {
                 0 => {
                     let origin = work.frame.rig().origin();
-                    // As files hold them.
+                    // Rounded as in files.
                     let scene = |p: &glam::Vec3| (origin + p.as_dvec3()).to_array().map(|v| v as f32 + 0.0);
                     target.fill(mesh.positions.iter().map(scene))
                 }
@@ -140,48 +142,4 @@ pub unsafe extern "C" fn pcmvs_frame_copy_mesh(
     };
     // SAFETY: the caller's promise.
     unsafe { shared(frame, copy) }
-}
-
-/// The caller's memory for elements.
-pub(crate) struct Target {
-    pub buffer: *mut u8,
-    pub capacity: usize,
-    pub stride: usize,
-    pub count: *mut usize,
-}
-
-impl Target {
-    /// # Safety
-    /// The buffer has room for `capacity` elements, `count` is NULL or writable.
-    pub unsafe fn fill<T: Copy>(&self, elements: impl ExactSizeIterator<Item = T>) -> Result<()> {
-        let length = elements.len();
-        let stride = if self.stride == 0 { size_of::<T>() } else { self.stride };
-        if self.buffer.is_null() && (self.capacity > 0 || self.count.is_null()) {
-            out(self.buffer, "buffer")?;
-        }
-        if stride < size_of::<T>() {
-            let problem = format!("a stride of {stride} bytes is less than an element of {}", size_of::<T>());
-            return Err(Failure::new(InvalidArgument, problem));
-        }
-        if !self.buffer.is_null() {
-            if self.capacity < length {
-                let problem = format!(
-                    "there is room for {} elements, but there are {length}: ask for their number with a NULL buffer",
-                    self.capacity
-                );
-                return Err(Failure::new(BufferTooSmall, problem));
-            }
-            for (i, element) in elements.enumerate() {
-                // SAFETY: `i` is below the capacity. Elements may lie at any address.
-                unsafe {
-                    copy_nonoverlapping((&raw const element).cast(), self.buffer.add(i * stride), size_of::<T>())
-                };
-            }
-        }
-        if !self.count.is_null() {
-            // SAFETY: the caller's promise.
-            unsafe { self.count.write(length) };
-        }
-        Ok(())
-    }
 }

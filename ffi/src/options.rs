@@ -1,10 +1,11 @@
 //! How a frame is made.
 
 use crate::{
-    boundary::{Growing, Result, Versioned, init},
-    error::Failure,
+    clock::Clock,
     executor::{HostThreads, pcmvs_parallel_fn},
-    progress::pcmvs_progress_fn,
+    failure::{Failure, Result},
+    progress::{HostProgress, pcmvs_progress_fn},
+    sized::{Growing, Versioned, init},
     status::pcmvs_status::{self, InvalidArgument},
 };
 use pcmvs_core::{Memory, Params, Preset};
@@ -14,17 +15,17 @@ use std::{ffi::c_void, mem::size_of, ptr::null_mut};
 #[repr(u32)]
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum pcmvs_preset {
-    /// What measures best.
+    /// The parameters with the best measured results.
     Default = 0,
     /// The method as published.
     Paper = 1,
-    /// The visual hull alone.
+    /// The visual hull without stereo.
     Hull = 2,
-    /// The fastest.
+    /// The fastest preset.
     Preview = 3,
 }
 
-/// How a frame is made. All zero but `struct_size` is the default.
+/// Options for a frame. If every member but `struct_size` is zero, these are the defaults.
 #[repr(C)]
 #[derive(Debug, Clone, Copy)]
 pub struct pcmvs_options {
@@ -32,26 +33,28 @@ pub struct pcmvs_options {
     pub struct_size: u32,
     /// A `pcmvs_preset`.
     pub preset: u32,
-    /// Number of the frame, for error messages only.
+    /// Number of the frame. It appears in errors and has no other effect.
     pub frame: u32,
-    /// Distance of the final mesh's grid nodes in pixels of footprint; 0 is the preset's.
+    /// Spacing of the grid on which the final mesh is computed, in pixels of footprint: 0.25 to 100, or 0 for the
+    /// preset's own. A footprint is the size of a pixel at the object.
     pub voxel_pixels: f32,
-    /// Called as the work advances, or NULL.
+    /// Called as the work advances. May be NULL.
     pub progress: pcmvs_progress_fn,
-    /// Handed to `progress`.
+    /// Passed to `progress`.
     pub progress_user: *mut c_void,
-    /// Runs pieces of work on the caller's threads, or NULL: everything runs on the calling thread.
+    /// Runs jobs on the caller's threads. If it is NULL, all work runs on the calling thread.
     pub parallel: pcmvs_parallel_fn,
-    /// Handed to `parallel`.
+    /// Passed to `parallel`.
     pub parallel_user: *mut c_void,
-    /// Most bytes that a frame may need on one thread beside the pictures given to it, or 0 for no limit. A frame that
-    /// needs more fails with `PCMVS_STATUS_OUT_OF_MEMORY` as soon as its hull is known, and tells how much it needs.
-    /// Without a limit a frame keeps working memory for the next one, and takes up to twice as much.
+    /// Largest amount of memory that the frame may need on one thread, in bytes, not counting the caller's pictures.
+    /// 0 means no limit. A frame that needs more fails with `PCMVS_STATUS_OUT_OF_MEMORY` before it allocates the memory,
+    /// and the message says how much it needs. With a limit, working memory is freed after each stage. Without one it is
+    /// kept for the next frame, which is faster but can take up to twice as much.
     pub max_memory: u64,
 }
 
 impl Growing for pcmvs_options {
-    const FIRST_SIZE: usize = 16 + 4 * size_of::<usize>();
+    const FIRST_SIZE: usize = 24 + 4 * size_of::<usize>();
 }
 
 // SAFETY: numbers, raw pointers and nullable function pointers, the size first, no padding.
@@ -71,7 +74,7 @@ unsafe impl Versioned for pcmvs_options {
     }
 }
 
-/// Sets options to their defaults. `size` is `sizeof *options`.
+/// Initialises options with their defaults. `size` is `sizeof *options`.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn pcmvs_options_init(options: *mut pcmvs_options, size: usize) -> pcmvs_status {
     // SAFETY: the caller's promise.
@@ -87,7 +90,7 @@ impl pcmvs_options {
         let mut params = Params::preset(preset);
         if self.voxel_pixels != 0.0 {
             if !(0.25..=100.0).contains(&self.voxel_pixels) {
-                let problem = format!("voxel_pixels is {}: allowed are 0 and 0.25 to 100", self.voxel_pixels);
+                let problem = format!("voxel_pixels is {}: it must be 0 or from 0.25 to 100", self.voxel_pixels);
                 return Err(Failure::new(InvalidArgument, problem));
             }
             params.meshing.voxel_pixels = self.voxel_pixels;
@@ -95,12 +98,22 @@ impl pcmvs_options {
         Ok(params)
     }
 
-    /// Working memory as the options ask for it.
+    /// Whether a frame keeps its working memory for the next one.
+    pub(crate) fn keeps_memory(&self) -> bool {
+        self.max_memory == 0
+    }
+
+    /// New working memory.
     pub(crate) fn memory(&self) -> Memory {
-        if self.max_memory == 0 { Memory::kept() } else { Memory::limited(self.max_memory) }
+        if self.keeps_memory() { Memory::kept() } else { Memory::limited(self.max_memory) }
     }
 
     pub(crate) fn threads(&self) -> HostThreads {
         HostThreads { parallel: self.parallel, user: self.parallel_user }
+    }
+
+    /// Progress of one call on the current thread.
+    pub(crate) fn progress<'a>(&self, clock: &'a Clock) -> HostProgress<'a> {
+        HostProgress::new(clock, self.progress, self.progress_user, self.parallel.is_some())
     }
 }

@@ -1,7 +1,10 @@
-//! The host's progress callback behind the core's trait.
+//! The host's progress callback as a progress sink of the core.
 
-use crate::{clock::Clock, options::pcmvs_options, status::pcmvs_stage};
-use pcmvs_core::{Progress, Stage, frame::ORDER, frame::position};
+use crate::clock::Clock;
+use pcmvs_core::{
+    Progress, Stage,
+    frame::{ORDER, position},
+};
 use std::{
     cell::Cell,
     ffi::{c_int, c_void},
@@ -13,49 +16,51 @@ use std::{
     time::Instant,
 };
 
-/// Told how far a call is: `done` of `total` in `stage`. Stages come in order and `done` never falls within one.
-/// Return 0 to go on, anything else to cancel: the call then ends with `PCMVS_STATUS_CANCELLED` as soon as it can, and
-/// the callback is not called again. Called on the thread that made the call, never on another. It must not
-/// throw, and calls on the same handle fail with `PCMVS_STATUS_BUSY`.
+/// Receives progress: `done` of `total` steps of `stage`, a `pcmvs_stage`, are complete. Stages come in their order and
+/// `done` never decreases within a stage. Return 0 to continue. Any other value cancels: the call then returns
+/// `PCMVS_STATUS_CANCELLED` as soon as it can and does not call back again.
+///
+/// Called only on the thread that made the call. It must not throw. Of the functions that take the frame, it may call
+/// `pcmvs_frame_error`; others fail with `PCMVS_STATUS_BUSY` if the running call excludes them.
 pub type pcmvs_progress_fn =
-    Option<unsafe extern "C" fn(user: *mut c_void, stage: pcmvs_stage, done: u32, total: u32) -> c_int>;
+    Option<unsafe extern "C" fn(user: *mut c_void, stage: u32, done: u32, total: u32) -> c_int>;
 
-/// Every stage is told in thousandths, whatever its own steps are.
+/// Every stage is reported in thousandths, whatever its own steps are.
 const TOTAL: u32 = 1000;
 
-/// Tells the threads that are running apart, by the address of a byte that each has. `std::thread::current` would leave
-/// memory with every thread of the host's that has ever called.
+/// Identifies the current thread among those that are running, by the address of a thread-local byte.
+/// `std::thread::current` would allocate memory on every thread of the host, which stays until that thread ends.
 fn this_thread() -> usize {
     thread_local!(static MARK: Cell<u8> = const { Cell::new(0) });
     MARK.with(|mark| ptr::from_ref(mark).addr())
 }
 
-/// Calls back on one thread, never backwards, and times the stages.
+/// Reports to the host on one thread, never backwards, and times the stages.
 pub(crate) struct HostProgress<'a> {
     clock: &'a Clock,
     /// The stage that started last, and when.
     started: Mutex<Option<(Stage, Instant)>>,
     callback: pcmvs_progress_fn,
     user: *mut c_void,
-    /// The thread that called, if pieces of its work may run on others.
+    /// The thread that made the call, if its work may run on others too.
     caller: Option<usize>,
     cancelled: AtomicBool,
-    /// Place of the stage and thousandths reported last.
+    /// Place of the stage in the order and thousandths reported last.
     last: Mutex<(u32, u32)>,
 }
 
-// SAFETY: `callback` and `user` are only used on the thread that called.
+// SAFETY: `callback` and `user` are used only on the thread that made the call.
 unsafe impl Sync for HostProgress<'_> {}
 
 impl<'a> HostProgress<'a> {
     /// For one call on the current thread.
-    pub fn new(options: &pcmvs_options, clock: &'a Clock) -> Self {
+    pub fn new(clock: &'a Clock, callback: pcmvs_progress_fn, user: *mut c_void, has_threads: bool) -> Self {
         Self {
             clock,
             started: Mutex::new(None),
-            callback: options.progress,
-            user: options.progress_user,
-            caller: options.parallel.map(|_| this_thread()),
+            callback,
+            user,
+            caller: has_threads.then(this_thread),
             cancelled: AtomicBool::new(false),
             last: Mutex::new((0, 0)),
         }
@@ -96,7 +101,7 @@ impl Progress for HostProgress<'_> {
         };
         let stage = ORDER[now.0 as usize];
         // SAFETY: the host keeps callback and user alive for the call.
-        let go_on = unsafe { callback(self.user, stage.into(), now.1, TOTAL) } == 0;
+        let go_on = unsafe { callback(self.user, stage.id(), now.1, TOTAL) } == 0;
         self.cancelled.fetch_or(!go_on, Ordering::Relaxed);
         go_on
     }

@@ -1,19 +1,21 @@
 //! The handle of what does not change between frames.
 
 use crate::{
-    boundary::{Opaque, Result, body, catch, free, into_handle, out, read_array, status, write},
+    boundary::{Opaque, body, catch, free, into_handle, out, status},
     camera::pcmvs_camera,
-    error::{Failure, LastFailure, pcmvs_error},
-    status::pcmvs_status::{self, Busy, InvalidArgument, WrongOrder},
+    error::pcmvs_error,
+    failure::{Failure, LastFailure, Result},
+    sized::{read_array, write},
+    status::pcmvs_status::{self, InvalidArgument, WrongOrder},
 };
 use pcmvs_core::{Camera, Error, Rig};
 use std::sync::{Arc, PoisonError, RwLock};
 
-/// Most cameras of a rig.
-pub const PCMVS_MOST_CAMERAS: u32 = 1024;
+/// Maximum number of cameras of a rig.
+pub const PCMVS_MAX_CAMERAS: u32 = 1024;
 
-/// A calibrated set of cameras and what follows from it. Shared between any number of frames and threads; may be freed
-/// before its frames.
+/// A set of calibrated cameras and the data computed from it. A rig may be shared by any number of frames and threads, and
+/// may be freed before its frames.
 pub struct pcmvs_rig {
     _private: (),
 }
@@ -29,7 +31,7 @@ impl Opaque for pcmvs_rig {
     const TAG: u64 = u64::from_be_bytes(*b"pcmvsrig");
 }
 
-/// Runs what needs a rig; why it failed is kept.
+/// Does work on a rig and keeps its failure.
 ///
 /// # Safety
 /// As for [`body`].
@@ -47,9 +49,13 @@ impl RigBody {
         let rig = self.rig.read().unwrap_or_else(PoisonError::into_inner);
         rig.clone().ok_or_else(|| Failure::new(WrongOrder, "the rig has no cameras yet: call pcmvs_rig_set_cameras"))
     }
+
+    fn set(&self, rig: Rig) {
+        *self.rig.write().unwrap_or_else(PoisonError::into_inner) = Some(Arc::new(rig));
+    }
 }
 
-/// Makes a rig without cameras. Free it with `pcmvs_rig_free`.
+/// Creates a rig without cameras. Free it with `pcmvs_rig_free`.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn pcmvs_rig_new(rig: *mut *mut pcmvs_rig) -> pcmvs_status {
     status(catch(|| {
@@ -60,15 +66,16 @@ pub unsafe extern "C" fn pcmvs_rig_new(rig: *mut *mut pcmvs_rig) -> pcmvs_status
     }))
 }
 
-/// Frees a rig. NULL does nothing.
+/// Frees a rig. NULL is ignored.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn pcmvs_rig_free(rig: *mut pcmvs_rig) -> pcmvs_status {
     // SAFETY: the caller's promise.
     unsafe { free(rig, |_| Ok(())) }
 }
 
-/// Gives a rig its cameras: at least three, whose order is that of the views of every frame. Prepares all that frames
-/// share. On failure the rig keeps the cameras it had. Frames made before keep their cameras.
+/// Sets the cameras of a rig, 3 to `PCMVS_MAX_CAMERAS`, and computes everything that its frames share. The views of every
+/// frame are numbered in the order of `cameras`. On failure the rig keeps the cameras it had. Existing frames keep the
+/// cameras with which they were created.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn pcmvs_rig_set_cameras(
     rig: *mut pcmvs_rig,
@@ -76,25 +83,24 @@ pub unsafe extern "C" fn pcmvs_rig_set_cameras(
     count: usize,
 ) -> pcmvs_status {
     let prepare = |rig: &RigBody| {
-        if count > PCMVS_MOST_CAMERAS as usize {
-            let problem = format!("{count} cameras are more than the most, {PCMVS_MOST_CAMERAS}");
+        if count > PCMVS_MAX_CAMERAS as usize {
+            let problem = format!("{count} cameras were given, but a rig can have at most {PCMVS_MAX_CAMERAS}");
             return Err(Failure::new(InvalidArgument, problem));
         }
         // SAFETY: the caller's promise.
         let cameras = unsafe { read_array(cameras, count, "cameras")? };
         let cameras: Vec<Camera> = cameras.into_iter().map(pcmvs_camera::to_core).collect();
-        let made = Rig::new(&cameras)?;
-        *rig.rig.try_write().map_err(|_| Failure::new(Busy, "the rig is in use"))? = Some(Arc::new(made));
+        rig.set(Rig::new(&cameras)?);
         Ok(())
     };
     // SAFETY: the caller's promise.
     unsafe { with_rig(rig, prepare) }
 }
 
-/// Fixes the gains of a rig's cameras: what their red, green and blue are multiplied by when a mesh is coloured, `gains`
-/// holds three numbers a camera, `count` is the number of cameras. Without, every frame finds its own, so that colours
-/// may differ a little from frame to frame; those of a frame are told by `pcmvs_frame_copy_gains`.
-/// `pcmvs_rig_set_cameras` takes them away again. Frames made before keep what they had.
+/// Fixes the gains of a rig's cameras: the factors applied to red, green and blue when a mesh is coloured. `gains` holds
+/// three floats per camera, `count` is the number of cameras. Without fixed gains every frame estimates its own, and
+/// colours may vary slightly from frame to frame. `pcmvs_frame_copy_gains` returns the gains of a frame.
+/// `pcmvs_rig_set_cameras` removes fixed gains. Existing frames keep the gains that the rig had when they were created.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn pcmvs_rig_set_gains(rig: *mut pcmvs_rig, gains: *const f32, count: usize) -> pcmvs_status {
     let fix = |rig: &RigBody| {
@@ -103,20 +109,19 @@ pub unsafe extern "C" fn pcmvs_rig_set_gains(rig: *mut pcmvs_rig, gains: *const 
         if count != old.cameras().len() {
             return Err(Error::GainCount { given: count as u32, cameras: old.cameras().len() as u32 }.into());
         }
-        // SAFETY: the caller's promise; numbers may lie at any address.
+        // SAFETY: the caller's promise; the numbers need no alignment.
         let gains: Vec<_> = (0..count).map(|i| unsafe { gains.add(i).read_unaligned() }).collect();
-        let made = Rig::clone(&old).with_gains(&gains)?;
-        *rig.rig.try_write().map_err(|_| Failure::new(Busy, "the rig is in use"))? = Some(Arc::new(made));
+        rig.set(Rig::clone(&old).with_gains(&gains)?);
         Ok(())
     };
     // SAFETY: the caller's promise.
     unsafe { with_rig(rig, fix) }
 }
 
-/// Number of cameras; 0 before they are set.
+/// Returns the number of cameras, which is 0 before they are set.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn pcmvs_rig_camera_count(rig: *const pcmvs_rig, count: *mut u32) -> pcmvs_status {
-    let tell = |rig: &RigBody| {
+    let get = |rig: &RigBody| {
         let count = out(count, "count")?;
         let cameras = rig.rig.read().unwrap_or_else(PoisonError::into_inner).as_ref().map_or(0, |r| r.cameras().len());
         // SAFETY: the caller's promise.
@@ -124,13 +129,14 @@ pub unsafe extern "C" fn pcmvs_rig_camera_count(rig: *const pcmvs_rig, count: *m
         Ok(())
     };
     // SAFETY: the caller's promise.
-    unsafe { with_rig(rig, tell) }
+    unsafe { with_rig(rig, get) }
 }
 
-/// World position (x, y, z) that is the origin of the positions in `pcmvs_mesh` and `pcmvs_point`.
+/// Returns the origin of the positions in `pcmvs_mesh` and `pcmvs_point`: x, y, z in the scene's frame. `xyz` has room for
+/// three doubles.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn pcmvs_rig_origin(rig: *const pcmvs_rig, xyz: *mut f64) -> pcmvs_status {
-    let tell = |rig: &RigBody| {
+    let get = |rig: &RigBody| {
         let rig = rig.get()?;
         let xyz: *mut [f64; 3] = out(xyz, "xyz")?.cast();
         // SAFETY: the caller's promise.
@@ -138,12 +144,13 @@ pub unsafe extern "C" fn pcmvs_rig_origin(rig: *const pcmvs_rig, xyz: *mut f64) 
         Ok(())
     };
     // SAFETY: the caller's promise.
-    unsafe { with_rig(rig, tell) }
+    unsafe { with_rig(rig, get) }
 }
 
-/// Why the last failed call on this rig, or the last `pcmvs_frame_new` of it, failed. `size` is `sizeof *error`.
+/// Describes the last failed call on a rig, including `pcmvs_frame_new`. If this function itself fails, the description
+/// stays as it is. `size` is `sizeof *error`.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn pcmvs_rig_error(rig: *const pcmvs_rig, error: *mut pcmvs_error, size: usize) -> pcmvs_status {
     // SAFETY: the caller's promise.
-    status(catch(|| unsafe { write(error, size, &body(rig)?.failure.get(), "error") }))
+    status(catch(|| unsafe { write(error, size, &pcmvs_error::from(&body(rig)?.failure), "error") }))
 }

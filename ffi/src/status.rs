@@ -1,27 +1,28 @@
-//! Results of calls, and names of stages.
+//! Results of calls.
 
-use pcmvs_core::Stage;
 use std::ffi::{CStr, c_char};
 
-/// Result of a call. Numbers never change; new ones are only added at the end, so a caller must take a number it does
-/// not know for a failure.
+/// Result of a call. Numbers never change, and new ones are added at the end only. Treat a number that you do not know
+/// as a failure.
 #[repr(u32)]
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum pcmvs_status {
-    /// Done.
+    /// Success.
     Ok = 0,
-    /// A pointer that must not be NULL is.
+    /// A pointer that must not be NULL is NULL.
     NullPointer = 1,
-    /// A handle is of another kind, was freed (as far as its memory has not been reused), or never was one.
+    /// The handle is of another kind, has been freed, or never was a handle. A freed handle is recognised only until
+    /// its memory is reused.
     InvalidHandle = 2,
-    /// A struct's `struct_size` is less than any version's, or the part that this library does not know is not zero:
-    /// the caller asks for something that only a newer library can do.
+    /// The `struct_size` or `size` of a struct is smaller than in every version, or a member that this library does not
+    /// know is not zero, which means that the caller asks for something only a newer library can do.
     InvalidStruct = 3,
     /// An argument is out of range.
     InvalidArgument = 4,
-    /// The handle is in use by a call that excludes this one: on another thread, or in whose callback this one is made.
+    /// The frame is in use by a call that excludes this one. That call runs on another thread, or this call was made
+    /// from one of its callbacks.
     Busy = 5,
-    /// The call needs a stage that has not run yet, or comes too late.
+    /// The call needs a stage that has not run yet, or it comes too late.
     WrongOrder = 6,
     /// The progress callback asked to stop.
     Cancelled = 7,
@@ -31,24 +32,24 @@ pub enum pcmvs_status {
     Image = 9,
     /// A silhouette cannot be used.
     Silhouette = 10,
-    /// Two cameras stand at the same place and look the same way.
+    /// Two cameras have the same position and direction.
     DuplicateCamera = 11,
-    /// Fewer cameras, or fewer silhouettes, than the method needs.
+    /// There are fewer cameras, or fewer silhouettes, than the method needs.
     TooFewViews = 12,
-    /// The silhouettes do not meet in space.
+    /// The silhouettes have no common volume.
     EmptyHull = 13,
-    /// The points bound no surface.
+    /// The points do not bound a surface.
     NoSurface = 14,
-    /// More memory is needed than allowed.
+    /// The frame needs more memory than `pcmvs_options.max_memory` allows.
     OutOfMemory = 15,
-    /// The buffer is too small; ask for the size first.
+    /// The buffer is too small. Ask for the size first.
     BufferTooSmall = 16,
-    /// The write callback refused.
+    /// The write callback returned an error.
     WriteFailed = 17,
-    /// A bug in the library. The handle only takes `pcmvs_..._error` and `pcmvs_..._free` from now on; other handles
+    /// A bug in the library. From now on the handle accepts only `pcmvs_..._error` and `pcmvs_..._free`; other handles
     /// are not affected.
     Panic = 18,
-    /// Something that this version of the ABI has no number for; the message says what.
+    /// A failure that this version of the ABI has no number for. The message describes it.
     Other = 19,
 }
 
@@ -103,77 +104,20 @@ impl pcmvs_status {
     }
 }
 
-/// Stages of a reconstruction in the order in which they run. Numbers never change.
-#[repr(u32)]
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum pcmvs_stage {
-    /// Undistortion and silhouettes, view by view.
-    Views = 0,
-    /// Visual hull.
-    Hull = 1,
-    /// Points that the silhouettes alone give.
-    Contours = 2,
-    /// Detection and meshing at half the resolution, which guide the stages after it.
-    Coarse = 3,
-    /// Stereo, view by view.
-    Detect = 4,
-    /// All points to one cloud.
-    Merge = 5,
-    /// The cloud to a closed mesh.
-    Mesh = 6,
-    /// Colours of the mesh.
-    Colour = 7,
-}
-
-/// Number of stages.
-pub const PCMVS_STAGE_COUNT: u32 = 8;
-
-impl From<Stage> for pcmvs_stage {
-    fn from(stage: Stage) -> Self {
-        match stage {
-            Stage::Views => Self::Views,
-            Stage::Hull => Self::Hull,
-            Stage::Contours => Self::Contours,
-            Stage::Coarse => Self::Coarse,
-            Stage::Detect => Self::Detect,
-            Stage::Merge => Self::Merge,
-            Stage::Mesh => Self::Mesh,
-            Stage::Colour => Self::Colour,
-            _ => unreachable!("every stage of this version has a number"),
-        }
-    }
-}
-
-/// Name of a status for logs, in English, "unknown" for numbers of other versions. Static; never freed.
+/// Returns the English name of a status for logs, or "unknown" for a number of another version. The string is static.
 #[unsafe(no_mangle)]
 pub extern "C" fn pcmvs_status_name(status: u32) -> *const c_char {
     pcmvs_status::ALL.get(status as usize).map_or(c"unknown", |s| s.name()).as_ptr()
 }
 
-/// Name of a stage as in reports ("views", "hull", ...), "unknown" for numbers of other versions. Static; never freed.
-#[unsafe(no_mangle)]
-pub extern "C" fn pcmvs_stage_name(stage: u32) -> *const c_char {
-    const NAMES: [&CStr; PCMVS_STAGE_COUNT as usize] =
-        [c"views", c"hull", c"contours", c"coarse", c"detect", c"merge", c"mesh", c"colour"];
-    NAMES.get(stage as usize).unwrap_or(&c"unknown").as_ptr()
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-    use pcmvs_core::frame::ORDER;
 
     #[test]
-    fn numbers_are_places_and_names_are_the_cores() {
+    fn each_status_is_at_the_place_of_its_number() {
         for (i, status) in pcmvs_status::ALL.into_iter().enumerate() {
             assert_eq!(status as usize, i);
         }
-        for stage in ORDER {
-            assert_eq!(pcmvs_stage::from(stage) as u32, stage as u32);
-            // SAFETY: a static string.
-            let name = unsafe { CStr::from_ptr(pcmvs_stage_name(stage as u32)) };
-            assert_eq!(name.to_str().unwrap(), stage.name());
-        }
-        assert_eq!(ORDER.len(), PCMVS_STAGE_COUNT as usize);
     }
 }

@@ -1,30 +1,30 @@
-//! What a camera gives for a frame: picture and silhouette.
+//! The input of a frame from one camera: a picture and a silhouette.
 
 use crate::{
-    boundary::{Growing, Result, Versioned, init, read},
-    error::Failure,
+    failure::{Failure, Result},
     image::{Pixels, pcmvs_image},
+    sized::{Growing, Versioned, init, read},
     status::pcmvs_status::{self, InvalidArgument},
 };
 use pcmvs_core::{ChromaKey, Mask, ViewInput};
 use std::{mem::size_of, ptr::null};
 
-/// How to tell an object from a backdrop of one colour, evenly lit or not.
+/// Parameters that separate the object from a backdrop of one colour. The backdrop need not be evenly lit.
 #[repr(C)]
 #[derive(Debug, Clone, Copy)]
 pub struct pcmvs_chroma_key {
     /// Set by `pcmvs_chroma_key_init`.
     pub struct_size: u32,
-    /// About the backdrop's colour: red, green, blue in sRGB, then zero.
+    /// Approximate colour of the backdrop: red, green, blue in sRGB. The fourth byte is zero.
     pub rgb: [u8; 4],
-    /// A pixel is backdrop if its colour is turned from the local backdrop's by less than this share (0 to 1) of the
-    /// angle between the backdrop's colour and gray.
+    /// Tolerance in hue, 0 to 1. A pixel belongs to the backdrop if the angle between its colour and the local backdrop's is
+    /// smaller than this share of the angle between the backdrop's colour and grey.
     pub tolerance: f32,
-    /// Shadows on the backdrop are recognised down to this share of its local brightness.
+    /// Darkest shadow on the backdrop that is recognised, as a share of the local brightness.
     pub darkest_shadow: f32,
-    /// Parts of the object smaller than this share of the picture are removed.
+    /// Parts of the object that cover less than this share of the picture are removed.
     pub smallest_part: f32,
-    /// Holes in the object smaller than this share of the picture are filled.
+    /// Holes in the object that cover less than this share of the picture are filled.
     pub smallest_hole: f32,
 }
 
@@ -46,17 +46,21 @@ unsafe impl Versioned for pcmvs_chroma_key {
             smallest_hole,
         }
     }
+
+    fn reserved_is_zero(&self) -> bool {
+        self.rgb[3] == 0
+    }
 }
 
-/// Sets a chroma key to the usual green. `size` is `sizeof *key`.
+/// Initialises a chroma key for a green backdrop. `size` is `sizeof *key`.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn pcmvs_chroma_key_init(key: *mut pcmvs_chroma_key, size: usize) -> pcmvs_status {
     // SAFETY: the caller's promise.
     unsafe { init(key, size, "key") }
 }
 
-/// A camera's picture of one frame and where its silhouette comes from. At most one of `mask`, `clean_plate` and
-/// `chroma_key` is given; with none of them the view carves nothing.
+/// One camera's picture and the source of its silhouette. At most one of `mask`, `clean_plate` and `chroma_key` may be set.
+/// If none is set, the view has no silhouette and does not carve the hull.
 #[repr(C)]
 #[derive(Debug, Clone, Copy)]
 pub struct pcmvs_view {
@@ -64,14 +68,14 @@ pub struct pcmvs_view {
     pub struct_size: u32,
     /// Zero.
     pub reserved: u32,
-    /// The picture, of the camera's calibrated size.
+    /// The picture. It has the size for which the camera was calibrated.
     pub image: *const pcmvs_image,
-    /// A picture of the same size that is white on the object and black elsewhere, or NULL. Gray values are coverage:
-    /// the contour runs where it is one half.
+    /// A mask of the same size, white on the object and black elsewhere. Grey values are coverage; the contour is where the
+    /// coverage is one half. May be NULL.
     pub mask: *const pcmvs_image,
-    /// The same camera's picture of the empty set, or NULL.
+    /// A picture that the same camera took without the object. May be NULL.
     pub clean_plate: *const pcmvs_image,
-    /// The backdrop's colour, or NULL.
+    /// Parameters of a backdrop of one colour. May be NULL.
     pub chroma_key: *const pcmvs_chroma_key,
 }
 
@@ -85,16 +89,20 @@ unsafe impl Versioned for pcmvs_view {
         let size = size_of::<Self>() as u32;
         Self { struct_size: size, reserved: 0, image: null(), mask: null(), clean_plate: null(), chroma_key: null() }
     }
+
+    fn reserved_is_zero(&self) -> bool {
+        self.reserved == 0
+    }
 }
 
-/// Sets a view to nothing. `size` is `sizeof *view`.
+/// Initialises a view without a picture. `size` is `sizeof *view`.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn pcmvs_view_init(view: *mut pcmvs_view, size: usize) -> pcmvs_status {
     // SAFETY: the caller's promise.
     unsafe { init(view, size, "view") }
 }
 
-/// A view whose description has been read and checked.
+/// A view whose structs have been read and checked.
 pub(crate) struct GivenView<'a> {
     image: Pixels<'a>,
     silhouette: GivenSilhouette<'a>,
@@ -109,12 +117,12 @@ enum GivenSilhouette<'a> {
 
 impl GivenView<'_> {
     /// # Safety
-    /// Pointers are NULL or true, for as long as the value lives.
+    /// Pointers are NULL or point to as many bytes as the structs say, for as long as the value lives.
     pub unsafe fn new(view: &pcmvs_view) -> Result<Self> {
         let pcmvs_view { image, mask, clean_plate, chroma_key, .. } = *view;
         let given = [mask.is_null(), clean_plate.is_null(), chroma_key.is_null()];
         if given.iter().filter(|&&null| !null).count() > 1 {
-            let problem = "a view has more than one of mask, clean plate and chroma key: give one";
+            let problem = "the view has more than one of mask, clean plate and chroma key: give one";
             return Err(Failure::new(InvalidArgument, problem));
         }
         // SAFETY: the caller's promise.
@@ -137,7 +145,7 @@ impl GivenView<'_> {
         Ok(Self { image, silhouette })
     }
 
-    /// As the core takes it.
+    /// The view as the core takes it.
     pub fn input(&self) -> ViewInput<'_> {
         let mask = match &self.silhouette {
             GivenSilhouette::Unknown => Mask::Unknown,

@@ -1,5 +1,10 @@
-//! What linked yesterday links and runs today. `abi/` holds the exported symbols, every released header, and a dump of
-//! the first one's types; `PCMVS_WRITE_ABI=1 cargo test -p pcmvs-ffi --test abi` renews symbols and dump.
+//! Programs that were built with an older header of this ABI version run with this library. `abi/` holds the exported symbols,
+//! a dump of the types, and one folder per older header. `PCMVS_WRITE_ABI=1 cargo test -p pcmvs-ffi --test abi` renews symbols
+//! and dump.
+//!
+//! The references are those of ABI 0.2. Version 0.2.0 broke the ABI once, so that stages, attributes, reports and warnings can
+//! be added without breaking it again (CHANGELOG.md). Headers of 0.1 are not kept: their programs ask for `libpcmvs.so.0.1`,
+//! which this library does not claim to be.
 
 mod common;
 
@@ -33,7 +38,7 @@ fn exported_symbols_are_the_listed_ones() {
     }
 }
 
-/// A shared object with the header's functions and types as C has them: Rust's own types are nobody's ABI.
+/// A shared object with the functions and types of the header as C has them. Rust's own types are not part of the ABI.
 fn stubs(folder: &Path) -> PathBuf {
     let header = fs::read_to_string(root().join("include/pcmvs.h")).unwrap();
     let mut code = String::from("#include <pcmvs.h>\n");
@@ -47,7 +52,7 @@ fn stubs(folder: &Path) -> PathBuf {
     }
     let object = folder.join("libpcmvs.so");
     fs::write(folder.join("stubs.c"), code).unwrap();
-    // By a relative name: the dump shall have no folder of this machine.
+    // With a relative name, so that the dump contains no folder of this machine.
     let mut cc = Command::new("gcc");
     cc.current_dir(folder).args(["-std=c11", "-g", "-shared", "-fPIC", "-w", "-I"]);
     cc.arg(root().join("include")).arg("stubs.c");
@@ -68,7 +73,7 @@ fn types_are_compatible_with_the_dump() {
         run(abidw.arg(&dump).arg(&object));
     }
     let output = Command::new("abidiff").arg(dump).arg(object).output().unwrap();
-    // Bits of its status: 1 error, 2 usage, 4 a change, 8 an incompatible one.
+    // Bits of its status: 1 error, 2 wrong usage, 4 a change, 8 an incompatible change.
     let status = output.status.code().unwrap();
     assert!(status & (1 | 2 | 8) == 0, "{}", String::from_utf8_lossy(&output.stdout));
 }
@@ -76,7 +81,10 @@ fn types_are_compatible_with_the_dump() {
 #[test]
 fn programs_of_older_headers_run() {
     let sample = Sample::new();
-    for version in fs::read_dir(abi()).unwrap().map(|entry| entry.unwrap().path()).filter(|path| path.is_dir()) {
+    let entries = fs::read_dir(abi()).unwrap().map(|entry| entry.unwrap().path());
+    let versions: Vec<_> = entries.filter(|path| path.is_dir()).collect();
+    assert!(!versions.is_empty(), "there is no older header");
+    for version in versions {
         let folder = tempfile::tempdir().unwrap();
         fs::copy(version.join("pcmvs.h"), folder.path().join("pcmvs.h")).unwrap();
         let old = format!("-I{}", folder.path().display());

@@ -1,4 +1,5 @@
-//! The committed header is what the sources say. `PCMVS_WRITE_HEADER=1 cargo test -p pcmvs-ffi --test header` writes it.
+//! The committed header is the one that the sources generate. `PCMVS_WRITE_HEADER=1 cargo test -p pcmvs-ffi --test header`
+//! writes it.
 
 use std::{env, fs, path::Path};
 
@@ -14,7 +15,7 @@ fn header_is_up_to_date() {
         fs::write(&path, &generated).unwrap();
     }
     let committed = fs::read_to_string(&path).unwrap();
-    assert!(committed.as_bytes() == generated, "include/pcmvs.h is not what the sources say: write it again");
+    assert!(committed.as_bytes() == generated, "include/pcmvs.h is not up to date: run `cargo xtask header`");
 }
 
 mod common;

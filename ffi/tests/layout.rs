@@ -1,4 +1,4 @@
-//! C's view of every enum value, size, offset and version is Rust's.
+//! Every enum value, size, offset and version is the same in C and in Rust.
 
 mod common;
 
@@ -12,9 +12,11 @@ use pcmvs::{
     image::{pcmvs_image, pcmvs_pixel_format},
     mesh::{pcmvs_attribute, pcmvs_mesh, pcmvs_mesh_kind},
     options::{pcmvs_options, pcmvs_preset},
-    report::pcmvs_report,
-    status::{pcmvs_stage, pcmvs_status},
+    report::{pcmvs_counts, pcmvs_stage_report, pcmvs_view_report},
+    stage::pcmvs_stage,
+    status::pcmvs_status,
     view::{pcmvs_chroma_key, pcmvs_view},
+    warning::pcmvs_warning,
 };
 use std::{fs, mem::offset_of};
 
@@ -87,7 +89,6 @@ fn c_and_rust_agree() {
         "MERGE" = G::Merge,
         "MESH" = G::Mesh,
         "COLOUR" = G::Colour,
-        "COUNT" = pcmvs::status::PCMVS_STAGE_COUNT,
     );
     use pcmvs_pixel_format as F;
     values!(
@@ -144,7 +145,9 @@ fn c_and_rust_agree() {
         facts,
         "PCMVS_",
         "MESSAGE_SIZE" = pcmvs::error::PCMVS_MESSAGE_SIZE,
-        "MOST_CAMERAS" = pcmvs::rig::PCMVS_MOST_CAMERAS,
+        "CODE_SIZE" = pcmvs::warning::PCMVS_CODE_SIZE,
+        "MAX_CAMERAS" = pcmvs::rig::PCMVS_MAX_CAMERAS,
+        "NO_STAGE" = pcmvs::stage::PCMVS_NO_STAGE,
         "VERSION" = pcmvs::version::PCMVS_VERSION,
     );
 
@@ -174,9 +177,7 @@ fn c_and_rust_agree() {
     layout!(facts, pcmvs_export_options { struct_size, format, normals, has_up, up });
     layout!(
         facts,
-        pcmvs_report {
-            seconds,
-            hashes,
+        pcmvs_counts {
             detected,
             substituted,
             cleaned_density,
@@ -195,6 +196,9 @@ fn c_and_rust_agree() {
             faces,
         }
     );
+    layout!(facts, pcmvs_stage_report { seconds, hash });
+    layout!(facts, pcmvs_view_report { carves, inside, detected, substituted, gains, reserved });
+    layout!(facts, pcmvs_warning { camera, reserved, code, message });
     facts.expected += "composed 1\n";
     facts.expected += &format!("library {} {}\n", pcmvs::version::PCMVS_VERSION, env!("CARGO_PKG_VERSION"));
 

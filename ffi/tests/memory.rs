@@ -1,4 +1,4 @@
-//! Nothing leaks, nothing is read that is not there, memory stays steady.
+//! Nothing leaks, no invalid memory is read, and memory use stays steady.
 
 mod common;
 
@@ -15,7 +15,7 @@ fn memory_is_steady_over_200_frames() {
 }
 
 #[test]
-fn later_frames_allocate_little_and_all_the_same_and_reading_nothing() {
+fn later_frames_allocate_little_and_equally_and_reading_allocates_nothing() {
     if !cfg!(target_env = "gnu") {
         return;
     }
@@ -37,7 +37,7 @@ fn the_callers_allocator_serves_everything() {
         let program = build(sample.path(), compiler, "tests/c/allocator.c", link);
         for growing in ["growing", "copied"] {
             output(&program, [sample.plain(), glb("own.glb"), growing.into()]);
-            assert!(std::fs::read(glb("own.glb")).unwrap() == expected, "the memory's origin changes the bytes");
+            assert!(std::fs::read(glb("own.glb")).unwrap() == expected, "the allocator changes the bytes");
         }
     }
     if has("valgrind") {
@@ -51,7 +51,7 @@ fn address_sanitizer_finds_no_leak_over_200_frames() {
     let sample = Sample::sized(6, 80, 60);
     let program = build(sample.path(), SANITIZED, "tests/c/soak.c", Link::Shared);
     run(Command::new(program).arg(sample.plain()).args(["200", "0"]).env("ASAN_OPTIONS", "detect_leaks=1"));
-    // All misuse, but for reading freed handles.
+    // All misuse except reading freed handles.
     let careful = [SANITIZED, &["-DWITHOUT_FREED_HANDLES", "-DFEW_CALLS"]].concat();
     for source in ["tests/c/misuse.c", "tests/c/results.c"] {
         let program = build(sample.path(), &careful, source, Link::Static);
@@ -70,7 +70,7 @@ fn valgrind_finds_no_error_over_200_frames() {
     valgrind("200");
 }
 
-/// Frames of all presets in turn through one rig.
+/// Reconstructs frames with all presets in turn.
 fn valgrind(frames: &str) {
     if !has("valgrind") {
         return;
@@ -80,7 +80,7 @@ fn valgrind(frames: &str) {
     run(under_valgrind().arg(program).arg(sample.plain()).args([frames, "0"]));
 }
 
-/// What is wrong ends the program with a status of its own.
+/// Valgrind with an exit status of its own for errors and leaks.
 fn under_valgrind() -> Command {
     let mut valgrind = Command::new("valgrind");
     valgrind.args(["--quiet", "--leak-check=full", "--show-leak-kinds=all"]);

@@ -1,4 +1,4 @@
-//! Programs in C, built and run as a user would.
+//! Programs in C and C++, built and run as a user would.
 
 mod common;
 
@@ -38,7 +38,7 @@ fn glb_is_the_command_lines() {
     let sample = Sample::new();
     let out = sample.path().join("out");
     let scene = sample.path().join("scene");
-    // The example does not know which way is up.
+    // The C example does not set the upward direction.
     let file = scene.join("scene.json");
     let text = fs::read_to_string(&file).unwrap();
     fs::write(&file, text.replace("\"up\"", "\"was_up\"")).unwrap();
@@ -50,7 +50,7 @@ fn glb_is_the_command_lines() {
         let program = build(sample.path(), C99, "examples/c/reconstruct.c", link);
         let result = sample.path().join("c.glb");
         output(&program, [sample.plain(), result.clone()]);
-        assert!(fs::read(result).unwrap() == expected, "not the command line's bytes");
+        assert!(fs::read(result).unwrap() == expected, "the bytes differ from the command line's");
     }
 }
 
@@ -59,7 +59,7 @@ fn wrapper_keeps_its_promises() {
     let sample = Sample::new();
     let program = build(sample.path(), CPP17, "tests/cpp/wrapper.cpp", Link::Shared);
     output(&program, [sample.plain()]);
-    // Also where exceptions are not allowed.
+    // It compiles without exceptions, too.
     let mut command = Command::new("c++");
     command.args(["-std=c++17", "-fno-exceptions", "-fsyntax-only", "-Wall", "-Wextra", "-Werror", "-x", "c++"]);
     run(command.arg(root().join("include/pcmvs.hpp")).arg("-Wno-pragma-once-outside-header"));
@@ -80,7 +80,7 @@ fn threads_of_the_host_give_the_same_bytes() {
 }
 
 #[test]
-fn readme_tells_a_program_that_runs() {
+fn readme_program_runs() {
     let sample = Sample::new();
     let readme = fs::read_to_string(root().join("README.md")).unwrap();
     let program = readme.split("```cpp\n").nth(1).and_then(|rest| rest.split("```").next()).unwrap();
@@ -123,14 +123,14 @@ fn opencv_and_python_make_the_same_bytes() {
         assert!(std::env::var_os("PCMVS_ALL_TOOLS").is_none(), "OpenCV is not installed");
         return;
     };
-    // The scene's calibration as cv::FileStorage writes it.
+    // The calibration as cv::FileStorage writes it.
     let text = fs::read_to_string(sample.plain().join("cameras.txt")).unwrap();
     let mut yaml = String::from("%YAML:1.0\n---\ncameras:\n");
     for (i, line) in text.lines().skip(1).enumerate() {
         let numbers: Vec<&str> = line.split(' ').skip(2).collect();
         yaml += &format!("   - {{ image: \"cam{i:02}_0000.png\", mask: \"../masks/cam{i:02}_0000.png\",\n");
         for (name, range, rows) in [("K", 0..9, 3), ("distortion", 9..14, 1), ("R", 14..23, 3), ("t", 23..26, 3)] {
-            // Numbers without a point would be read as integers.
+            // Numbers without a decimal point would be read as integers.
             let data: Vec<String> =
                 numbers[range].iter().map(|n| if n.contains('.') { n.to_string() } else { format!("{n}.") }).collect();
             let end = if name == "t" { " }" } else { "," };
@@ -144,7 +144,7 @@ fn opencv_and_python_make_the_same_bytes() {
     let calibration = sample.path().join("calibration.yml");
     fs::write(&calibration, yaml).unwrap();
     let flags = String::from_utf8(opencv.stdout).unwrap();
-    // OpenCV's own headers are not warning-free.
+    // OpenCV's headers cause warnings.
     let flags = flags.trim().replace("-I", "-isystem");
     let compiler = [CPP17, &["-Wl,--no-as-needed", flags.as_str(), "-lopencv_imgcodecs", "-lopencv_core"]].concat();
     let program = build(sample.path(), &compiler, "examples/cpp/opencv.cpp", Link::Shared);

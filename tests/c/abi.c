@@ -1,4 +1,5 @@
-/* Prints what the compiler makes of the header: the Rust side prints the same for its own types. */
+/* Prints the values, sizes and offsets that a C compiler computes from the header. ffi/tests/layout.rs compares them with
+ * those of Rust. */
 #include <pcmvs.h>
 #include <stdio.h>
 

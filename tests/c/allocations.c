@@ -1,16 +1,16 @@
-/* What is allocated when: allocations FOLDER FRAMES (see capture.h). Rust asks the C library for memory, so
- * that this program's own malloc sees everything; both are on one thread. */
+/* Counts allocations. Usage: allocations FOLDER FRAMES (see capture.h). The library calls malloc, so that this program's own
+ * malloc sees every allocation. All of them are on one thread. */
 #include "capture.h"
 #include "check.h"
 #include "counted.h"
 
 #include <string.h>
 
-/* After so many frames nothing changes any more. */
+/* Number of frames after which memory use no longer changes. */
 #define SETTLED 4
 
-/* Says what has happened since `start`; `used` was in use then. */
-static void tell(const char *what, size_t used) {
+/* Prints what has been allocated since `start`, when `used` bytes were in use. */
+static void show(const char *what, size_t used) {
     printf("%-16s %8zu allocations of %9.1f KiB, %8.1f KiB at most at a time, %8.1f KiB kept\n", what, counts.calls,
            (double)counts.bytes / 1024, (double)(counts.peak - used) / 1024,
            ((double)counts.used - (double)used) / 1024);
@@ -22,14 +22,17 @@ static int count_bytes(void *user, const void *data, size_t size) {
     return 0;
 }
 
-/* Everything that reads results to memory that is there. */
+/* Reading results does not allocate. */
 static void check_reading(pcmvs_rig *rig, pcmvs_frame *frame) {
     static float positions[3 << 20];
     static pcmvs_point points[1 << 20];
     pcmvs_mesh mesh;
     pcmvs_silhouette silhouette;
-    pcmvs_report report;
+    pcmvs_counts counted;
+    pcmvs_stage_report stage;
+    pcmvs_view_report view;
     pcmvs_error error;
+    uint32_t warnings;
     double origin[3];
     const size_t used = counts.used;
     start();
@@ -38,13 +41,16 @@ static void check_reading(pcmvs_rig *rig, pcmvs_frame *frame) {
     OK(pcmvs_frame_copy_mesh(frame, PCMVS_MESH_KIND_FINAL, PCMVS_ATTRIBUTE_POSITION, positions, 1 << 20, 0, NULL));
     OK(pcmvs_frame_copy_cloud(frame, PCMVS_CLOUD_KIND_MERGED, 0, points, 1 << 20, 0, NULL));
     OK(pcmvs_frame_get_silhouette(frame, 0, &silhouette, sizeof silhouette));
-    OK(pcmvs_frame_get_report(frame, &report, sizeof report));
+    OK(pcmvs_frame_get_counts(frame, &counted, sizeof counted));
+    OK(pcmvs_frame_get_stage_report(frame, PCMVS_STAGE_MESH, &stage, sizeof stage));
+    OK(pcmvs_frame_get_view_report(frame, 0, &view, sizeof view));
+    OK(pcmvs_frame_warning_count(frame, &warnings));
     OK(pcmvs_frame_error(frame, &error, sizeof error));
     CHECK(counts.calls == 0);
-    tell("reading results", used);
+    show("reading results", used);
 }
 
-/* After the first frame, reading views asks for one view's buffers, and detection for the points that it finds. */
+/* After the first frame, reading views allocates one view's buffers, and detection allocates the points that it finds. */
 static void check_stages(const struct capture *capture, pcmvs_frame *frame) {
     const size_t pixels = (size_t)capture->cameras[0].width * capture->cameras[0].height, each = 16384;
     size_t points = 0, count, used;
@@ -55,7 +61,7 @@ static void check_stages(const struct capture *capture, pcmvs_frame *frame) {
     for (i = 0; i < capture->count; i++) {
         OK(pcmvs_frame_view(frame, i, &capture->views[i]));
     }
-    tell("views", used);
+    show("views", used);
     CHECK(counts.bytes < 40 * pixels + capture->count * each);
     OK(pcmvs_frame_hull(frame));
     OK(pcmvs_frame_contours(frame));
@@ -65,7 +71,7 @@ static void check_stages(const struct capture *capture, pcmvs_frame *frame) {
     for (i = 0; i < capture->count; i++) {
         OK(pcmvs_frame_detect(frame, i));
     }
-    tell("detection", used);
+    show("detection", used);
     count = counts.bytes;
     OK(pcmvs_frame_merge(frame));
     for (i = 0; i < capture->count; i++) {
@@ -95,11 +101,11 @@ int main(int argc, char **argv) {
     start();
     OK(pcmvs_rig_new(&rig));
     OK(pcmvs_rig_set_cameras(rig, capture.cameras, capture.count));
-    tell("rig", before);
+    show("rig", before);
     used = counts.used;
     start();
     OK(pcmvs_frame_new(rig, &frame));
-    tell("new frame", used);
+    show("new frame", used);
     used = counts.used;
     for (i = 0; i < frames; i++) {
         start();
@@ -107,19 +113,18 @@ int main(int argc, char **argv) {
         if (i == 0) {
             first = counts;
         } else if (i <= SETTLED) {
-            /* The first frame's memory is used again; what was too small for its new place, or is on no list yet, is
-             * asked for once more. */
+            /* The first frame's memory is reused. Blocks that are too small for their new use are allocated again. */
             later = counts;
             CHECK(later.bytes < first.bytes / 4 && later.calls < first.calls);
         } else {
-            /* Frame after frame the same. How much glibc rounds up depends on what it has at hand. */
+            /* Every frame allocates the same. glibc rounds sizes up depending on its free blocks. */
             CHECK(counts.calls == later.calls && counts.bytes == later.bytes);
             CHECK(counts.used < later.used + later.used / 50 && counts.peak < later.peak + later.peak / 50);
         }
         CHECK(counts.peak < first.peak + first.peak / 5);
         if (i < 2 || i == frames - 1) {
             snprintf(name, sizeof name, "frame %u", i);
-            tell(name, used);
+            show(name, used);
         }
     }
     check_reading(rig, frame);
@@ -127,11 +132,11 @@ int main(int argc, char **argv) {
     used = counts.used;
     start();
     OK(pcmvs_frame_export_mesh(frame, PCMVS_MESH_KIND_FINAL, NULL, count_bytes, &file));
-    tell("export as GLB", used);
+    show("export as GLB", used);
     CHECK(counts.used == used);
     OK(pcmvs_frame_free(frame));
     OK(pcmvs_rig_free(rig));
-    /* All of it has been given back. */
+    /* Everything has been freed. */
     CHECK(counts.used == before);
     capture_free(&capture);
     return verdict();

@@ -1,12 +1,12 @@
-/* The caller's allocator: allocator FOLDER GLB [growing] (see capture.h). With `growing` it has a function that makes memory
- * larger, without it the library copies. */
+/* Tests the caller's allocator. Usage: allocator FOLDER GLB [growing] (see capture.h). With `growing` the allocator has a
+ * function that resizes memory; without it the library copies. */
 #include "capture.h"
 #include "files.h"
 #ifdef COUNT_MALLOC
 #include "counted.h"
 #endif
 
-/* What stands in front of every block, wherever that is. */
+/* Stored in front of every block. */
 struct block {
     size_t size, alignment;
     uint64_t mark;
@@ -25,7 +25,7 @@ static struct block block_of(const void *memory) {
     return block;
 }
 
-/* No more aligned than it has to be, and never zero. */
+/* Allocates memory that is not aligned to more than `alignment` and not zero. */
 static void *allocate(void *user, size_t size, size_t alignment) {
     struct heap *h = user;
     const size_t before = sizeof(struct block) + alignment;
@@ -87,13 +87,14 @@ int main(int argc, char **argv) {
     struct bytes bytes, again;
     FILE *file;
     int growing = argc == 4 && strcmp(argv[3], "growing") == 0;
-    /* Reading the capture calls the library's inits, which leave the decision open. */
+    /* Reading the capture calls init functions. An allocator can still be set after them. */
     if (argc < 3 || !capture_read(argv[1], &capture)) {
         return 2;
     }
     CHECK(pcmvs_version() == PCMVS_VERSION && pcmvs_status_name(0) != NULL);
+    CHECK(pcmvs_stage_count() > 0 && pcmvs_stage_name(pcmvs_stage_at(0)) != NULL);
     OK(pcmvs_allocator_init(&allocator, sizeof allocator));
-    /* What is refused leaves it open too. */
+    /* It can also be set after calls that fail. */
     EXPECT(pcmvs_set_allocator(NULL), PCMVS_STATUS_NULL_POINTER);
     EXPECT(pcmvs_set_allocator(&allocator), PCMVS_STATUS_INVALID_ARGUMENT);
     allocator.user = &heap;
@@ -104,8 +105,11 @@ int main(int argc, char **argv) {
     allocator.struct_size = 8;
     EXPECT(pcmvs_set_allocator(&allocator), PCMVS_STATUS_INVALID_STRUCT);
     allocator.struct_size = sizeof allocator;
+    allocator.reserved = 1;
+    EXPECT(pcmvs_set_allocator(&allocator), PCMVS_STATUS_INVALID_STRUCT);
+    allocator.reserved = 0;
     OK(pcmvs_set_allocator(&allocator));
-    /* Once only. */
+    /* It can be set only once. */
     EXPECT(pcmvs_set_allocator(&allocator), PCMVS_STATUS_WRONG_ORDER);
     CHECK(heap.calls == 0);
 
@@ -118,16 +122,16 @@ int main(int argc, char **argv) {
     OK(pcmvs_frame_new(rig, &frame));
     OK(pcmvs_frame_reconstruct(frame, capture.views, capture.count, NULL));
 #ifdef COUNT_MALLOC
-    /* The allocator above alone has called malloc. */
+    /* Only the allocator above has called malloc. */
     CHECK(counts.calls == heap.calls);
 #endif
-    /* The pictures' size at the very least. */
+    /* At least the pictures are held in its memory. */
     CHECK(heap.bytes > 6u * capture.count * capture.cameras[0].width * capture.cameras[0].height);
     CHECK(growing == (heap.grown > 0));
     bytes = glb(frame);
     file = fopen(argv[2], "wb");
     CHECK(file != NULL && fwrite(bytes.data, 1, bytes.size, file) == bytes.size && fclose(file) == 0);
-    /* Memory that has been used before changes nothing. */
+    /* Reused memory does not change the result. */
     OK(pcmvs_options_init(&options, sizeof options));
     options.parallel = one_by_one;
     OK(pcmvs_frame_reconstruct(frame, capture.views, capture.count, &options));
@@ -135,7 +139,7 @@ int main(int argc, char **argv) {
     CHECK(same(&bytes, &again));
     OK(pcmvs_frame_free(frame));
     OK(pcmvs_rig_free(rig));
-    printf("%lu blocks of %lu bytes asked for, %lu left\n", (unsigned long)heap.calls, (unsigned long)heap.all_bytes,
+    printf("%lu blocks with %lu bytes were allocated, %lu are left\n", (unsigned long)heap.calls, (unsigned long)heap.all_bytes,
            (unsigned long)heap.blocks);
     CHECK(heap.blocks == 0 && heap.bytes == 0);
     free(bytes.data);

@@ -1,4 +1,4 @@
-/* Checks that are counted. */
+/* Checks that count failures. */
 #ifndef CHECK_H
 #define CHECK_H
 
@@ -26,7 +26,7 @@ static int failures;
 
 #define OK(call) EXPECT(call, PCMVS_STATUS_OK)
 
-/* The exit status of a test. */
+/* Prints the number of failures and returns the exit status. */
 static int verdict(void) {
     if (failures > 0) {
         printf("%d failures\n", failures);

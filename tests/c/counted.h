@@ -1,4 +1,4 @@
-/* This program's own malloc, over glibc's: it sees everything that is asked for on one thread. */
+/* Replaces malloc by a wrapper around glibc's that counts allocations. For one thread only. */
 #ifndef COUNTED_H
 #define COUNTED_H
 
@@ -12,7 +12,7 @@ extern void *__libc_realloc(void *old, size_t size);
 extern void *__libc_memalign(size_t alignment, size_t size);
 extern void __libc_free(void *memory);
 
-/* Calls and the bytes they asked for since the last `start`; bytes in use, with what glibc rounds them up by. */
+/* Number of allocations and their bytes since the last `start`. Bytes in use now and at most, as rounded up by glibc. */
 static struct counts {
     size_t calls, bytes, used, peak;
 } counts;

@@ -26,7 +26,7 @@ static int append(void *user, const void *data, size_t size) {
     return 0;
 }
 
-/* The mesh as GLB, in memory of the caller. */
+/* Exports the mesh as GLB to memory that the caller frees. */
 static struct bytes glb(const pcmvs_frame *frame) {
     struct bytes bytes = {NULL, 0, 0};
     OK(pcmvs_frame_export_mesh(frame, PCMVS_MESH_KIND_FINAL, NULL, append, &bytes));

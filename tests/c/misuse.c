@@ -1,4 +1,4 @@
-/* What the header forbids fails as it says, and leaves no trace: misuse FOLDER (see capture.h) */
+/* Misuses every function. Each call must fail as the header says and have no effect. Usage: misuse FOLDER (see capture.h) */
 #include "capture.h"
 #include "files.h"
 
@@ -6,7 +6,7 @@
 
 #define KEPT(frame, stage, camera, number, about) kept(__LINE__, frame, stage, camera, number, about)
 
-/* The frame keeps of its last failure what is given here; `about` is part of the message. */
+/* Checks the frame's description of its last failure. `about` is part of the message. */
 static void kept(int line, const pcmvs_frame *frame, int stage, int camera, int number, const char *about) {
     pcmvs_error error;
     OK(pcmvs_frame_error(frame, &error, sizeof error));
@@ -23,7 +23,7 @@ static int refuse(void *user, const void *data, size_t size) {
     return 1;
 }
 
-/* Reads that fail say why, in all detail, as stages do. The frame is finished and has the number 7. */
+/* Functions that read results describe their failures as stages do. The frame is complete and has the number 7. */
 static void check_reading(const struct capture *capture, pcmvs_rig *rig, pcmvs_frame *frame) {
     pcmvs_rig *empty = NULL;
     pcmvs_frame *other = NULL;
@@ -32,7 +32,10 @@ static void check_reading(const struct capture *capture, pcmvs_rig *rig, pcmvs_f
     pcmvs_view view = capture->views[2];
     pcmvs_mesh mesh;
     pcmvs_silhouette silhouette;
-    pcmvs_report report;
+    pcmvs_counts counts;
+    pcmvs_stage_report stage;
+    pcmvs_view_report view_report;
+    pcmvs_warning warning;
     pcmvs_point point;
     pcmvs_error error;
     double origin[3];
@@ -59,10 +62,22 @@ static void check_reading(const struct capture *capture, pcmvs_rig *rig, pcmvs_f
     KEPT(frame, PCMVS_STAGE_CONTOURS, -1, 7, "stride of 8");
     EXPECT(pcmvs_frame_get_silhouette(frame, 4, &silhouette, 1), PCMVS_STATUS_INVALID_STRUCT);
     KEPT(frame, PCMVS_STAGE_VIEWS, 4, 7, "silhouette");
-    NULL_POINTER(pcmvs_frame_get_report(frame, NULL, sizeof report));
-    KEPT(frame, PCMVS_STAGE_COLOUR, -1, 7, "`report` is NULL");
+    NULL_POINTER(pcmvs_frame_get_counts(frame, NULL, sizeof counts));
+    KEPT(frame, PCMVS_STAGE_COLOUR, -1, 7, "`counts` is NULL");
+    EXPECT(pcmvs_frame_get_stage_report(frame, 99, &stage, sizeof stage), PCMVS_STATUS_INVALID_ARGUMENT);
+    KEPT(frame, -1, -1, 7, "stage 99");
+    EXPECT(pcmvs_frame_get_stage_report(frame, PCMVS_STAGE_MERGE, &stage, 8), PCMVS_STATUS_INVALID_STRUCT);
+    KEPT(frame, PCMVS_STAGE_MERGE, -1, 7, "8 bytes");
+    EXPECT(pcmvs_frame_get_view_report(frame, 99, &view_report, sizeof view_report), PCMVS_STATUS_INVALID_ARGUMENT);
+    KEPT(frame, PCMVS_STAGE_VIEWS, -1, 7, "no camera 99");
+    EXPECT(pcmvs_frame_get_view_report(frame, 5, &view_report, 8), PCMVS_STATUS_INVALID_STRUCT);
+    KEPT(frame, PCMVS_STAGE_VIEWS, 5, 7, "8 bytes");
+    EXPECT(pcmvs_frame_get_warning(frame, 99, &warning, sizeof warning), PCMVS_STATUS_INVALID_ARGUMENT);
+    KEPT(frame, -1, -1, 7, "no warning 99");
+    EXPECT(pcmvs_frame_step(frame, 99), PCMVS_STATUS_INVALID_ARGUMENT);
+    KEPT(frame, -1, -1, 7, "stage 99");
     EXPECT(pcmvs_frame_export_mesh(frame, PCMVS_MESH_KIND_HULL, NULL, refuse, NULL), PCMVS_STATUS_WRITE_FAILED);
-    KEPT(frame, PCMVS_STAGE_HULL, -1, 7, "refused");
+    KEPT(frame, PCMVS_STAGE_HULL, -1, 7, "write callback");
     OK(pcmvs_export_options_init(&file, sizeof file));
     file.format = 99;
     EXPECT(pcmvs_frame_export_mesh_to_buffer(frame, 0, &file, few, 1, NULL), PCMVS_STATUS_INVALID_ARGUMENT);
@@ -71,11 +86,11 @@ static void check_reading(const struct capture *capture, pcmvs_rig *rig, pcmvs_f
     KEPT(frame, PCMVS_STAGE_MESH, -1, 7, "room for 1");
     EXPECT(pcmvs_frame_export_cloud(frame, 99, 0, append, NULL), PCMVS_STATUS_INVALID_ARGUMENT);
     KEPT(frame, -1, -1, 7, "cloud 99");
-    /* Asking why does not change the answer. */
+    /* Asking for the error does not change it. */
     EXPECT(pcmvs_frame_error(frame, &error, 8), PCMVS_STATUS_INVALID_STRUCT);
     KEPT(frame, -1, -1, 7, "cloud 99");
 
-    /* Of a frame of which there is little, for want of a mask. */
+    /* A frame that is not complete, and a view without a mask. */
     OK(pcmvs_frame_new(rig, &other));
     OK(pcmvs_options_init(&options, sizeof options));
     options.frame = 8;
@@ -85,18 +100,22 @@ static void check_reading(const struct capture *capture, pcmvs_rig *rig, pcmvs_f
         OK(pcmvs_frame_view(other, i, i == 2 ? &view : &capture->views[i]));
     }
     EXPECT(pcmvs_frame_get_silhouette(other, 2, &silhouette, sizeof silhouette), PCMVS_STATUS_WRONG_ORDER);
-    KEPT(other, PCMVS_STAGE_HULL, -1, 8, "`hull`, which has not run");
+    KEPT(other, PCMVS_STAGE_VIEWS, -1, 8, "`views`, which has not run");
+    EXPECT(pcmvs_frame_get_view_report(other, 2, &view_report, sizeof view_report), PCMVS_STATUS_WRONG_ORDER);
+    KEPT(other, PCMVS_STAGE_VIEWS, -1, 8, "`views`, which has not run");
     OK(pcmvs_frame_hull(other));
     OK(pcmvs_frame_get_silhouette(other, 3, &silhouette, sizeof silhouette));
     EXPECT(pcmvs_frame_get_silhouette(other, 2, &silhouette, sizeof silhouette), PCMVS_STATUS_WRONG_ORDER);
     KEPT(other, PCMVS_STAGE_VIEWS, 2, 8, "no silhouette");
     EXPECT(pcmvs_frame_get_mesh(other, 0, &mesh, sizeof mesh), PCMVS_STATUS_WRONG_ORDER);
     KEPT(other, PCMVS_STAGE_MESH, -1, 8, "`mesh`, which has not run");
-    EXPECT(pcmvs_frame_get_report(other, &report, sizeof report), PCMVS_STATUS_WRONG_ORDER);
+    EXPECT(pcmvs_frame_get_stage_report(other, PCMVS_STAGE_MERGE, &stage, sizeof stage), PCMVS_STATUS_WRONG_ORDER);
+    KEPT(other, PCMVS_STAGE_MERGE, -1, 8, "`merge`, which has not run");
+    EXPECT(pcmvs_frame_get_counts(other, &counts, sizeof counts), PCMVS_STATUS_WRONG_ORDER);
     KEPT(other, PCMVS_STAGE_COLOUR, -1, 8, "`colour`, which has not run");
     OK(pcmvs_frame_free(other));
 
-    /* Rigs do it too, also for frames that they do not give. */
+    /* Rigs describe their failures too, including frames that could not be created. */
     OK(pcmvs_rig_new(&empty));
     EXPECT(pcmvs_rig_origin(empty, origin), PCMVS_STATUS_WRONG_ORDER);
     OK(pcmvs_rig_error(empty, &error, sizeof error));
@@ -108,17 +127,20 @@ static void check_reading(const struct capture *capture, pcmvs_rig *rig, pcmvs_f
     OK(pcmvs_rig_free(empty));
 }
 
-/* Every pointer of every function NULL in turn; the handles are fine and hold a finished frame. */
+/* Passes NULL for each pointer of each function in turn. The handles are valid and the frame is complete. */
 static void check_null(const struct capture *capture, pcmvs_rig *rig, pcmvs_frame *frame) {
     pcmvs_frame *untouched = frame;
     pcmvs_view view = capture->views[0];
     pcmvs_error error;
     pcmvs_mesh mesh;
     pcmvs_silhouette silhouette;
-    pcmvs_report report;
+    pcmvs_counts counts;
+    pcmvs_stage_report stage;
+    pcmvs_view_report view_report;
+    pcmvs_warning warning;
     pcmvs_point point;
     size_t count;
-    uint32_t cameras;
+    uint32_t cameras, warnings;
     double origin[3];
     float gains[3];
     char buffer[16];
@@ -152,7 +174,7 @@ static void check_null(const struct capture *capture, pcmvs_rig *rig, pcmvs_fram
     NULL_POINTER(pcmvs_frame_error(NULL, &error, sizeof error));
     NULL_POINTER(pcmvs_frame_error(frame, NULL, sizeof error));
 
-    /* Reading results; afterwards they are still there. */
+    /* Reading results, which stay available. */
     NULL_POINTER(pcmvs_frame_get_mesh(NULL, PCMVS_MESH_KIND_FINAL, &mesh, sizeof mesh));
     NULL_POINTER(pcmvs_frame_get_mesh(frame, PCMVS_MESH_KIND_FINAL, NULL, sizeof mesh));
     NULL_POINTER(pcmvs_frame_copy_mesh(NULL, PCMVS_MESH_KIND_FINAL, PCMVS_ATTRIBUTE_POSITION, NULL, 0, 0, &count));
@@ -172,9 +194,19 @@ static void check_null(const struct capture *capture, pcmvs_rig *rig, pcmvs_fram
     NULL_POINTER(pcmvs_frame_export_mesh_to_buffer(frame, PCMVS_MESH_KIND_FINAL, NULL, NULL, 0, NULL));
     NULL_POINTER(pcmvs_frame_export_cloud(NULL, PCMVS_CLOUD_KIND_MERGED, 0, append, NULL));
     NULL_POINTER(pcmvs_frame_export_cloud(frame, PCMVS_CLOUD_KIND_MERGED, 0, NULL, NULL));
-    NULL_POINTER(pcmvs_frame_get_report(NULL, &report, sizeof report));
-    NULL_POINTER(pcmvs_frame_get_report(frame, NULL, sizeof report));
-    OK(pcmvs_frame_get_report(frame, &report, sizeof report));
+    NULL_POINTER(pcmvs_frame_get_counts(NULL, &counts, sizeof counts));
+    NULL_POINTER(pcmvs_frame_get_counts(frame, NULL, sizeof counts));
+    OK(pcmvs_frame_get_counts(frame, &counts, sizeof counts));
+    NULL_POINTER(pcmvs_frame_get_stage_report(NULL, PCMVS_STAGE_HULL, &stage, sizeof stage));
+    NULL_POINTER(pcmvs_frame_get_stage_report(frame, PCMVS_STAGE_HULL, NULL, sizeof stage));
+    OK(pcmvs_frame_get_stage_report(frame, PCMVS_STAGE_HULL, &stage, sizeof stage));
+    NULL_POINTER(pcmvs_frame_get_view_report(NULL, 0, &view_report, sizeof view_report));
+    NULL_POINTER(pcmvs_frame_get_view_report(frame, 0, NULL, sizeof view_report));
+    OK(pcmvs_frame_get_view_report(frame, 0, &view_report, sizeof view_report));
+    NULL_POINTER(pcmvs_frame_warning_count(NULL, &warnings));
+    NULL_POINTER(pcmvs_frame_warning_count(frame, NULL));
+    OK(pcmvs_frame_warning_count(frame, &warnings));
+    NULL_POINTER(pcmvs_frame_get_warning(NULL, 0, &warning, sizeof warning));
     NULL_POINTER(pcmvs_frame_copy_gains(NULL, gains, 1, 0, &count));
     NULL_POINTER(pcmvs_frame_copy_gains(frame, NULL, 1, 0, &count));
     NULL_POINTER(pcmvs_frame_copy_gains(frame, NULL, 0, 0, NULL));
@@ -183,6 +215,7 @@ static void check_null(const struct capture *capture, pcmvs_rig *rig, pcmvs_fram
     /* Making frames. */
     NULL_POINTER(pcmvs_frame_begin(NULL, NULL));
     NULL_POINTER(pcmvs_frame_view(NULL, 0, &view));
+    NULL_POINTER(pcmvs_frame_step(NULL, PCMVS_STAGE_HULL));
     NULL_POINTER(pcmvs_frame_hull(NULL));
     NULL_POINTER(pcmvs_frame_contours(NULL));
     NULL_POINTER(pcmvs_frame_coarse(NULL));
@@ -211,7 +244,7 @@ static void deallocate(void *user, void *memory, size_t size, size_t alignment) 
     free(memory);
 }
 
-/* An allocator comes first or not at all. */
+/* An allocator cannot be set after other calls. */
 static void check_late_allocator(void) {
     pcmvs_allocator allocator;
     OK(pcmvs_allocator_init(&allocator, sizeof allocator));
@@ -220,7 +253,7 @@ static void check_late_allocator(void) {
     EXPECT(pcmvs_set_allocator(&allocator), PCMVS_STATUS_WRONG_ORDER);
 }
 
-/* Handles that are none, structs of other sizes, numbers out of range, wrong order. */
+/* Invalid handles, structs of other sizes, numbers out of range, calls in the wrong order. */
 static void check_misuse(const struct capture *capture, pcmvs_rig *rig) {
     pcmvs_frame *frame = NULL, *freed;
     pcmvs_rig *empty = NULL;
@@ -228,7 +261,8 @@ static void check_misuse(const struct capture *capture, pcmvs_rig *rig) {
     pcmvs_image image;
     pcmvs_view view = capture->views[1];
     pcmvs_mesh mesh;
-    pcmvs_report report;
+    pcmvs_counts counts;
+    pcmvs_warning warning;
     pcmvs_error error;
     pcmvs_camera cameras[3];
     uint32_t count = 7;
@@ -258,6 +292,8 @@ static void check_misuse(const struct capture *capture, pcmvs_rig *rig) {
     CHECK(error.status == PCMVS_STATUS_CAMERA && error.camera == 2 && error.frame == -1 && error.stage == -1);
     cameras[2] = cameras[0];
     EXPECT(pcmvs_rig_set_cameras(empty, cameras, 3), PCMVS_STATUS_DUPLICATE_CAMERA);
+    cameras[2].reserved = 1;
+    EXPECT(pcmvs_rig_set_cameras(empty, cameras, 3), PCMVS_STATUS_INVALID_STRUCT);
     cameras[1].struct_size -= 8;
     EXPECT(pcmvs_rig_set_cameras(empty, cameras, 3), PCMVS_STATUS_INVALID_STRUCT);
     EXPECT(pcmvs_rig_set_gains(empty, gains, 3), PCMVS_STATUS_WRONG_ORDER);
@@ -271,22 +307,28 @@ static void check_misuse(const struct capture *capture, pcmvs_rig *rig) {
     OK(pcmvs_frame_new(rig, &frame));
     EXPECT(pcmvs_frame_hull(frame), PCMVS_STATUS_WRONG_ORDER);
     OK(pcmvs_frame_error(frame, &error, sizeof error));
-    CHECK(error.status == PCMVS_STATUS_WRONG_ORDER && error.camera == 0 && error.stage == PCMVS_STAGE_HULL);
+    CHECK(error.status == PCMVS_STATUS_WRONG_ORDER && error.camera == 0 && error.stage == PCMVS_STAGE_VIEWS);
+    EXPECT(pcmvs_frame_step(frame, PCMVS_STAGE_VIEWS), PCMVS_STATUS_WRONG_ORDER);
+    EXPECT(pcmvs_frame_step(frame, PCMVS_NO_STAGE), PCMVS_STATUS_INVALID_ARGUMENT);
     EXPECT(pcmvs_frame_contours(frame), PCMVS_STATUS_WRONG_ORDER);
     EXPECT(pcmvs_frame_coarse(frame), PCMVS_STATUS_WRONG_ORDER);
     EXPECT(pcmvs_frame_detect(frame, 0), PCMVS_STATUS_WRONG_ORDER);
     EXPECT(pcmvs_frame_merge(frame), PCMVS_STATUS_WRONG_ORDER);
     EXPECT(pcmvs_frame_mesh(frame), PCMVS_STATUS_WRONG_ORDER);
     EXPECT(pcmvs_frame_colour(frame), PCMVS_STATUS_WRONG_ORDER);
+    /* A frame without views has no warnings. */
+    OK(pcmvs_frame_warning_count(frame, &count));
+    CHECK(count == 0);
+    EXPECT(pcmvs_frame_get_warning(frame, 0, &warning, sizeof warning), PCMVS_STATUS_INVALID_ARGUMENT);
     memset(&mesh, 1, sizeof mesh);
     EXPECT(pcmvs_frame_get_mesh(frame, PCMVS_MESH_KIND_FINAL, &mesh, sizeof mesh), PCMVS_STATUS_WRONG_ORDER);
     EXPECT(pcmvs_frame_get_mesh(frame, 99, &mesh, sizeof mesh), PCMVS_STATUS_INVALID_ARGUMENT);
     CHECK(mesh.vertex_count == 0x01010101);
-    EXPECT(pcmvs_frame_get_report(frame, &report, sizeof report), PCMVS_STATUS_WRONG_ORDER);
+    EXPECT(pcmvs_frame_get_counts(frame, &counts, sizeof counts), PCMVS_STATUS_WRONG_ORDER);
     EXPECT(pcmvs_frame_view(frame, capture->count, &capture->views[0]), PCMVS_STATUS_INVALID_ARGUMENT);
     EXPECT(pcmvs_frame_reconstruct(frame, capture->views, capture->count - 1, NULL), PCMVS_STATUS_INVALID_ARGUMENT);
 
-    /* Structs of newer and of no version. */
+    /* Structs of a newer version and structs whose size no version has. */
     memset(&later, 0, sizeof later);
     OK(pcmvs_options_init(&later.options, sizeof later));
     CHECK(later.options.struct_size == sizeof later);
@@ -303,7 +345,7 @@ static void check_misuse(const struct capture *capture, pcmvs_rig *rig) {
     options.preset = PCMVS_PRESET_PREVIEW;
     OK(pcmvs_frame_begin(frame, &options));
 
-    /* Pictures that are not what they should be. */
+    /* Pictures that do not fit. */
     image = *view.image;
     view.image = &image;
     image.format = 99;
@@ -324,7 +366,7 @@ static void check_misuse(const struct capture *capture, pcmvs_rig *rig) {
     OK(pcmvs_frame_view(frame, 1, &view));
     freed = frame;
     OK(pcmvs_frame_free(frame));
-    /* Detected as long as nobody has reused the memory. Sanitizers see a read of freed memory here, rightly. */
+    /* Detected until the memory is reused. Sanitizers rightly report a read of freed memory here. */
 #ifndef WITHOUT_FREED_HANDLES
     EXPECT(pcmvs_frame_free(freed), PCMVS_STATUS_INVALID_HANDLE);
 #else
@@ -352,7 +394,7 @@ int main(int argc, char **argv) {
     check_null(&capture, rig, frame);
     check_misuse(&capture, rig);
     check_late_allocator();
-    /* None of it has done any harm. */
+    /* None of these calls has changed the frame's results. */
     OK(pcmvs_frame_reconstruct(frame, capture.views, capture.count, NULL));
     bytes = glb(frame);
     CHECK(same(&bytes, &expected));

@@ -1,29 +1,43 @@
-/* What frames give, in every way in which they can be made: results FOLDER (see capture.h) */
+/* Checks results of frames in every way in which they can be made. Usage: results FOLDER (see capture.h) */
 #include "capture.h"
 #include "files.h"
 
+/* Refuses a file. While the export runs, the frame can be read but not changed. */
 static int refuse(void *user, const void *data, size_t size) {
-    (void)user, (void)data, (void)size;
+    pcmvs_frame *frame = user;
+    size_t count = 0;
+    CHECK(data != NULL && size > 0);
+    OK(pcmvs_frame_copy_mesh(frame, 0, PCMVS_ATTRIBUTE_POSITION, NULL, 0, 0, &count));
+    CHECK(count > 0);
+    EXPECT(pcmvs_frame_colour(frame), PCMVS_STATUS_BUSY);
+    EXPECT(pcmvs_frame_free(frame), PCMVS_STATUS_BUSY);
     return 1;
 }
 
-/* A sink that cancels at its k-th call, and checks the order of what it is told. */
+/* A progress sink that checks the order of the calls and cancels at one of them. `place` is the stage's in the order. */
 struct sink {
     pcmvs_frame *frame;
     uint32_t calls, cancel_at;
-    uint32_t stage, done;
+    uint32_t stage, place, done;
 };
 
-static int follow(void *user, pcmvs_stage stage, uint32_t done, uint32_t total) {
+static int follow(void *user, uint32_t stage, uint32_t done, uint32_t total) {
     struct sink *sink = user;
-    CHECK(stage < PCMVS_STAGE_COUNT && done <= total && total > 0);
-    CHECK(stage > sink->stage || (stage == sink->stage && done >= sink->done));
+    uint32_t place = 0;
+    while (place < pcmvs_stage_count() && pcmvs_stage_at(place) != stage) {
+        place++;
+    }
+    CHECK(place < pcmvs_stage_count() && done <= total && total > 0);
+    CHECK(place > sink->place || (place == sink->place && done >= sink->done));
     sink->stage = stage;
+    sink->place = place;
     sink->done = done;
     if (sink->calls == 0) {
         pcmvs_error error;
         size_t count;
         EXPECT(pcmvs_frame_hull(sink->frame), PCMVS_STATUS_BUSY);
+        EXPECT(pcmvs_frame_step(sink->frame, PCMVS_STAGE_HULL), PCMVS_STATUS_BUSY);
+        EXPECT(pcmvs_frame_detect(sink->frame, 0), PCMVS_STATUS_BUSY);
         EXPECT(pcmvs_frame_free(sink->frame), PCMVS_STATUS_BUSY);
         EXPECT(pcmvs_frame_copy_mesh(sink->frame, 0, 0, NULL, 0, 0, &count), PCMVS_STATUS_BUSY);
         OK(pcmvs_frame_error(sink->frame, &error, sizeof error));
@@ -33,8 +47,7 @@ static int follow(void *user, pcmvs_stage stage, uint32_t done, uint32_t total) 
     return sink->calls == sink->cancel_at;
 }
 
-/* The call at which to cancel after k: every one, or where that would take too long with the step widening, and the last
- * two. */
+/* The call at which to cancel after call k: the next one, or with FEW_CALLS a later one, but always the last two. */
 static uint32_t next(uint32_t k, uint32_t total) {
 #ifdef FEW_CALLS
     const uint32_t wide = k + 1 + k / 8;
@@ -47,7 +60,7 @@ static uint32_t next(uint32_t k, uint32_t total) {
 
 static void check_cancel(const struct capture *capture, pcmvs_frame *frame, const struct bytes *expected) {
     pcmvs_options options;
-    struct sink sink = {frame, 0, 0, 0, 0};
+    struct sink sink = {frame, 0, 0, 0, 0, 0};
     struct bytes bytes;
     uint32_t total, k;
     pcmvs_options_init(&options, sizeof options);
@@ -77,7 +90,7 @@ static void check_cancel(const struct capture *capture, pcmvs_frame *frame, cons
     printf("cancelled at calls 1 to %u\n", total);
 }
 
-/* Runs the pieces backwards, leaves one out and runs another twice. */
+/* Runs the jobs backwards, leaves one out and runs another twice. */
 static void backwards(void *user, uint32_t count, pcmvs_job_fn run, void *job) {
     uint32_t i;
     (void)user;
@@ -106,7 +119,7 @@ static void check_stages(const struct capture *capture, pcmvs_frame *frame, cons
     OK(pcmvs_frame_merge(frame));
     EXPECT(pcmvs_frame_detect(frame, 0), PCMVS_STATUS_WRONG_ORDER);
     OK(pcmvs_frame_mesh(frame));
-    OK(pcmvs_frame_mesh(frame)); /* a stage may run again */
+    OK(pcmvs_frame_mesh(frame)); /* a stage can run again */
     OK(pcmvs_frame_colour(frame));
     bytes = glb(frame);
     CHECK(same(&bytes, expected));
@@ -117,7 +130,120 @@ static void check_stages(const struct capture *capture, pcmvs_frame *frame, cons
     free(bytes.data);
 }
 
-/* The same pictures in another form give the same bytes. */
+/* Checks that a frame has the same result as `expected`, and the same hash of every stage. */
+static void check_same(const pcmvs_frame *frame, const struct bytes *expected, const uint64_t *hashes) {
+    struct bytes bytes = glb(frame);
+    uint32_t i;
+    CHECK(same(&bytes, expected));
+    free(bytes.data);
+    for (i = 0; i < pcmvs_stage_count(); i++) {
+        pcmvs_stage_report report;
+        OK(pcmvs_frame_get_stage_report(frame, pcmvs_stage_at(i), &report, sizeof report));
+        CHECK(report.hash == hashes[i]);
+    }
+}
+
+static void begin_with_views(const struct capture *capture, pcmvs_frame *frame) {
+    uint32_t i;
+    OK(pcmvs_frame_begin(frame, NULL));
+    for (i = 0; i < capture->count; i++) {
+        OK(pcmvs_frame_view(frame, i, &capture->views[i]));
+    }
+}
+
+/* A function runs the stages before its own that have not run. A host therefore gets the same result if it does not know
+ * some stages. */
+static void check_left_out_stages(const struct capture *capture, pcmvs_frame *frame, const struct bytes *expected) {
+    uint64_t hashes[64];
+    pcmvs_stage_report report;
+    pcmvs_silhouette silhouette;
+    size_t count;
+    uint32_t i;
+    CHECK(pcmvs_stage_count() <= 64 && pcmvs_stage_at(pcmvs_stage_count()) == PCMVS_NO_STAGE);
+    OK(pcmvs_frame_reconstruct(frame, capture->views, capture->count, NULL));
+    for (i = 0; i < pcmvs_stage_count(); i++) {
+        OK(pcmvs_frame_get_stage_report(frame, pcmvs_stage_at(i), &report, sizeof report));
+        hashes[i] = report.hash;
+    }
+
+    /* One call after the views. */
+    begin_with_views(capture, frame);
+    OK(pcmvs_frame_colour(frame));
+    check_same(frame, expected, hashes);
+
+    /* Detection on the host's threads, and no other function but the last one. */
+    begin_with_views(capture, frame);
+    EXPECT(pcmvs_frame_detect(frame, 0), PCMVS_STATUS_WRONG_ORDER);
+    OK(pcmvs_frame_coarse(frame));
+    OK(pcmvs_frame_get_stage_report(frame, PCMVS_STAGE_CONTOURS, &report, sizeof report));
+    OK(pcmvs_frame_detect(frame, 1)); /* the other views are detected by the next call */
+    OK(pcmvs_frame_mesh(frame));
+    EXPECT(pcmvs_frame_get_stage_report(frame, PCMVS_STAGE_COLOUR, &report, sizeof report), PCMVS_STATUS_WRONG_ORDER);
+    OK(pcmvs_frame_colour(frame));
+    check_same(frame, expected, hashes);
+
+    /* Every stage by its number. */
+    begin_with_views(capture, frame);
+    for (i = 0; i < pcmvs_stage_count(); i++) {
+        EXPECT(pcmvs_frame_get_stage_report(frame, pcmvs_stage_at(i), &report, sizeof report), PCMVS_STATUS_WRONG_ORDER);
+        OK(pcmvs_frame_step(frame, pcmvs_stage_at(i)));
+        OK(pcmvs_frame_get_stage_report(frame, pcmvs_stage_at(i), &report, sizeof report));
+        CHECK(report.hash == hashes[i]);
+    }
+    check_same(frame, expected, hashes);
+
+    /* Running a stage again discards the stages after it. */
+    OK(pcmvs_frame_step(frame, PCMVS_STAGE_VIEWS));
+    OK(pcmvs_frame_get_silhouette(frame, 0, &silhouette, sizeof silhouette));
+    EXPECT(pcmvs_frame_copy_mesh(frame, PCMVS_MESH_KIND_HULL, PCMVS_ATTRIBUTE_POSITION, NULL, 0, 0, &count),
+           PCMVS_STATUS_WRONG_ORDER);
+    OK(pcmvs_frame_step(frame, PCMVS_STAGE_COLOUR));
+    check_same(frame, expected, hashes);
+}
+
+/* A view without a silhouette is reported and causes a warning, and so is a view in which stereo finds nothing. */
+static void check_warnings(const struct capture *capture, pcmvs_frame *frame) {
+    pcmvs_options options;
+    pcmvs_view *views = calloc(capture->count, sizeof *views);
+    pcmvs_view_report report;
+    pcmvs_warning warning;
+    pcmvs_image *black = calloc(1, sizeof *black);
+    const size_t bytes = 3 * (size_t)capture->pictures[4].width * capture->pictures[4].height;
+    unsigned char *pixels = calloc(bytes, 1);
+    uint32_t count = 7;
+    if (views == NULL || black == NULL || pixels == NULL) {
+        exit(3);
+    }
+    memcpy(views, capture->views, capture->count * sizeof *views);
+    views[2].mask = NULL;
+    *black = *views[4].image;
+    black->data = pixels;
+    views[4].image = black;
+    OK(pcmvs_options_init(&options, sizeof options));
+    OK(pcmvs_frame_reconstruct(frame, views, capture->count, &options));
+    OK(pcmvs_frame_get_view_report(frame, 2, &report, sizeof report));
+    CHECK(report.carves == 0 && report.inside == 0);
+    OK(pcmvs_frame_get_view_report(frame, 4, &report, sizeof report));
+    CHECK(report.carves == 1 && report.inside > 0 && report.detected == 0);
+    OK(pcmvs_frame_warning_count(frame, &count));
+    CHECK(count == 2);
+    OK(pcmvs_frame_get_warning(frame, 0, &warning, sizeof warning));
+    CHECK(warning.camera == 2 && strcmp(warning.code, "no-silhouette") == 0);
+    CHECK(strstr(warning.message, "camera 2") != NULL && strstr(warning.message, "mask") != NULL);
+    OK(pcmvs_frame_get_warning(frame, 1, &warning, sizeof warning));
+    CHECK(warning.camera == 4 && strcmp(warning.code, "no-stereo-points") == 0);
+    EXPECT(pcmvs_frame_get_warning(frame, 2, &warning, sizeof warning), PCMVS_STATUS_INVALID_ARGUMENT);
+    /* The hull alone does not use stereo. */
+    options.preset = PCMVS_PRESET_HULL;
+    OK(pcmvs_frame_reconstruct(frame, views, capture->count, &options));
+    OK(pcmvs_frame_warning_count(frame, &count));
+    CHECK(count == 1);
+    free(views);
+    free(black);
+    free(pixels);
+}
+
+/* The same pictures in another format give the same bytes. */
 static void check_formats(const struct capture *capture, pcmvs_frame *frame, const struct bytes *expected) {
     uint32_t n = capture->count, i, x, y;
     uint32_t width = capture->pictures[0].width, height = capture->pictures[0].height;
@@ -136,7 +262,7 @@ static void check_formats(const struct capture *capture, pcmvs_frame *frame, con
         for (y = 0; y < height; y++) {
             for (x = 0; x < width; x++) {
                 const unsigned char *from = rgb + 3 * ((size_t)y * width + x);
-                /* Rows from the bottom up. */
+                /* Rows are stored from the bottom up. */
                 unsigned char *to = bgra + (height - 1 - y) * stride + 4 * (size_t)x;
                 uint16_t wide = (uint16_t)(mask[(size_t)y * width + x] * 257);
                 to[0] = from[2], to[1] = from[1], to[2] = from[0], to[3] = (unsigned char)x;
@@ -165,21 +291,25 @@ static void check_formats(const struct capture *capture, pcmvs_frame *frame, con
     free(views);
 }
 
-static void check_outputs(const struct capture *capture, const pcmvs_rig *rig, const pcmvs_frame *frame) {
+static void check_outputs(const struct capture *capture, const pcmvs_rig *rig, pcmvs_frame *frame) {
     struct vertex {
         float position[3];
         unsigned char colour[3], alpha;
         float normal[3];
     } *vertices;
     pcmvs_mesh mesh, hull;
-    pcmvs_report report;
+    pcmvs_counts counts;
+    pcmvs_stage_report stage;
+    pcmvs_view_report view;
     pcmvs_silhouette silhouette;
     pcmvs_export_options options;
     pcmvs_point *points;
     struct bytes bytes = {NULL, 0, 0};
     uint32_t (*triangles)[3];
     double origin[3];
-    size_t count = 0, size = 0, i, detected = 0;
+    size_t count = 0, size = 0, i, k, detected = 0;
+    uint32_t warnings = 7;
+    float *gains;
     char *buffer;
 
     OK(pcmvs_frame_get_mesh(frame, PCMVS_MESH_KIND_FINAL, &mesh, sizeof mesh));
@@ -226,21 +356,44 @@ static void check_outputs(const struct capture *capture, const pcmvs_rig *rig, c
     free(vertices);
     free(triangles);
 
-    OK(pcmvs_frame_get_report(frame, &report, sizeof report));
-    CHECK(report.vertices == mesh.vertex_count && report.faces == mesh.triangle_count);
-    for (i = 0; i < PCMVS_STAGE_COUNT; i++) {
-        CHECK(report.seconds[i] > 0 && report.hashes[i] != 0);
+    OK(pcmvs_frame_get_counts(frame, &counts, sizeof counts));
+    CHECK(counts.vertices == mesh.vertex_count && counts.faces == mesh.triangle_count);
+    for (i = 0; i < pcmvs_stage_count(); i++) {
+        OK(pcmvs_frame_get_stage_report(frame, pcmvs_stage_at((uint32_t)i), &stage, sizeof stage));
+        CHECK(stage.seconds > 0 && stage.hash != 0);
     }
+    OK(pcmvs_frame_warning_count(frame, &warnings));
+    CHECK(warnings == 0);
     OK(pcmvs_frame_copy_cloud(frame, PCMVS_CLOUD_KIND_MERGED, 0, NULL, 0, 0, &count));
-    CHECK(count == report.merged);
+    CHECK(count == counts.merged);
     for (i = 0; i < capture->count; i++) {
         OK(pcmvs_frame_copy_cloud(frame, PCMVS_CLOUD_KIND_DETECTED, (uint32_t)i, NULL, 0, 0, &size));
+        OK(pcmvs_frame_get_view_report(frame, (uint32_t)i, &view, sizeof view));
+        CHECK(view.detected > 0 && view.detected + view.substituted == size);
         detected += size;
     }
+    gains = malloc(3 * capture->count * sizeof *gains);
+    if (gains == NULL) {
+        exit(3);
+    }
+    OK(pcmvs_frame_copy_gains(frame, gains, capture->count, 0, NULL));
+    for (i = 0; i < capture->count; i++) {
+        size_t pixels, inside = 0;
+        OK(pcmvs_frame_get_view_report(frame, (uint32_t)i, &view, sizeof view));
+        CHECK(memcmp(view.gains, &gains[3 * i], sizeof view.gains) == 0);
+        OK(pcmvs_frame_get_silhouette(frame, (uint32_t)i, &silhouette, sizeof silhouette));
+        pixels = (size_t)silhouette.width * silhouette.height;
+        for (k = 0; k < pixels; k++) {
+            inside += silhouette.distances[k] > 0;
+        }
+        CHECK(view.carves == 1 && view.inside > 0 && view.inside < 1);
+        CHECK(view.inside == (float)inside / (float)pixels);
+    }
+    free(gains);
     OK(pcmvs_frame_copy_cloud(frame, PCMVS_CLOUD_KIND_IMPLICIT, 0, NULL, 0, 0, &size));
-    CHECK(size == report.implicit);
+    CHECK(size == counts.implicit);
     OK(pcmvs_frame_copy_cloud(frame, PCMVS_CLOUD_KIND_FRONTIER, 0, NULL, 0, 0, &size));
-    CHECK(size == report.frontier && detected + report.frontier + report.implicit == count);
+    CHECK(size == counts.frontier && detected + counts.frontier + counts.implicit == count);
     points = malloc(count * sizeof *points);
     if (points == NULL) {
         exit(3);
@@ -272,12 +425,12 @@ static void check_outputs(const struct capture *capture, const pcmvs_rig *rig, c
     free(buffer);
     options.format = 99;
     EXPECT(pcmvs_frame_export_mesh(frame, 0, &options, append, &bytes), PCMVS_STATUS_INVALID_ARGUMENT);
-    EXPECT(pcmvs_frame_export_mesh(frame, 0, NULL, refuse, NULL), PCMVS_STATUS_WRITE_FAILED);
+    EXPECT(pcmvs_frame_export_mesh(frame, 0, NULL, refuse, frame), PCMVS_STATUS_WRITE_FAILED);
     OK(pcmvs_frame_export_cloud(frame, PCMVS_CLOUD_KIND_MERGED, 0, append, &bytes));
     free(bytes.data);
 }
 
-/* Gains that a frame has found give the same bytes when they are fixed, and others do not. */
+/* Fixing the gains that a frame estimated gives the same bytes; other gains give others. */
 static void check_gains(const struct capture *capture, pcmvs_rig *rig, const pcmvs_frame *found,
                         const struct bytes *expected) {
     pcmvs_frame *frame = NULL;
@@ -329,6 +482,8 @@ int main(int argc, char **argv) {
     check_gains(&capture, rig, frame, &expected);
     check_cancel(&capture, frame, &expected);
     check_stages(&capture, frame, &expected);
+    check_left_out_stages(&capture, frame, &expected);
+    check_warnings(&capture, frame);
     check_formats(&capture, frame, &expected);
     /* A frame outlives its rig. */
     OK(pcmvs_rig_free(rig));

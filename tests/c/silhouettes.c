@@ -1,16 +1,16 @@
-/* Pictures in NV12, and silhouettes from masks, a chroma key and a clean plate, of a scene made here: a ball before a
- * green backdrop. */
+/* Tests pictures in NV12 and silhouettes from masks, a chroma key and a clean plate. The scene is a ball in front of a green
+ * backdrop, which this program renders. */
 #include "check.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-enum { CAMERAS = 8, WIDTH = 161, HEIGHT = 121 }; /* odd: NV12's last chroma column and row serve one pixel */
+enum { CAMERAS = 8, WIDTH = 161, HEIGHT = 121 }; /* odd, so that NV12's last chroma column and row cover one pixel */
 
 static const double RADIUS = 0.8, DISTANCE = 4.0, FOCAL = 200.0;
 
-/* Everything about one camera. NV12's planes have padded rows and run from the bottom up. */
+/* The pictures of one camera. NV12's planes have padded rows, stored from the bottom up. */
 struct shot {
     unsigned char rgb[HEIGHT][WIDTH][3], plate[HEIGHT][WIDTH][3], mask[HEIGHT][WIDTH];
     unsigned char luma[HEIGHT][WIDTH + 7], chroma[(HEIGHT + 1) / 2][WIDTH + 1 + 10];
@@ -25,7 +25,7 @@ struct scene {
     pcmvs_chroma_key key;
 };
 
-/* A ring of cameras about the origin that look at it, a bit from above. */
+/* Places camera `i` on a ring around the origin, looking at it. */
 static void aim(pcmvs_camera *camera, int i) {
     const double turn = 2 * 3.14159265358979 * i / CAMERAS, tilt = i % 2 ? 0.5 : -0.3;
     const double x[3] = {-sin(turn), cos(turn), 0};
@@ -40,10 +40,10 @@ static void aim(pcmvs_camera *camera, int i) {
     memcpy(&camera->r[0], x, sizeof x);
     memcpy(&camera->r[3], y, sizeof y);
     memcpy(&camera->r[6], z, sizeof z);
-    camera->t[2] = DISTANCE; /* the origin lies on the axis */
+    camera->t[2] = DISTANCE; /* the origin is on the optical axis */
 }
 
-/* Pixels by which (x, y) is inside the ball's outline, a circle about the middle. */
+/* Distance in pixels by which (x, y) is inside the ball's outline, a circle around the centre. */
 static double inside(int x, int y) {
     const double outline = FOCAL * RADIUS / sqrt(DISTANCE * DISTANCE - RADIUS * RADIUS);
     return outline - hypot(x - (WIDTH - 1) / 2.0, y - (HEIGHT - 1) / 2.0);
@@ -71,7 +71,7 @@ static void shoot(struct shot *shot, int i) {
     }
 }
 
-/* BT.601, video range, as its definition has it: to NV12, and from it to RGB. */
+/* Converts to NV12 and back to RGB, by the definition of BT.601 with video range. */
 static void encode(struct shot *shot) {
     int x, y, k;
     memset(shot->luma, 0, sizeof shot->luma);
@@ -119,9 +119,9 @@ static void nv12(pcmvs_image *image, const struct shot *shot) {
 
 enum silhouette { MASK, CHROMA_KEY, CLEAN_PLATE };
 
-enum pictures { RGB, NV12, FROM_NV12 }; /* the last: NV12's colours as RGB */
+enum pictures { RGB, NV12, FROM_NV12 }; /* the last are NV12's colours as RGB */
 
-/* Makes the ball. */
+/* Reconstructs the ball. */
 static void reconstruct(struct scene *scene, pcmvs_frame *frame, enum pictures pictures, enum silhouette kind) {
     pcmvs_options options;
     int i;
@@ -151,7 +151,7 @@ static void reconstruct(struct scene *scene, pcmvs_frame *frame, enum pictures p
     OK(pcmvs_frame_reconstruct(frame, scene->views, CAMERAS, &options));
 }
 
-/* Every silhouette is the ball's; the largest distance from its outline, in pixels. */
+/* Checks that every silhouette is the ball's, and returns the largest error of its outline in pixels. */
 static double outline_error(const pcmvs_frame *frame) {
     double worst = 0;
     int i, x, y;
@@ -172,7 +172,7 @@ static double outline_error(const pcmvs_frame *frame) {
     return worst;
 }
 
-/* Volume that a mesh encloses. */
+/* Volume of the final mesh. */
 static double volume(const pcmvs_frame *frame) {
     pcmvs_mesh mesh;
     double sum = 0;
@@ -188,7 +188,7 @@ static double volume(const pcmvs_frame *frame) {
     return sum / 6;
 }
 
-/* What the frame says about a camera's view. The text is good until the next call of this function. */
+/* The frame's error message, which must be about a camera's view. Valid until the next call of this function. */
 static const char *view_error(const pcmvs_frame *frame, int camera) {
     static pcmvs_error error;
     OK(pcmvs_frame_error(frame, &error, sizeof error));
@@ -196,13 +196,13 @@ static const char *view_error(const pcmvs_frame *frame, int camera) {
     return error.message;
 }
 
-/* NV12 gives the mesh of the same pictures in RGB, its colours to within what rounding differs by. */
+/* NV12 gives the same mesh as the same pictures in RGB. Its colours differ only by rounding. */
 static void check_nv12(struct scene *scene, pcmvs_frame *frame, pcmvs_frame *other) {
     pcmvs_mesh a, b;
     pcmvs_view view;
     pcmvs_image image;
     uint32_t i;
-    int most = 0;
+    int largest = 0;
     double error;
     reconstruct(scene, frame, NV12, MASK);
     reconstruct(scene, other, FROM_NV12, MASK);
@@ -213,17 +213,17 @@ static void check_nv12(struct scene *scene, pcmvs_frame *frame, pcmvs_frame *oth
     CHECK(memcmp(a.triangles, b.triangles, 3 * sizeof *a.triangles * a.triangle_count) == 0);
     for (i = 0; i < 3 * a.vertex_count; i++) {
         const int difference = abs(a.colours[i] - b.colours[i]);
-        most = difference > most ? difference : most;
+        largest = difference > largest ? difference : largest;
     }
-    CHECK(most <= 2);
-    printf("NV12: %u vertices, colours differ from RGB's by up to %d of 255\n", (unsigned)a.vertex_count, most);
-    /* The key works in its colours too. */
+    CHECK(largest <= 2);
+    printf("NV12: %u vertices, colours differ from RGB's by up to %d of 255\n", (unsigned)a.vertex_count, largest);
+    /* A chroma key works with NV12 too. */
     reconstruct(scene, frame, NV12, CHROMA_KEY);
     error = outline_error(frame);
     printf("NV12 and chroma key: outlines to %.2f pixels\n", error);
-    CHECK(error < 1.3); /* four pixels share a colour */
+    CHECK(error < 1.3); /* four pixels share one colour */
 
-    /* Planes that are missing or too narrow. */
+    /* Missing planes and planes that are too narrow. */
     OK(pcmvs_frame_begin(frame, NULL));
     view = scene->views[1];
     image = *view.image;
@@ -232,11 +232,11 @@ static void check_nv12(struct scene *scene, pcmvs_frame *frame, pcmvs_frame *oth
     EXPECT(pcmvs_frame_view(frame, 1, &view), PCMVS_STATUS_NULL_POINTER);
     CHECK(strstr(view_error(frame, 1), "view.image.chroma") != NULL);
     image = *scene->views[1].image;
-    image.chroma_stride = WIDTH; /* a row has a byte more, as the width is odd */
+    image.chroma_stride = WIDTH; /* a row has one byte more, because the width is odd */
     EXPECT(pcmvs_frame_view(frame, 1, &view), PCMVS_STATUS_IMAGE);
 }
 
-/* A chroma key and a clean plate find the silhouettes that the masks give. */
+/* A chroma key and a clean plate give the same silhouettes as masks. */
 static void check_silhouettes(struct scene *scene, pcmvs_frame *frame) {
     static const char *const names[] = {"mask", "chroma key", "clean plate"};
     const double ball = 4.18879 * RADIUS * RADIUS * RADIUS;
@@ -250,11 +250,11 @@ static void check_silhouettes(struct scene *scene, pcmvs_frame *frame) {
         CHECK(errors[kind] < (kind == MASK ? 0.1 : 0.6));
         CHECK(fabs(volumes[kind] / volumes[MASK] - 1) < 0.02);
     }
-    /* The hull of a ball's outlines is a bit more than the ball. */
+    /* The hull is slightly larger than the ball. */
     CHECK(volumes[MASK] > ball && volumes[MASK] < 1.2 * ball);
 }
 
-/* Keys and plates that cannot serve are the camera's silhouette's fault. */
+/* Unusable keys and plates are reported as the camera's silhouette. */
 static void check_refusals(struct scene *scene, pcmvs_frame *frame) {
     pcmvs_view view = scene->views[3];
     pcmvs_image plate = scene->images[3][1];

@@ -1,4 +1,5 @@
-/* Frame after frame through one rig: soak FOLDER FRAMES STEADY (see capture.h). With STEADY 1 memory must not grow. */
+/* Reconstructs many frames with one handle. Usage: soak FOLDER FRAMES STEADY (see capture.h). If STEADY is 1, the program
+ * fails if memory grows. */
 #include "capture.h"
 
 static long resident_pages(void) {

@@ -1,4 +1,4 @@
-// The README's program on a folder of plain files: readme FOLDER OUT.glb (see capture.h)
+// Runs the README's program on a folder of plain files. Usage: readme FOLDER OUT.glb (see capture.h)
 #include "readme.inc"
 
 #include "capture.h"

@@ -1,7 +1,8 @@
-// Everything that threads may do at a time, for ThreadSanitizer: threads FOLDER [race] (see capture.h). Two frames of
-// one rig are made at once, each on threads of its own, while another thread reads both, all in memory of an allocator
-// that two threads try to set; with `race` two threads hand
-// the library the same memory to write to, which a sanitizer that sees into the library must find.
+// Does everything that threads may do at once, for ThreadSanitizer. Usage: threads FOLDER [race] (see capture.h).
+//
+// Two threads try to set an allocator. Then two frames of one rig are made at once, each on threads of its own, while
+// another thread reads both. With `race`, two threads instead make the library write to the same memory, which a
+// sanitizer that covers the library must find.
 #include "capture.h"
 
 #include <algorithm>
@@ -40,7 +41,7 @@ bool set_allocator() {
     return successes == 1;
 }
 
-// Two threads share the pieces.
+// Runs the jobs on two threads.
 void on_two(void *, std::uint32_t count, pcmvs_job_fn run, void *job) {
     std::atomic<std::uint32_t> next{0};
     const auto work = [&] {
@@ -53,8 +54,8 @@ void on_two(void *, std::uint32_t count, pcmvs_job_fn run, void *job) {
     other.join();
 }
 
-// Only ever called on the thread that called, so that this needs no lock.
-int count_calls(void *calls, pcmvs_stage, std::uint32_t, std::uint32_t) {
+// Called only on the thread that made the call. It needs no lock.
+int count_calls(void *calls, std::uint32_t, std::uint32_t, std::uint32_t) {
     ++*static_cast<unsigned *>(calls);
     return 0;
 }
@@ -72,7 +73,7 @@ void make(Run &run, pcmvs::Span<pcmvs_view> views) {
     options.progress = count_calls;
     options.progress_user = &run.calls;
     for (options.frame = 0; options.frame < 2; options.frame++) {
-        // Busy is what a reader that is there first makes of it.
+        // The frame is busy while the reader reads it.
         pcmvs_status status = PCMVS_STATUS_BUSY;
         while (status == PCMVS_STATUS_BUSY) {
             status = run.frame.try_reconstruct(views, &options);
@@ -81,14 +82,18 @@ void make(Run &run, pcmvs::Span<pcmvs_view> views) {
     }
 }
 
-// Gets results, or is told that there are none yet or that the frame is busy. True if all went as it may.
+// Reads results. Returns true unless something fails for another reason than that there are none yet or that the frame
+// is busy.
 bool read(const Run &run, const pcmvs::Rig &rig) {
-    pcmvs_report report;
+    pcmvs_counts counts;
+    pcmvs_view_report view;
+    std::uint32_t warnings = 0;
     std::size_t count = 0;
-    const pcmvs_status told[] = {run.frame.try_get_report(report),
-                                 pcmvs_frame_copy_mesh(run.frame.get(), 0, 0, nullptr, 0, 0, &count)};
+    const pcmvs_status results[] = {run.frame.try_get_counts(counts), run.frame.try_get_view_report(0, view),
+                                    run.frame.try_warning_count(warnings),
+                                    pcmvs_frame_copy_mesh(run.frame.get(), 0, 0, nullptr, 0, 0, &count)};
     bool good = rig.camera_count() > 0;
-    for (const pcmvs_status status : told) {
+    for (const pcmvs_status status : results) {
         good = good && (status == PCMVS_STATUS_OK || status == PCMVS_STATUS_BUSY || status == PCMVS_STATUS_WRONG_ORDER);
     }
     const pcmvs_error error = run.frame.error();

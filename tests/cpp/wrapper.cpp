@@ -1,4 +1,4 @@
-// What pcmvs.hpp adds to pcmvs.h: owners, exceptions, error values. wrapper FOLDER (see capture.h)
+// Tests what pcmvs.hpp adds to pcmvs.h: ownership, exceptions, error values. Usage: wrapper FOLDER (see capture.h)
 #include "capture.h"
 
 #include <iostream>
@@ -51,27 +51,27 @@ int main(int argc, char **argv) {
     frame.begin(&options);
     try {
         frame.colour();
-        check(false, "colour comes last");
+        check(false, "colour needs views");
     } catch (const pcmvs::Error &error) {
-        check(error.status() == PCMVS_STATUS_WRONG_ORDER, "the status says so");
-        check(error.stage() == PCMVS_STAGE_COLOUR && error.frame() == 5 && error.camera() == -1, "and the fields");
+        check(error.status() == PCMVS_STATUS_WRONG_ORDER, "the status is that of a wrong order");
+        check(error.stage() == PCMVS_STAGE_VIEWS && error.frame() == 5 && error.camera() == 0, "and so do the fields");
     }
-    check(frame.try_merge() == PCMVS_STATUS_WRONG_ORDER, "the same as a value");
-    check(frame.error().stage == PCMVS_STAGE_MERGE, "with its detail");
+    check(frame.try_merge() == PCMVS_STATUS_WRONG_ORDER, "try_merge returns the same status");
+    check(frame.error().stage == PCMVS_STAGE_VIEWS, "and the frame describes it");
 
     try {
         static_cast<void>(frame.get_mesh());
         check(false, "there is no mesh yet");
     } catch (const pcmvs::Error &error) {
-        check(error.stage() == PCMVS_STAGE_MESH && error.frame() == 5, "reading tells as much");
-        check(std::string(error.what()).find("has not run yet") != std::string::npos, "and why");
+        check(error.stage() == PCMVS_STAGE_MESH && error.frame() == 5, "a failed read has its stage and frame");
+        check(std::string(error.what()).find("has not run yet") != std::string::npos, "and its reason");
     }
     try {
         const pcmvs::Rig none;
         pcmvs::Frame of_none(none);
         check(false, "a rig without cameras has no frames");
     } catch (const pcmvs::Error &error) {
-        check(std::string(error.what()).find("pcmvs_rig_set_cameras") != std::string::npos, "the rig says why");
+        check(std::string(error.what()).find("pcmvs_rig_set_cameras") != std::string::npos, "the rig describes it");
     }
 
     frame.reconstruct(views, &options);
@@ -79,23 +79,38 @@ int main(int argc, char **argv) {
     const pcmvs::Mesh hull = frame.get_mesh(PCMVS_MESH_KIND_HULL);
     check(mesh.positions.size() == hull.positions.size() && !mesh.positions.empty(), "preset hull gives the hull");
     check(mesh.colours.size() == mesh.positions.size() && hull.colours.empty(), "with colours");
-    check(frame.get_report().vertices * 3 == mesh.positions.size(), "and a report");
+    check(frame.get_counts().vertices * 3 == mesh.positions.size(), "and counts");
+    check(frame.get_stage_report(PCMVS_STAGE_HULL).hash != 0, "and reports of stages");
+    check(frame.get_view_report(0).carves == 1 && frame.get_warnings().empty(), "and of views, without warnings");
+    auto without = capture.views[1];
+    without.mask = nullptr;
+    frame.begin(&options);
+    for (std::uint32_t i = 0; i < capture.count; i++) {
+        frame.view(i, i == 1 ? without : capture.views[i]);
+    }
+    frame.step(PCMVS_STAGE_HULL);
+    check(frame.try_step(PCMVS_NO_STAGE) == PCMVS_STATUS_INVALID_ARGUMENT, "there is no such stage");
+    const auto warnings = frame.get_warnings();
+    check(warnings.size() == 1 && warnings[0].camera == 1, "a view without a silhouette causes a warning");
+    check(std::string(warnings.at(0).code) == "no-silhouette", "with its code");
+    frame.reconstruct(views, &options);
+    const pcmvs::Mesh again = frame.get_mesh();
 
     std::size_t size = 0;
     frame.export_mesh([&](pcmvs::Span<std::byte> bytes) { size += bytes.size(); });
-    check(size > mesh.positions.size() * 4, "files have bytes");
+    check(size > again.positions.size() * 4, "files have bytes");
     try {
         frame.export_mesh([](pcmvs::Span<std::byte>) { throw std::out_of_range("full"); });
-        check(false, "exceptions pass");
+        check(false, "exceptions pass through");
     } catch (const std::out_of_range &) {
     }
     const auto full = [](pcmvs::Span<std::byte>) { throw std::out_of_range("full"); };
-    check(frame.try_export_mesh(full) == PCMVS_STATUS_WRITE_FAILED, "or become a value");
+    check(frame.try_export_mesh(full) == PCMVS_STATUS_WRITE_FAILED, "or become a status");
 
     pcmvs::Frame moved = std::move(frame);
-    check(moved.get_mesh().positions.data() == mesh.positions.data(), "moving a frame moves nothing else");
-    check(frame.try_hull() == PCMVS_STATUS_NULL_POINTER, "what was moved from is empty");
-    check(status_of([&] { frame.hull(); }) == PCMVS_STATUS_NULL_POINTER, "and says so");
+    check(moved.get_mesh().positions.data() == again.positions.data(), "moving a frame keeps its results in place");
+    check(frame.try_hull() == PCMVS_STATUS_NULL_POINTER, "an object that was moved from is empty");
+    check(status_of([&] { frame.hull(); }) == PCMVS_STATUS_NULL_POINTER, "and throws");
     rig = pcmvs::Rig();
     check(moved.try_reconstruct(views, &options) == PCMVS_STATUS_OK, "a frame outlives its rig");
     capture_free(&capture);

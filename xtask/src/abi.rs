@@ -25,7 +25,7 @@ fn abi() -> String {
 /// Name of the static library.
 const STATIC: &str = if cfg!(target_env = "msvc") { "pcmvs.lib" } else { "libpcmvs.a" };
 
-/// Name of the shared library as it is built.
+/// Name of the shared library as cargo builds it.
 fn shared() -> String {
     format!("{DLL_PREFIX}pcmvs{DLL_SUFFIX}")
 }
@@ -54,7 +54,7 @@ pub fn install(prefix: &Path) -> Result<()> {
         copy(root().join("include").join(header), include.join(header))?;
     }
     let built = target().join("release");
-    // Only ELF libraries have their version in their names.
+    // Only ELF libraries have the version in their names.
     let versioned = if cfg!(target_os = "linux") { format!("{}.{VERSION}", shared()) } else { shared() };
     copy(built.join(STATIC), lib.join(STATIC))?;
     copy(built.join(shared()), lib.join(&versioned))?;

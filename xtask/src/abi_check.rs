@@ -26,10 +26,10 @@ pub const NEEDS: [Need; 7] = [
     Need::Debian(("libopencv-dev", "/usr/include/opencv4/opencv2/opencv.hpp")),
 ];
 
-/// All checks of the C library.
+/// Runs all checks of the C library.
 pub fn check(steps: &mut Steps) -> Result<()> {
     steps.step_with(&NEEDS, "C: tools", || NEEDS.iter().try_for_each(|need| need.install()).map(passed))?;
-    steps.step_with(&NEEDS, "C: tests, the long ones too", || {
+    steps.step_with(&NEEDS, "C: tests, including the long ones", || {
         run(cargo("test --quiet -p pcmvs-ffi -- --include-ignored").env("PCMVS_ALL_TOOLS", "1")).map(passed)
     })?;
     steps.step_with(&NEEDS[..4], "C: installed, moved and linked", || consumers().map(Outcome::Passed))?;
@@ -38,7 +38,7 @@ pub fn check(steps: &mut Steps) -> Result<()> {
         let printed = run(&mut cargo("run --quiet --release -p facts --example gaps"))?;
         Ok(Outcome::Passed(printed.split_whitespace().collect::<Vec<_>>().join(" ").replace(" ms", " ms,")))
     })?;
-    steps.step("C: cost over Rust below 1 %", || {
+    steps.step("C: overhead over Rust below 1 %", || {
         let printed = run(&mut cargo("run --quiet --release -p pcmvs-ffi --example measure -- 6 96 72 40"))?;
         Ok(Outcome::Passed(printed.lines().next().unwrap_or_default().to_owned()))
     })
@@ -142,7 +142,7 @@ fn threads() -> Result<Outcome> {
     run(program(&threads, "").arg(&plain))?;
     match run(program(&threads, "").arg(&plain).arg("race")) {
         Err(found) if found.contains("data race") && found.contains("pcmvs_rig_camera_count") => {
-            Ok(Outcome::Passed("2 programs without a race, 1 with".to_owned()))
+            Ok(Outcome::Passed("no race in 2 programs, the deliberate race found".to_owned()))
         }
         _ => Err("ThreadSanitizer does not see a race inside the library".to_owned()),
     }

@@ -1,5 +1,5 @@
 //! A small capture, and programs in C and C++ built against the library under test.
-#![allow(dead_code, reason = "each test uses its part")]
+#![allow(dead_code, reason = "each test uses a part")]
 
 mod plain;
 
@@ -22,13 +22,13 @@ pub fn libraries() -> PathBuf {
     env::current_exe().unwrap().parent().unwrap().to_owned()
 }
 
-/// Name by which programs ask for the shared library.
+/// Name by which programs load the shared library.
 pub fn soname() -> String {
     format!("libpcmvs.so.{}.{}", env!("CARGO_PKG_VERSION_MAJOR"), env!("CARGO_PKG_VERSION_MINOR"))
 }
 
-/// Whether a program is installed. If it is not, the test skips what needs it and this prints so. With
-/// `PCMVS_ALL_TOOLS=1`, as `cargo xtask test --all` sets it, a missing program is a failure.
+/// Whether a program is installed. If it is not, the test skips the checks that need it, and this prints so. With
+/// `PCMVS_ALL_TOOLS=1`, which `cargo xtask test --all` sets, a missing program is a failure.
 pub fn has(program: &str) -> bool {
     let found = Command::new(program).arg("--version").output().is_ok_and(|o| o.status.success());
     assert!(found || env::var_os("PCMVS_ALL_TOOLS").is_none(), "{program} is not installed");
@@ -65,7 +65,7 @@ pub enum Link {
 pub const C99: &[&str] = &["cc", "-std=c99"];
 pub const CPP17: &[&str] = &["c++", "-std=c++17", "-pthread"];
 
-/// Builds a program in a folder: strict warnings are errors.
+/// Builds a program in a folder. Warnings are errors.
 pub fn build(folder: &Path, compiler: &[&str], source: &str, link: Link) -> PathBuf {
     let source = root().join(source);
     let program = folder.join(source.file_stem().unwrap());
@@ -94,7 +94,7 @@ pub fn output<A: AsRef<OsStr>>(program: &Path, arguments: impl IntoIterator<Item
     String::from_utf8(run(Command::new(program).args(arguments)).stdout).unwrap()
 }
 
-/// A capture in both forms: a scene for the command line, and `plain` for the examples in C.
+/// A capture in two forms: a scene for the command line, and plain files for the examples in C.
 pub struct Sample {
     pub folder: TempDir,
 }

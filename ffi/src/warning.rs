@@ -1,0 +1,75 @@
+//! A frame's warnings.
+
+use crate::{
+    boundary::out,
+    error::PCMVS_MESSAGE_SIZE,
+    failure::Failure,
+    frame::{pcmvs_frame, shared},
+    sized::{Growing, write},
+    status::pcmvs_status::{self, InvalidArgument},
+    text::text,
+    work::Work,
+};
+use std::ffi::c_char;
+
+/// Size of a warning's code in bytes, with its final zero.
+pub const PCMVS_CODE_SIZE: usize = 32;
+
+/// Something in a frame that may make its result worse although no call failed.
+#[repr(C)]
+#[derive(Debug, Clone, Copy)]
+pub struct pcmvs_warning {
+    /// Index of the camera that the warning is about. -1 if it is not about one camera.
+    pub camera: i32,
+    /// Zero.
+    pub reserved: u32,
+    /// The kind of warning, such as "no-silhouette" or "no-stereo-points". A code never changes; later versions may add
+    /// codes. ASCII with a final zero.
+    pub code: [c_char; PCMVS_CODE_SIZE],
+    /// What is wrong and what to do about it, in English. UTF-8 with a final zero.
+    pub message: [c_char; PCMVS_MESSAGE_SIZE],
+}
+
+impl Growing for pcmvs_warning {
+    const FIRST_SIZE: usize = 8 + PCMVS_CODE_SIZE + PCMVS_MESSAGE_SIZE;
+}
+
+/// Returns the number of warnings about the stages that are complete.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn pcmvs_frame_warning_count(frame: *const pcmvs_frame, count: *mut u32) -> pcmvs_status {
+    let get = |work: &Work| {
+        let count = out(count, "count")?;
+        // SAFETY: the caller's promise.
+        unsafe { count.write(work.frame.warnings().count() as u32) };
+        Ok(())
+    };
+    // SAFETY: the caller's promise.
+    unsafe { shared(frame, get) }
+}
+
+/// Returns a warning. `index` is less than `pcmvs_frame_warning_count`; warnings come in the order of the stages, then of
+/// the cameras. `size` is `sizeof *warning`.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn pcmvs_frame_get_warning(
+    frame: *const pcmvs_frame,
+    index: u32,
+    warning: *mut pcmvs_warning,
+    size: usize,
+) -> pcmvs_status {
+    let get = |work: &Work| {
+        let found = work.frame.warnings().nth(index as usize).ok_or_else(|| {
+            let count = work.frame.warnings().count();
+            Failure::new(InvalidArgument, format!("there is no warning {index}: the frame has {count}"))
+        })?;
+        let found = pcmvs_warning {
+            camera: found.camera().map_or(-1, |camera| camera as i32),
+            reserved: 0,
+            code: text(found.code()),
+            message: text(&found),
+        };
+        // SAFETY: the caller's promise.
+        unsafe { write(warning, size, &found, "warning") }
+    };
+    // SAFETY: the caller's promise.
+    unsafe { shared(frame, get) }
+}

@@ -1,0 +1,95 @@
+//! What the lock of a frame's handle protects, in safe Rust.
+
+use crate::{
+    clock::Clock,
+    failure::{Failure, Result},
+    options::pcmvs_options,
+};
+use pcmvs_core::{
+    Frame, Memory, Rig, Stage, ViewInput,
+    frame::{ORDER, position},
+};
+use std::{mem::replace, sync::Arc};
+
+/// A frame of the core, and what the host has set for it.
+pub(crate) struct Work {
+    options: pcmvs_options,
+    pub frame: Frame<Arc<Rig>>,
+    pub clock: Clock,
+}
+
+// SAFETY: the raw pointers in `options` are the host's, which lets them be used on every thread that calls.
+unsafe impl Send for Work {}
+// SAFETY: as above.
+unsafe impl Sync for Work {}
+
+impl Work {
+    pub fn new(rig: Arc<Rig>, options: pcmvs_options) -> Result<Self> {
+        Ok(Self { options, frame: Frame::new(rig, options.params()?, options.memory()), clock: Clock::default() })
+    }
+
+    /// Begins the next frame. It takes over the working memory of the last one if both keep it. On failure nothing
+    /// changes.
+    pub fn restart(&mut self, options: pcmvs_options) -> Result<()> {
+        let params = options.params()?;
+        let rig = Arc::clone(self.frame.rig());
+        let memory = if options.keeps_memory() && self.options.keeps_memory() {
+            let empty = Frame::new(Arc::clone(&rig), params, Memory::default());
+            replace(&mut self.frame, empty).recycle()
+        } else {
+            options.memory()
+        };
+        *self = Self { options, frame: Frame::new(rig, params, memory), clock: Clock::default() };
+        Ok(())
+    }
+
+    /// Begins the same frame again.
+    pub fn reset(&mut self) -> Result<()> {
+        self.restart(self.options)
+    }
+
+    /// Fails unless a stage is complete.
+    pub fn require(&self, stage: Stage) -> Result<()> {
+        self.frame.require(stage).map_err(at(stage))
+    }
+
+    /// Reads the views, one per camera, and runs all stages.
+    pub fn run_all(&mut self, inputs: &[ViewInput]) -> Result<()> {
+        let progress = self.options.progress(&self.clock);
+        let result = self.frame.run_all(inputs, &self.options.threads(), &progress);
+        // Before the first stage starts, only its own requirements are checked.
+        result.map_err(|error| at(progress.stage().unwrap_or(ORDER[0]))(error))
+    }
+
+    /// Runs the stages from `first` to `last`, and before them those that have not run yet.
+    pub fn run(&mut self, first: Stage, last: Stage) -> Result<()> {
+        let progress = self.options.progress(&self.clock);
+        let complete = ORDER.iter().take_while(|&&stage| self.frame.require(stage).is_ok()).count();
+        for &stage in &ORDER[complete.min(position(first))..=position(last)] {
+            self.frame.step(stage, &self.options.threads(), &progress).map_err(at(stage))?;
+        }
+        Ok(())
+    }
+
+    /// Reads the view of one camera.
+    pub fn view(&self, camera: u32, input: &ViewInput) -> Result<()> {
+        let progress = self.options.progress(&self.clock);
+        self.frame.view(camera as usize, input, &progress).map_err(at(Stage::Views))
+    }
+
+    /// Detects the points of one view.
+    pub fn detect(&self, camera: u32) -> Result<()> {
+        let progress = self.options.progress(&self.clock);
+        self.frame.detect(camera as usize, &progress).map_err(at(Stage::Detect))
+    }
+
+    /// Place of a camera in the rig's order, for a result of a stage.
+    pub fn place(&self, camera: u32, stage: Stage) -> Result<usize> {
+        self.frame.place(camera as usize).map_err(at(stage))
+    }
+}
+
+/// The failure of a stage.
+fn at(stage: Stage) -> impl Fn(pcmvs_core::Error) -> Failure {
+    move |error| Failure::from(error).at(stage)
+}
