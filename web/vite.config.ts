@@ -1,5 +1,5 @@
-import { fileURLToPath } from "node:url";
 import { readFileSync } from "node:fs";
+import { fileURLToPath } from "node:url";
 import { defineConfig } from "vite";
 
 const { version } = JSON.parse(readFileSync(new URL("../wasm/pkg/package.json", import.meta.url), "utf8"));

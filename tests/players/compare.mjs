@@ -4,15 +4,24 @@ import { PNG } from "pngjs";
 /** Our own picture: its mask is what is not transparent. */
 export function ours(png) {
     const { width, data } = PNG.sync.read(png);
-    return { width, rgb: (i, k) => data[4 * i + k], mask: Array.from({ length: data.length / 4 }, (_, i) => data[4 * i + 3] > 0) };
+    return {
+        width,
+        rgb: (i, k) => data[4 * i + k],
+        mask: Array.from({ length: data.length / 4 }, (_, i) => data[4 * i + 3] > 0),
+    };
 }
 
 /** A player's picture from what it shows on black and on white: their difference is how much of the page's background
     is left. At least half of a pixel in the mask is mesh. */
 export function shown(onBlack, onWhite) {
     const [{ width, data: black }, { data: white }] = [onBlack, onWhite].map((png) => PNG.sync.read(png));
-    const left = (i) => white[4 * i] - black[4 * i] + white[4 * i + 1] - black[4 * i + 1] + white[4 * i + 2] - black[4 * i + 2];
-    return { width, rgb: (i, k) => black[4 * i + k], mask: Array.from({ length: black.length / 4 }, (_, i) => left(i) <= (3 * 255) / 2) };
+    const left = (i) =>
+        white[4 * i] - black[4 * i] + white[4 * i + 1] - black[4 * i + 1] + white[4 * i + 2] - black[4 * i + 2];
+    return {
+        width,
+        rgb: (i, k) => black[4 * i + k],
+        mask: Array.from({ length: black.length / 4 }, (_, i) => left(i) <= (3 * 255) / 2),
+    };
 }
 
 /** A player's picture on pure green, which no mesh of ours has; edges are less exact than those of `shown`. */
@@ -43,5 +52,8 @@ export function psnr(a, b) {
 
 /** The mask upside down, and left for right. */
 export function flipped({ width, mask }) {
-    return [{ mask: mask.map((_, i) => mask[mask.length - width - i + 2 * (i % width)]) }, { mask: mask.map((_, i) => mask[i - 2 * (i % width) + width - 1]) }];
+    return [
+        { mask: mask.map((_, i) => mask[mask.length - width - i + 2 * (i % width)]) },
+        { mask: mask.map((_, i) => mask[i - 2 * (i % width) + width - 1]) },
+    ];
 }

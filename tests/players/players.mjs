@@ -42,16 +42,19 @@ async function measure(browser, address, player) {
     }
     await see("#0f0");
     // One frame after the other, as fast as they come, for as long as it is looked at.
-    const playing = page.evaluate(async ([urls, up]) => {
-        const times = [];
-        for (let i = 0; !window.looked; i++) {
-            const start = performance.now();
-            await window.player.show(`/clip/${urls[i % urls.length]}`, up);
-            times.push(performance.now() - start);
-            await new Promise(requestAnimationFrame);
-        }
-        return times.sort((a, b) => a - b);
-    }, [clip.frames.map(({ url }) => url), clip.up]);
+    const playing = page.evaluate(
+        async ([urls, up]) => {
+            const times = [];
+            for (let i = 0; !window.looked; i++) {
+                const start = performance.now();
+                await window.player.show(`/clip/${urls[i % urls.length]}`, up);
+                times.push(performance.now() - start);
+                await new Promise(requestAnimationFrame);
+            }
+            return times.sort((a, b) => a - b);
+        },
+        [clip.frames.map(({ url }) => url), clip.up],
+    );
     const seen = new Set();
     for (let i = 0; i < LOOKS; i++) {
         const look = onGreen(await see("#0f0"));
@@ -71,12 +74,17 @@ function shortcomings({ overlap, psnr, mirrored, looks, frames, problems }) {
     if (!(overlap >= OVERLAP)) wrong.push(`silhouettes overlap by ${overlap.toFixed(3)}, not ${OVERLAP}`);
     if (!(psnr >= PSNR)) wrong.push(`colours are at ${psnr.toFixed(1)} dB, not ${PSNR}`);
     if (!(mirrored < OVERLAP)) wrong.push("the mesh is its own mirror image: nothing is said about where up is");
-    if (!(looks >= OVERLAP)) wrong.push(`while the clip plays, a look overlaps no frame by more than ${looks.toFixed(3)}`);
+    if (!(looks >= OVERLAP))
+        wrong.push(`while the clip plays, a look overlaps no frame by more than ${looks.toFixed(3)}`);
     if (clip.frames.length > 1 && frames < 2) wrong.push("the clip stands still");
     return wrong;
 }
 
-const server = await serve({ "/": here("page"), "/node_modules/": here("node_modules"), "/clip/": join(folder, "clip") });
+const server = await serve({
+    "/": here("page"),
+    "/node_modules/": here("node_modules"),
+    "/clip/": join(folder, "clip"),
+});
 const browser = await launch();
 try {
     for (const player of Object.keys(PACKAGES)) {

@@ -7,13 +7,21 @@ import { dist, drive, launch, openPage, run, serve, text, view } from "./site.mj
 
 const AXE = createRequire(import.meta.url).resolve("axe-core/axe.min.js");
 const PHONE = { viewport: { width: 390, height: 844 }, hasTouch: true, isMobile: true };
-const { open, openWith } = drive();
+const { openWith } = drive();
 
 /** What axe finds wrong, in words. */
 async function violations(page) {
     await page.addScriptTag({ path: AXE });
     const found = await page.evaluate(() => axe.run(document, { resultTypes: ["violations"] }));
-    return found.violations.flatMap(({ id, help, nodes }) => nodes.map((node) => `${id}: ${help}: ${node.target} ${node.any.concat(node.all).map((check) => check.message).join("; ")}`));
+    return found.violations.flatMap(({ id, help, nodes }) =>
+        nodes.map(
+            (node) =>
+                `${id}: ${help}: ${node.target} ${node.any
+                    .concat(node.all)
+                    .map((check) => check.message)
+                    .join("; ")}`,
+        ),
+    );
 }
 
 for (const colorScheme of ["dark", "light"]) {
@@ -28,12 +36,19 @@ for (const colorScheme of ["dark", "light"]) {
             await shot(`${device}-${colorScheme}-through`);
             found.through = await violations(page);
             await page.click("#through-leave");
-            await page.setInputFiles("#file-input", { name: "a.zip", mimeType: "application/zip", buffer: Buffer.from("none") });
+            await page.setInputFiles("#file-input", {
+                name: "a.zip",
+                mimeType: "application/zip",
+                buffer: Buffer.from("none"),
+            });
             await page.waitForFunction(() => document.getElementById("errors").childElementCount > 0);
             await shot(`${device}-${colorScheme}-error`);
             found.error = await violations(page);
             assert.deepEqual(found, { ready: [], through: [], error: [] });
-            assert.ok(await page.evaluate(() => document.documentElement.scrollWidth <= innerWidth), "it scrolls sideways");
+            assert.ok(
+                await page.evaluate(() => document.documentElement.scrollWidth <= innerWidth),
+                "it scrolls sideways",
+            );
             assert.deepEqual(problems, []);
         });
     }
@@ -51,17 +66,42 @@ test("the keyboard reaches every control, and each shows that it has the focus",
             const element = document.activeElement;
             if (!element || element === document.body) return null;
             // Controls that are drawn by something else show the focus there.
-            const places = [element, element.nextElementSibling, element.closest("#timeline")].filter((e) => e !== null);
-            return { name: element.id || element.value || element.textContent, shown: places.some((e) => getComputedStyle(e).outlineStyle !== "none") };
+            const places = [element, element.nextElementSibling, element.closest("#timeline")].filter(
+                (e) => e !== null,
+            );
+            return {
+                name: element.id || element.value || element.textContent,
+                shown: places.some((e) => getComputedStyle(e).outlineStyle !== "none"),
+            };
         });
         if (focused === null) break;
         seen.push(focused);
         await page.keyboard.press("Tab");
     }
-    assert.deepEqual(seen.filter(({ shown }) => !shown), []);
+    assert.deepEqual(
+        seen.filter(({ shown }) => !shown),
+        [],
+    );
     const names = seen.map(({ name }) => name);
-    for (const id of ["canvas", "play", "scrub", "speed", "loop", "pick-folder", "views", "run", "wireframe", "export-glb", "mesh", "colour"]) assert.ok(names.includes(id), `${id} is not among ${names}`);
-    assert.ok(names.some((name) => name.startsWith("cam")), "no camera is reached");
+    for (const id of [
+        "canvas",
+        "play",
+        "scrub",
+        "speed",
+        "loop",
+        "pick-folder",
+        "views",
+        "run",
+        "wireframe",
+        "export-glb",
+        "mesh",
+        "colour",
+    ])
+        assert.ok(names.includes(id), `${id} is not among ${names}`);
+    assert.ok(
+        names.some((name) => name.startsWith("cam")),
+        "no camera is reached",
+    );
 });
 
 test("keys turn, zoom, step, play, change speed and loop", async (t) => {
@@ -99,7 +139,10 @@ test("fingers turn and zoom, on a phone", async (t) => {
     await shot("phone-done");
     const client = await page.context().newCDPSession(page);
     const touch = async (type, points) => {
-        await client.send("Input.dispatchTouchEvent", { type, touchPoints: points.map(([x, y], id) => ({ x, y, id })) });
+        await client.send("Input.dispatchTouchEvent", {
+            type,
+            touchPoints: points.map(([x, y], id) => ({ x, y, id })),
+        });
         await page.waitForTimeout(30);
     };
     const gesture = async (...steps) => {
@@ -112,7 +155,20 @@ test("fingers turn and zoom, on a phone", async (t) => {
         assert.notEqual(await view(page), before);
     };
     await gesture([[120, 250]], [[170, 250]], [[240, 260]]);
-    await gesture([[150, 250], [240, 250]], [[120, 250], [270, 250]], [[80, 250], [310, 250]]);
+    await gesture(
+        [
+            [150, 250],
+            [240, 250],
+        ],
+        [
+            [120, 250],
+            [270, 250],
+        ],
+        [
+            [80, 250],
+            [310, 250],
+        ],
+    );
     assert.deepEqual(problems, []);
 });
 
@@ -129,5 +185,8 @@ test("it works without a network once it was loaded", async (t) => {
     await page.context().setOffline(true);
     await page.reload();
     await page.waitForFunction(() => document.body.dataset.preset === "sketch", undefined, { timeout: 60_000 });
-    assert.deepEqual(problems.filter((p) => !p.includes("ERR_INTERNET_DISCONNECTED")), []);
+    assert.deepEqual(
+        problems.filter((p) => !p.includes("ERR_INTERNET_DISCONNECTED")),
+        [],
+    );
 });

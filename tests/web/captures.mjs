@@ -14,7 +14,8 @@ export function capture(frames = [0], change = () => {}) {
     const to = folder();
     const copy = structuredClone(scene);
     copy.frames = frames.map((i) => copy.frames[i]);
-    for (const path of copy.frames.flatMap((frame) => [...frame.images, ...frame.masks])) cpSync(join(sample, path), join(to, path));
+    for (const path of copy.frames.flatMap((frame) => [...frame.images, ...frame.masks]))
+        cpSync(join(sample, path), join(to, path));
     change(copy, to);
     writeFileSync(join(to, "scene.json"), JSON.stringify(copy));
     return to;
@@ -40,8 +41,14 @@ export function colmap() {
     const to = folder();
     pictures(to);
     mkdirSync(join(to, "sparse"));
-    const cameras = scene.cameras.map((c, i) => `${i + 1} PINHOLE ${c.width} ${c.height} ${c.K[0][0]} ${c.K[1][1]} ${c.K[0][2] + 0.5} ${c.K[1][2] + 0.5}`);
-    const images = scene.cameras.flatMap((c, i) => [`${i + 1} ${quaternion(c.R).join(" ")} ${c.t.join(" ")} ${i + 1} ${c.name}.jpg`, ""]);
+    const cameras = scene.cameras.map(
+        (c, i) =>
+            `${i + 1} PINHOLE ${c.width} ${c.height} ${c.K[0][0]} ${c.K[1][1]} ${c.K[0][2] + 0.5} ${c.K[1][2] + 0.5}`,
+    );
+    const images = scene.cameras.flatMap((c, i) => [
+        `${i + 1} ${quaternion(c.R).join(" ")} ${c.t.join(" ")} ${i + 1} ${c.name}.jpg`,
+        "",
+    ]);
     writeFileSync(join(to, "sparse/cameras.txt"), ["# cameras", ...cameras, ""].join("\n"));
     writeFileSync(join(to, "sparse/images.txt"), ["# images", ...images, ""].join("\n"));
     return to;
@@ -54,7 +61,16 @@ export function transforms() {
         const back = [0, 1, 2].map((i) => [0, 1, 2].map((j) => c.R[j][i]));
         const centre = back.map((row) => -row.reduce((sum, v, j) => sum + v * c.t[j], 0));
         const rows = back.map((row, i) => [row[0], -row[1], -row[2], centre[i]]);
-        return { file_path: `./images/${c.name}.jpg`, fl_x: c.K[0][0], fl_y: c.K[1][1], cx: c.K[0][2] + 0.5, cy: c.K[1][2] + 0.5, w: c.width, h: c.height, transform_matrix: [...rows, [0, 0, 0, 1]] };
+        return {
+            file_path: `./images/${c.name}.jpg`,
+            fl_x: c.K[0][0],
+            fl_y: c.K[1][1],
+            cx: c.K[0][2] + 0.5,
+            cy: c.K[1][2] + 0.5,
+            w: c.width,
+            h: c.height,
+            transform_matrix: [...rows, [0, 0, 0, 1]],
+        };
     });
     writeFileSync(join(to, "transforms.json"), JSON.stringify({ camera_model: "PINHOLE", frames }));
     return to;
@@ -63,9 +79,16 @@ export function transforms() {
 export function opencv() {
     const to = folder();
     pictures(to);
-    const matrix = (rows) => `!!opencv-matrix\n   rows: ${rows.length}\n   cols: ${rows[0].length}\n   dt: d\n   data: [ ${rows.flat().join(", ")} ]`;
+    const matrix = (rows) =>
+        `!!opencv-matrix\n   rows: ${rows.length}\n   cols: ${rows[0].length}\n   dt: d\n   data: [ ${rows.flat().join(", ")} ]`;
     for (const c of scene.cameras) {
-        const lines = [`camera_matrix: ${matrix(c.K)}`, `R: ${matrix(c.R)}`, `T: ${matrix(c.t.map((v) => [v]))}`, `image_width: ${c.width}`, `image_height: ${c.height}`];
+        const lines = [
+            `camera_matrix: ${matrix(c.K)}`,
+            `R: ${matrix(c.R)}`,
+            `T: ${matrix(c.t.map((v) => [v]))}`,
+            `image_width: ${c.width}`,
+            `image_height: ${c.height}`,
+        ];
         writeFileSync(join(to, `${c.name}.yml`), ["%YAML:1.0", "---", ...lines, ""].join("\n"));
     }
     return to;
@@ -74,7 +97,12 @@ export function opencv() {
 /** A folder as a zip, its entries compressed. */
 export function zipped(source) {
     const to = join(folder(), "capture.zip");
-    execFileSync("python3", ["-c", "import shutil,sys\nshutil.make_archive(sys.argv[1][:-4],'zip',sys.argv[2])", to, source]);
+    execFileSync("python3", [
+        "-c",
+        "import shutil,sys\nshutil.make_archive(sys.argv[1][:-4],'zip',sys.argv[2])",
+        to,
+        source,
+    ]);
     return to;
 }
 

@@ -16,13 +16,18 @@ export async function longestTask(browser, work) {
     const client = await browser.newBrowserCDPSession();
     const events = [];
     client.on("Tracing.dataCollected", ({ value }) => events.push(...value));
-    await client.send("Tracing.start", { transferMode: "ReportEvents", traceConfig: { includedCategories: ["toplevel", "__metadata"] } });
+    await client.send("Tracing.start", {
+        transferMode: "ReportEvents",
+        traceConfig: { includedCategories: ["toplevel", "__metadata"] },
+    });
     await work();
     const complete = new Promise((done) => client.once("Tracing.tracingComplete", done));
     await client.send("Tracing.end");
     await complete;
     const thread = (event) => `${event.pid} ${event.tid}`;
-    const mains = new Set(events.filter((e) => e.name === "thread_name" && e.args.name === "CrRendererMain").map(thread));
+    const mains = new Set(
+        events.filter((e) => e.name === "thread_name" && e.args.name === "CrRendererMain").map(thread),
+    );
     const tasks = events.filter((e) => e.name.endsWith("RunTask") && e.tdur !== undefined);
     const each = [...mains].map((main) => tasks.filter((e) => thread(e) === main));
     // Chromium keeps a process in reserve: the page's is the one that works.
@@ -36,7 +41,12 @@ export async function longestTask(browser, work) {
 export async function sampleSeconds(browser, address) {
     const { page } = await openPage(browser, address);
     await ended(page);
-    const seconds = await page.evaluate(() => [...["sketch", "preview", "default"].map((p) => performance.getEntriesByName(`shown-${p}`)[0].startTime), performance.now()].map((ms) => ms / 1000));
+    const seconds = await page.evaluate(() =>
+        [
+            ...["sketch", "preview", "default"].map((p) => performance.getEntriesByName(`shown-${p}`)[0].startTime),
+            performance.now(),
+        ].map((ms) => ms / 1000),
+    );
     await page.context().close();
     const [hull, preview, best, clip] = seconds;
     return { hull, preview, best, clip };
@@ -45,7 +55,10 @@ export async function sampleSeconds(browser, address) {
 /** A capture of 20 views of 1024 x 768 from the studio. */
 export function large() {
     const scene = fileURLToPath(new URL("../../target/large-scene", import.meta.url));
-    if (!existsSync(join(scene, "scene.json"))) execFileSync(process.env.STUDIO, ["--output", scene, "--views", "20", "--size", "1024x768", "--frames", "1"], { stdio: "ignore" });
+    if (!existsSync(join(scene, "scene.json")))
+        execFileSync(process.env.STUDIO, ["--output", scene, "--views", "20", "--size", "1024x768", "--frames", "1"], {
+            stdio: "ignore",
+        });
     return scene;
 }
 
@@ -60,7 +73,11 @@ export async function frameSeconds(browser, address, scene) {
     await page.click("#cancel");
     await openFolder(page, scene);
     // Thumbnails use a processor, too: not what is measured.
-    await page.waitForFunction(() => [...document.querySelectorAll("#strip canvas")].every((c) => c.width !== 300), undefined, { timeout: 60_000 });
+    await page.waitForFunction(
+        () => [...document.querySelectorAll("#strip canvas")].every((c) => c.width !== 300),
+        undefined,
+        { timeout: 60_000 },
+    );
     start = performance.now();
     await run(page);
     const all = (performance.now() - start) / 1000;
@@ -83,7 +100,8 @@ export async function memory(browser, address) {
         await client.send("HeapProfiler.collectGarbage");
         await page.waitForTimeout(1000);
         const { processInfo } = await system.send("SystemInfo.getProcessInfo");
-        const resident = ({ id }) => Number(/VmRSS:\s+(\d+)/.exec(readFileSync(`/proc/${id}/status`, "utf8"))[1]) * 1024;
+        const resident = ({ id }) =>
+            Number(/VmRSS:\s+(\d+)/.exec(readFileSync(`/proc/${id}/status`, "utf8"))[1]) * 1024;
         return processInfo.reduce((sum, one) => sum + resident(one), 0);
     };
     const seen = [];

@@ -12,7 +12,8 @@ const { open, openWith } = drive();
 async function dropFiles(page, files) {
     const client = await page.context().newCDPSession(page);
     const data = { items: [], files, dragOperationsMask: 1 };
-    for (const type of ["dragEnter", "dragOver", "drop"]) await client.send("Input.dispatchDragEvent", { type, x: 300, y: 300, data });
+    for (const type of ["dragEnter", "dragOver", "drop"])
+        await client.send("Input.dispatchDragEvent", { type, x: 300, y: 300, data });
 }
 
 test("a folder, a zip and GLBs dropped open", async (t) => {
@@ -26,7 +27,12 @@ test("a folder, a zip and GLBs dropped open", async (t) => {
     const glb = join(out, "frame_0000.glb");
     for (const dropped of [source, zip]) {
         await dropFiles(page, [dropped]);
-        await page.waitForFunction((name) => document.getElementById("name").textContent === name && /^Ready/.test(document.getElementById("status").textContent), basename(dropped));
+        await page.waitForFunction(
+            (name) =>
+                document.getElementById("name").textContent === name &&
+                /^Ready/.test(document.getElementById("status").textContent),
+            basename(dropped),
+        );
         assert.match(await text(page, "summary"), /^20 cameras of 512 × 384, 1 frame, with masks/);
     }
     await page.selectOption("#preset", "hull");
@@ -57,24 +63,39 @@ for (const [name, make] of Object.entries({ middlebury, colmap, transforms, open
 test("what is wrong is told, and the page lives on", async (t) => {
     const { page, problems, shot } = await openWith(t, capture([0]));
     const told = async (pattern, name) => {
-        await page.waitForFunction(() => document.getElementById("errors").childElementCount > 0, undefined, { timeout: 60_000 });
+        await page.waitForFunction(() => document.getElementById("errors").childElementCount > 0, undefined, {
+            timeout: 60_000,
+        });
         assert.match(await text(page, "errors"), pattern);
         await shot(`error-${name}`);
     };
-    await openFolder(page, capture([0], (s, to) => truncateSync(join(to, s.frames[0].images[3]), 4000)));
+    await openFolder(
+        page,
+        capture([0], (s, to) => truncateSync(join(to, s.frames[0].images[3]), 4000)),
+    );
     await page.click("#run");
     await told(/cam03: .*(damaged|truncated)/, "corrupt-image");
 
     const bomb = join(folder(), "bomb.zip");
-    execFileSync("python3", ["-c", "import sys,zipfile\nwith zipfile.ZipFile(sys.argv[1],'w',zipfile.ZIP_DEFLATED) as z:\n  z.writestr('scene.json','{}'); z.writestr('images/a.png',bytes(1<<28))", bomb]);
+    execFileSync("python3", [
+        "-c",
+        "import sys,zipfile\nwith zipfile.ZipFile(sys.argv[1],'w',zipfile.ZIP_DEFLATED) as z:\n  z.writestr('scene.json','{}'); z.writestr('images/a.png',bytes(1<<28))",
+        bomb,
+    ]);
     await page.setInputFiles("#file-input", bomb);
     await told(/zip bomb/, "zip-bomb");
 
-    await openFolder(page, capture([0], (s) => (s.cameras[5].R[0] = s.cameras[5].R[0].map((v) => -v))));
+    await openFolder(
+        page,
+        capture([0], (s) => (s.cameras[5].R[0] = s.cameras[5].R[0].map((v) => -v))),
+    );
     await page.click("#run");
     await told(/^camera cam05: R reflects[^\n]*\s+Close$/, "reflected");
 
-    await openFolder(page, capture([0], (s) => (s.cameras[7].width = 640)));
+    await openFolder(
+        page,
+        capture([0], (s) => (s.cameras[7].width = 640)),
+    );
     await page.click("#run");
     await told(/cam07: the picture is 512 x 384 pixels but the camera was calibrated at 640 x 384/, "size");
 
@@ -93,7 +114,9 @@ test("a lack of memory is told, and the page lives on", async (t) => {
     const own = await launch(["--js-flags=--wasm-max-mem-pages=1200"]);
     try {
         const { page, shot } = await open(t, { own });
-        await page.waitForFunction(() => document.getElementById("errors").childElementCount > 0, undefined, { timeout: 120_000 });
+        await page.waitForFunction(() => document.getElementById("errors").childElementCount > 0, undefined, {
+            timeout: 120_000,
+        });
         assert.match(await text(page, "errors"), /not enough memory/);
         await shot("error-memory");
         await page.selectOption("#views", "bino");

@@ -50,9 +50,22 @@ test("the entry point chooses a build, tells progress, cancels and throws errors
     assert.equal(mesh.triangles.length, 3 * made.triangles);
     assert.match(made.hashes().mesh, /^[0-9a-f]{16}$/);
     const sketch = frameOf(api).sketch();
-    assert.ok(sketch.triangles > 500 && sketch.triangles < made.triangles / 3, `${sketch.triangles} of ${made.triangles}`);
-    assert.throws(() => reconstruct(api, "hull", (stage) => stage !== "hull"), { name: "PcmvsError", code: "cancelled", stage: "hull" });
-    assert.throws(() => reconstruct(api, "hull", () => { throw new RangeError("mine"); }), { name: "RangeError", message: "mine" });
+    assert.ok(
+        sketch.triangles > 500 && sketch.triangles < made.triangles / 3,
+        `${sketch.triangles} of ${made.triangles}`,
+    );
+    assert.throws(() => reconstruct(api, "hull", (stage) => stage !== "hull"), {
+        name: "PcmvsError",
+        code: "cancelled",
+        stage: "hull",
+    });
+    assert.throws(
+        () =>
+            reconstruct(api, "hull", () => {
+                throw new RangeError("mine");
+            }),
+        { name: "RangeError", message: "mine" },
+    );
     assert.throws(() => new api.Rig(scene.cameras.slice(0, 2)), { code: "too-few-views" });
     const frame = new api.Frame(new api.Rig(scene.cameras));
     assert.throws(() => frame.setImage(4, new Uint8Array(10)), { code: "image", camera: 4 });
@@ -86,14 +99,20 @@ const script = (from) => `
 test("packed and installed, it works in Node, from a plain script, and through a bundler", async (t) => {
     const out = folder();
     pcmvs("reconstruct", sample, "-o", out, "--frames", "0", "--preset", "hull");
-    const expected = createHash("sha256").update(readFileSync(join(out, "frame_0000.glb"))).digest("hex");
+    const expected = createHash("sha256")
+        .update(readFileSync(join(out, "frame_0000.glb")))
+        .digest("hex");
     const app = folder();
-    const npm = (...args) => execFileSync("npm", [...args, "--silent", "--no-audit", "--no-fund"], { cwd: app, encoding: "utf8" });
+    const npm = (...args) =>
+        execFileSync("npm", [...args, "--silent", "--no-audit", "--no-fund"], { cwd: app, encoding: "utf8" });
     writeFileSync(join(app, "package.json"), JSON.stringify({ private: true, type: "module" }));
     const tarball = npm("pack", fileURLToPath(pkg)).trim();
     npm("install", "--offline", `./${tarball}`);
 
-    writeFileSync(join(app, "node.mjs"), 'import { ready, version } from "pcmvs";\nawait ready;\nconsole.log(version());\n');
+    writeFileSync(
+        join(app, "node.mjs"),
+        'import { ready, version } from "pcmvs";\nawait ready;\nconsole.log(version());\n',
+    );
     const { version } = JSON.parse(readFileSync(new URL("package.json", pkg), "utf8"));
     assert.equal(execFileSync("node", ["node.mjs"], { cwd: app, encoding: "utf8" }).trim(), version);
 
@@ -112,8 +131,13 @@ test("packed and installed, it works in Node, from a plain script, and through a
     });
     for (const path of ["plain.html", "dist/index.html"]) {
         const { page, problems } = await openPage(browser, `${site.address}/${path}`);
-        await page.waitForFunction(() => /^[0-9a-f]{64}$/.test(document.body.textContent), undefined, { timeout: 60_000 }).catch(() => {});
+        await page
+            .waitForFunction(() => /^[0-9a-f]{64}$/.test(document.body.textContent), undefined, { timeout: 60_000 })
+            .catch(() => {});
         assert.equal(await page.innerText("body"), expected, `${path} ${problems}`);
-        assert.deepEqual(problems.filter((p) => !p.includes("favicon")), []);
+        assert.deepEqual(
+            problems.filter((p) => !p.includes("favicon")),
+            [],
+        );
     }
 });

@@ -1,9 +1,10 @@
 // The built site on a port of its own, Chromium to look at it, the command line to compare with.
-import { execFileSync } from "node:child_process";
+
 import assert from "node:assert/strict";
-import { createServer } from "node:http";
+import { execFileSync } from "node:child_process";
 import { mkdirSync, readFileSync } from "node:fs";
 import { readFile } from "node:fs/promises";
+import { createServer } from "node:http";
 import { extname, join, normalize } from "node:path";
 import { after, before } from "node:test";
 import { fileURLToPath } from "node:url";
@@ -13,14 +14,37 @@ const here = (path) => fileURLToPath(new URL(path, import.meta.url));
 export const dist = here("../../web/dist");
 export const sample = join(dist, "sample");
 export const shots = here("shots");
-const KINDS = { ".html": "text/html", ".js": "text/javascript", ".mjs": "text/javascript", ".css": "text/css", ".wasm": "application/wasm", ".json": "application/json", ".jpg": "image/jpeg", ".png": "image/png", ".glb": "model/gltf-binary" };
-const FLAGS = ["--headless", "--no-sandbox", "--disable-gpu", "--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--disable-background-networking", "--disable-quic", "--no-first-run", "--disable-component-update", "--disable-sync"];
+const KINDS = {
+    ".html": "text/html",
+    ".js": "text/javascript",
+    ".mjs": "text/javascript",
+    ".css": "text/css",
+    ".wasm": "application/wasm",
+    ".json": "application/json",
+    ".jpg": "image/jpeg",
+    ".png": "image/png",
+    ".glb": "model/gltf-binary",
+};
+const FLAGS = [
+    "--headless",
+    "--no-sandbox",
+    "--disable-gpu",
+    "--use-angle=swiftshader",
+    "--enable-unsafe-swiftshader",
+    "--disable-background-networking",
+    "--disable-quic",
+    "--no-first-run",
+    "--disable-component-update",
+    "--disable-sync",
+];
 
 /** Serves folders by their path's first part, without special headers. */
 export async function serve(folders) {
     const server = createServer(async (request, response) => {
         const path = normalize(decodeURIComponent(new URL(request.url, "http://x").pathname));
-        const mount = Object.keys(folders).filter((m) => path.startsWith(m)).sort((a, b) => b.length - a.length)[0];
+        const mount = Object.keys(folders)
+            .filter((m) => path.startsWith(m))
+            .sort((a, b) => b.length - a.length)[0];
         try {
             const file = join(folders[mount], path.slice(mount.length) || "index.html");
             response.setHeader("Content-Type", KINDS[extname(file)] ?? "application/octet-stream");
@@ -41,17 +65,25 @@ export function launch(more = []) {
 
 /** A page that notes whatever goes wrong in it. */
 export async function openPage(browser, address, { options = {}, script } = {}) {
-    const context = await browser.newContext({ viewport: { width: 1280, height: 800 }, acceptDownloads: true, ...options });
+    const context = await browser.newContext({
+        viewport: { width: 1280, height: 800 },
+        acceptDownloads: true,
+        ...options,
+    });
     const page = await context.newPage();
     const problems = [];
-    page.on("console", (message) => message.type() === "error" && problems.push(`${message.text()} ${message.location().url}`));
+    page.on(
+        "console",
+        (message) => message.type() === "error" && problems.push(`${message.text()} ${message.location().url}`),
+    );
     page.on("pageerror", (error) => problems.push(String(error)));
     if (script) await page.addInitScript(script);
     await page.goto(address);
     return { page, problems, shot: (name) => page.screenshot({ path: join(shots, `${name}.png`) }) };
 }
 
-export const ended = (page, timeout = 240_000) => page.waitForFunction(() => ["done", "failed"].includes(document.body.dataset.state), undefined, { timeout });
+export const ended = (page, timeout = 240_000) =>
+    page.waitForFunction(() => ["done", "failed"].includes(document.body.dataset.state), undefined, { timeout });
 export const text = (page, id) => page.locator(`#${id}`).innerText();
 
 /** What a click on an export gives. */
@@ -63,7 +95,9 @@ export async function download(page, id) {
 /** Picks a folder and waits until it is open. */
 export async function openFolder(page, folder) {
     await page.setInputFiles("#folder-input", folder);
-    await page.waitForFunction(() => /^(Ready|Nothing opened|Clip opened)/.test(document.getElementById("status").textContent));
+    await page.waitForFunction(() =>
+        /^(Ready|Nothing opened|Clip opened)/.test(document.getElementById("status").textContent),
+    );
 }
 
 /** Reconstructs as it is set up, to the end. */

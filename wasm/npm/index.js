@@ -4,7 +4,9 @@ import init from "./pcmvs.js";
 export * from "./pcmvs.js";
 
 // A function of one instruction of 128 bits.
-const simdModule = [0, 97, 115, 109, 1, 0, 0, 0, 1, 5, 1, 96, 0, 1, 123, 3, 2, 1, 0, 10, 10, 1, 8, 0, 65, 0, 253, 15, 253, 98, 11];
+const simdModule = [
+    0, 97, 115, 109, 1, 0, 0, 0, 1, 5, 1, 96, 0, 1, 123, 3, 2, 1, 0, 10, 10, 1, 8, 0, 65, 0, 253, 15, 253, 98, 11,
+];
 
 /** Whether the build with 128-bit instructions runs here. */
 export const simd = WebAssembly.validate(new Uint8Array(simdModule));

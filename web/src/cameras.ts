@@ -1,15 +1,28 @@
 // Calibrated cameras in three.js' terms: x right, y up, looking along -z.
-import { Matrix4, Quaternion, Vector3 } from "three";
+
 import type { Camera } from "pcmvs";
+import { Matrix4, Quaternion, Vector3 } from "three";
 
 /** From a camera's axes to the scene's frame. */
 export function pose(camera: Camera): Matrix4 {
     const { R, t } = camera;
     const worldToCamera = new Matrix4().set(
-        R[0][0], R[0][1], R[0][2], t[0],
-        R[1][0], R[1][1], R[1][2], t[1],
-        R[2][0], R[2][1], R[2][2], t[2],
-        0, 0, 0, 1,
+        R[0][0],
+        R[0][1],
+        R[0][2],
+        t[0],
+        R[1][0],
+        R[1][1],
+        R[1][2],
+        t[1],
+        R[2][0],
+        R[2][1],
+        R[2][2],
+        t[2],
+        0,
+        0,
+        0,
+        1,
     );
     return worldToCamera.invert().multiply(new Matrix4().makeScale(1, -1, -1));
 }
@@ -31,10 +44,22 @@ export function projection(camera: Camera, width: number, height: number, near: 
     const [x, y] = [(2 * scale) / width, (2 * scale) / height];
     // The first pixel's centre is at (0, 0): its corner at (-0.5, -0.5).
     return new Matrix4().set(
-        x * fx, -x * skew, 1 - x * (cx + 0.5) - (2 * left) / width, 0,
-        0, y * fy, -1 + y * (cy + 0.5) + (2 * top) / height, 0,
-        0, 0, -(far + near) / (far - near), (-2 * far * near) / (far - near),
-        0, 0, -1, 0,
+        x * fx,
+        -x * skew,
+        1 - x * (cx + 0.5) - (2 * left) / width,
+        0,
+        0,
+        y * fy,
+        -1 + y * (cy + 0.5) + (2 * top) / height,
+        0,
+        0,
+        0,
+        -(far + near) / (far - near),
+        (-2 * far * near) / (far - near),
+        0,
+        0,
+        -1,
+        0,
     );
 }
 

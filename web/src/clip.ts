@@ -30,8 +30,18 @@ export class Clip {
     onshow: (frame: ClipFrame, geometry: BufferGeometry) => void = () => {};
     onchange: () => void = () => {};
 
-    constructor(indices: number[], readonly fps: number) {
-        this.frames = indices.map((index) => ({ index, glb: null, preset: null, triangles: 0, seconds: 0, stages: null }));
+    constructor(
+        indices: number[],
+        readonly fps: number,
+    ) {
+        this.frames = indices.map((index) => ({
+            index,
+            glb: null,
+            preset: null,
+            triangles: 0,
+            seconds: 0,
+            stages: null,
+        }));
     }
 
     get position() {
@@ -123,7 +133,10 @@ export class Clip {
     private drop(frame: ClipFrame) {
         const geometry = this.geometries.get(frame);
         this.geometries.delete(frame);
-        void geometry?.then((g) => g.dispose(), () => {});
+        void geometry?.then(
+            (g) => g.dispose(),
+            () => {},
+        );
     }
 }
 

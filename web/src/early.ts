@@ -16,7 +16,10 @@ async function sketched(): Promise<FrameResult> {
     const views = scene.cameras.map((_, camera) => viewFiles(scene, entries, 0, camera, "masks"));
     const made: FrameResult[] = [];
     const pool = new Pool(1);
-    await pool.run({ type: "frame", cameras: scene.cameras, views, up: scene.up, rungs: ["sketch"], stages: false }, { result: (one) => made.push(one) });
+    await pool.run(
+        { type: "frame", cameras: scene.cameras, views, up: scene.up, rungs: ["sketch"], stages: false },
+        { result: (one) => made.push(one) },
+    );
     pool.leave();
     if (made.length === 0) throw new Error("there is no sketch");
     return made[0];

@@ -13,13 +13,17 @@ export async function sampleFiles(): Promise<Entries> {
     const { frames } = JSON.parse(await scene.text()) as { frames: { images: string[]; masks: string[] }[] };
     const entries: Entries = new Map([["scene.json", { kind: "blob", blob: scene }]]);
     // Workers fetch the pictures: this thread is busy while the page loads.
-    for (const path of frames.flatMap((frame) => [...frame.images, ...frame.masks])) entries.set(path, { kind: "url", url: new URL(path, base).href });
+    for (const path of frames.flatMap((frame) => [...frame.images, ...frame.masks]))
+        entries.set(path, { kind: "url", url: new URL(path, base).href });
     return entries;
 }
 
 /** Picked files; a folder's have paths. */
 export function pickedFiles(list: FileList, pool: Pool): Promise<Entries> {
-    return unpack([...list].map((file) => [file.webkitRelativePath || file.name, file]), pool);
+    return unpack(
+        [...list].map((file) => [file.webkitRelativePath || file.name, file]),
+        pool,
+    );
 }
 
 /** Dropped files and folders. Must be called while the event is handled. */
@@ -56,7 +60,8 @@ async function unpack(files: [string, File][], pool: Pool): Promise<Entries> {
     for (const [path, file] of files) {
         if (hidden(path)) continue;
         if (path.toLowerCase().endsWith(".zip")) {
-            for (const [inside, entry] of await pool.run({ type: "unzip", zip: file })) if (!hidden(inside)) entries.set(inside, entry);
+            for (const [inside, entry] of await pool.run({ type: "unzip", zip: file }))
+                if (!hidden(inside)) entries.set(inside, entry);
         } else {
             entries.set(path, { kind: "blob", blob: file });
         }

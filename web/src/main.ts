@@ -7,6 +7,7 @@ try {
     await import("./page");
 } catch (error) {
     const why = error instanceof Error ? error.message : String(error);
-    (document.getElementById("status") as HTMLElement).textContent = `The page cannot start: ${why}. It needs WebGL 2: is it switched off in this browser?`;
+    (document.getElementById("status") as HTMLElement).textContent =
+        `The page cannot start: ${why}. It needs WebGL 2: is it switched off in this browser?`;
     throw error;
 }

@@ -1,15 +1,23 @@
 // The page: what is on it and what happens when it is used.
 import type { ChromaKey, Preset, Scene, Stage } from "pcmvs";
 import { meanUp } from "./cameras";
-import { Clip, inspectGlb, type ClipFrame } from "./clip";
+import { Clip, type ClipFrame, inspectGlb } from "./clip";
 import { aside, sample, sketch } from "./early";
 import { clipZip, fileName, ply, save } from "./exports";
 import { droppedFiles, pickedFiles, sampleFiles } from "./files";
 import { JobError, Pool } from "./pool";
 import type { Entries, Failure, FrameResult, Rung, StageView } from "./protocol";
-import { Session, chosenCameras, viewFiles, type Choice, type SilhouetteChoice, type Status, type ViewChoice } from "./session";
+import {
+    type Choice,
+    chosenCameras,
+    Session,
+    type SilhouetteChoice,
+    type Status,
+    type ViewChoice,
+    viewFiles,
+} from "./session";
 import { Strip } from "./strip";
-import { SHADINGS, Viewer, type Shading } from "./viewer";
+import { type SHADINGS, type Shading, Viewer } from "./viewer";
 
 const $ = <T extends HTMLElement = HTMLElement>(id: string) => document.getElementById(id) as T;
 const button = (id: string) => $<HTMLButtonElement>(id);
@@ -17,11 +25,29 @@ const input = (id: string) => $<HTMLInputElement>(id);
 const select = (id: string) => $<HTMLSelectElement>(id);
 
 const STAGE_WORDS: Record<Stage, string> = {
-    views: "reading silhouettes", hull: "visual hull", contours: "frontier points", coarse: "coarse pass",
-    detect: "matching views", merge: "merging clouds", mesh: "meshing", colour: "colouring",
+    views: "reading silhouettes",
+    hull: "visual hull",
+    contours: "frontier points",
+    coarse: "coarse pass",
+    detect: "matching views",
+    merge: "merging clouds",
+    mesh: "meshing",
+    colour: "colouring",
 };
-const PRESET_WORDS: Record<Rung, string> = { sketch: "Sketch", hull: "Hull", preview: "Preview", default: "Best quality", paper: "Paper" };
-const STAGE_LABELS: Record<StageView | "mesh", string> = { mesh: "Mesh", hull: "Hull", detected: "Clouds by view", contours: "Frontier, implicit", merged: "Merged" };
+const PRESET_WORDS: Record<Rung, string> = {
+    sketch: "Sketch",
+    hull: "Hull",
+    preview: "Preview",
+    default: "Best quality",
+    paper: "Paper",
+};
+const STAGE_LABELS: Record<StageView | "mesh", string> = {
+    mesh: "Mesh",
+    hull: "Hull",
+    detected: "Clouds by view",
+    contours: "Frontier, implicit",
+    merged: "Merged",
+};
 const FPS = 30;
 const number = new Intl.NumberFormat("en");
 
@@ -119,10 +145,18 @@ async function open(name: string, found: Promise<Entries>, run: boolean, sketch?
     say("Opening…");
     try {
         const entries = await found;
-        if ([...entries.keys()].some((path) => path.toLowerCase().endsWith(".glb"))) return await openClip(name, entries, mine);
+        if ([...entries.keys()].some((path) => path.toLowerCase().endsWith(".glb")))
+            return await openClip(name, entries, mine);
         const scene = await aside.run({ type: "open", entries });
         if (mine !== turn) return;
-        setCapture({ name, source: { scene, entries }, clip: new Clip(scene.frames.map((f) => f.index), scene.fps ?? FPS) });
+        setCapture({
+            name,
+            source: { scene, entries },
+            clip: new Clip(
+                scene.frames.map((f) => f.index),
+                scene.fps ?? FPS,
+            ),
+        });
         offer(scene);
         viewer.setUp(scene.up ?? meanUp(scene.cameras));
         if (!run) showRig();
@@ -141,11 +175,16 @@ async function open(name: string, found: Promise<Entries>, run: boolean, sketch?
 async function openClip(name: string, entries: Entries, mine: number) {
     const paths = [...entries.keys()].filter((path) => path.toLowerCase().endsWith(".glb")).sort();
     const blob = async (path: string) => {
-        const bytes = await aside.run({ type: "read", entry: entries.get(path) as NonNullable<ReturnType<Entries["get"]>> });
+        const bytes = await aside.run({
+            type: "read",
+            entry: entries.get(path) as NonNullable<ReturnType<Entries["get"]>>,
+        });
         return new Blob([bytes], { type: "model/gltf-binary" });
     };
     const manifestPath = [...entries.keys()].find((path) => /(^|\/)sequence\.json$/.test(path));
-    const manifest = manifestPath ? (JSON.parse(await (await blob(manifestPath)).text()) as { fps: number; up?: number[] }) : null;
+    const manifest = manifestPath
+        ? (JSON.parse(await (await blob(manifestPath)).text()) as { fps: number; up?: number[] })
+        : null;
     const blobs = await Promise.all(paths.map(blob));
     const infos = await Promise.all(blobs.map(inspectGlb));
     if (mine !== turn) return;
@@ -156,7 +195,8 @@ async function openClip(name: string, entries: Entries, mine: number) {
     $("cameras-section").hidden = true;
     button("run").disabled = true;
     viewer.setUp(manifest?.up ?? infos[0].up);
-    $("summary").textContent = `A clip of ${blobs.length} ${blobs.length === 1 ? "mesh" : "meshes"}: nothing to reconstruct.`;
+    $("summary").textContent =
+        `A clip of ${blobs.length} ${blobs.length === 1 ? "mesh" : "meshes"}: nothing to reconstruct.`;
     for (const [i, glb] of blobs.entries()) {
         clip.set(i, { glb, preset: null, triangles: infos[i].triangles, seconds: 0, stages: null });
         mark(i, "made");
@@ -179,7 +219,8 @@ function offer(scene: Scene) {
     if (chroma) input("key-colour").value = `#${chroma.map((v) => v.toString(16).padStart(2, "0")).join("")}`;
     const { width, height } = scene.cameras[0];
     const frames = scene.frames.length;
-    $("summary").textContent = `${count} cameras of ${width} × ${height}, ${frames} ${frames === 1 ? "frame" : "frames"}${masked ? ", with masks" : ""}.`;
+    $("summary").textContent =
+        `${count} cameras of ${width} × ${height}, ${frames} ${frames === 1 ? "frame" : "frames"}${masked ? ", with masks" : ""}.`;
     $("cameras-section").hidden = false;
     button("run").disabled = false;
     $("key").hidden = select("silhouettes").value !== "chroma";
@@ -194,7 +235,12 @@ function choice(): Choice {
         smallestPart: input("key-part").valueAsNumber * 1e-5,
         smallestHole: input("key-hole").valueAsNumber * 1e-5,
     };
-    return { views: select("views").value as ViewChoice, preset: select("preset").value as Preset, silhouettes: select("silhouettes").value as SilhouetteChoice, key };
+    return {
+        views: select("views").value as ViewChoice,
+        preset: select("preset").value as Preset,
+        silhouettes: select("silhouettes").value as SilhouetteChoice,
+        key,
+    };
 }
 
 /** The chosen cameras' pictures of the frame that is shown. */
@@ -227,7 +273,10 @@ function poolSize(scene: Scene, cameras: number): number {
     const { width, height } = scene.cameras[0];
     const bytes = 30 * width * height * cameras + 2 ** 26;
     const memory = (navigator as { deviceMemory?: number }).deviceMemory ?? 4;
-    return Math.max(1, Math.min(navigator.hardwareConcurrency, scene.frames.length, Math.floor((memory * 2 ** 30) / 2 / bytes)));
+    return Math.max(
+        1,
+        Math.min(navigator.hardwareConcurrency, scene.frames.length, Math.floor((memory * 2 ** 30) / 2 / bytes)),
+    );
 }
 
 function reconstruct(sketch?: Promise<FrameResult>) {
@@ -237,7 +286,13 @@ function reconstruct(sketch?: Promise<FrameResult>) {
     const mine = ++turn;
     const { scene, entries } = source;
     $("errors").replaceChildren();
-    setCapture({ ...capture, clip: new Clip(scene.frames.map((f) => f.index), scene.fps ?? FPS) });
+    setCapture({
+        ...capture,
+        clip: new Clip(
+            scene.frames.map((f) => f.index),
+            scene.fps ?? FPS,
+        ),
+    });
     viewer.setUp(scene.up ?? meanUp(scene.cameras));
     const { clip } = capture;
     const session = new Session(scene, entries, choice(), clip, sketch);
@@ -269,7 +324,11 @@ function reconstruct(sketch?: Promise<FrameResult>) {
         stop();
         const made = clip.frames.filter((frame) => frame.glb).length;
         const seconds = ((performance.now() - started) / 1000).toFixed(1);
-        say(made === 0 ? "Nothing could be reconstructed" : `${made} of ${clip.frames.length} frames in ${seconds} s${failed ? `, ${failed} failed` : ""} · ${number.format(clip.current.triangles)} triangles`);
+        say(
+            made === 0
+                ? "Nothing could be reconstructed"
+                : `${made} of ${clip.frames.length} frames in ${seconds} s${failed ? `, ${failed} failed` : ""} · ${number.format(clip.current.triangles)} triangles`,
+        );
         if (made > 1 && !clip.playing && !userPaused) clip.play(true);
         document.body.dataset.state = made === 0 ? "failed" : "done";
         document.body.dataset.memory = String(pool.memory);
@@ -282,7 +341,8 @@ function tellStatus({ frame, stage, preset, left }: Status, clip: Clip) {
     const parts = [`frame ${frame + 1} / ${clip.frames.length}`];
     if (preset && stage) parts.push(`${PRESET_WORDS[preset].toLowerCase()}: ${STAGE_WORDS[stage]}`);
     if (clip.current.triangles) parts.push(`${number.format(clip.current.triangles)} triangles`);
-    if (left !== null) parts.push(left > 90 ? `${Math.round(left / 60)} min left` : `${Math.max(1, Math.round(left))} s left`);
+    if (left !== null)
+        parts.push(left > 90 ? `${Math.round(left / 60)} min left` : `${Math.max(1, Math.round(left))} s left`);
     say(parts.join(" · "), true);
 }
 
@@ -312,7 +372,8 @@ function drawTransport(clip: Clip) {
     for (const id of ["export-glb", "export-ply", "export-png", "export-zip"]) button(id).disabled = !made;
     document.body.dataset.preset = clip.current.preset ?? "";
     // Play as soon as there is something to play.
-    if (!clip.playing && !userPaused && workers && frames.filter((f) => f.glb && f.preset === target).length === 2) clip.play(true);
+    if (!clip.playing && !userPaused && workers && frames.filter((f) => f.glb && f.preset === target).length === 2)
+        clip.play(true);
 }
 
 function togglePlay() {
@@ -330,7 +391,8 @@ function step(direction: 1 | -1) {
 }
 
 function showStage(frame: ClipFrame) {
-    for (const radio of document.querySelectorAll<HTMLInputElement>("#stages input")) radio.disabled = radio.value !== "mesh" && !frame.stages;
+    for (const radio of document.querySelectorAll<HTMLInputElement>("#stages input"))
+        radio.disabled = radio.value !== "mesh" && !frame.stages;
     const stages = frame.stages;
     if (stageShown === "mesh" || !stages) viewer.showStage(null);
     else viewer.showStage(stages.outputs[stageShown], stages.origin, stageShown === "contours");
@@ -356,7 +418,11 @@ radios("stages", STAGE_LABELS, (value) => {
     stageShown = value;
     if (capture) showStage(capture.clip.current);
 });
-radios("shadings", { colour: "Colours", clay: "Clay", normals: "Normals" } satisfies Record<(typeof SHADINGS)[number], string>, (value: Shading) => viewer.setShading(value));
+radios(
+    "shadings",
+    { colour: "Colours", clay: "Clay", normals: "Normals" } satisfies Record<(typeof SHADINGS)[number], string>,
+    (value: Shading) => viewer.setShading(value),
+);
 
 const on = (id: string, event: string, run: () => void) => $(id).addEventListener(event, run);
 on("play", "click", togglePlay);
@@ -371,7 +437,9 @@ on("scrub", "input", () => {
     void capture.clip.show(position);
 });
 on("scrub", "change", () => void strip.refresh(rigShown()));
-on("speed", "change", () => capture && (capture.clip.speed = Number(select("speed").value)));
+on("speed", "change", () => {
+    if (capture) capture.clip.speed = Number(select("speed").value);
+});
 on("loop", "click", () => {
     if (!capture) return;
     capture.clip.looping = !capture.clip.looping;
@@ -392,7 +460,8 @@ on("silhouettes", "change", () => {
     $("key").hidden = select("silhouettes").value !== "chroma";
     void strip.refresh(rigShown());
 });
-for (const id of ["key-colour", "key-tolerance", "key-shadow", "key-part", "key-hole"]) on(id, "input", () => void strip.refresh(rigShown()));
+for (const id of ["key-colour", "key-tolerance", "key-shadow", "key-part", "key-hole"])
+    on(id, "input", () => void strip.refresh(rigShown()));
 
 strip.onproblem = (failure) => complain(describe(failure, null, rigShown()?.cameras ?? [], null));
 strip.onlook = (camera) => {
@@ -412,19 +481,32 @@ on("pick-files", "click", () => input("file-input").click());
 for (const id of ["folder-input", "file-input"]) {
     on(id, "change", () => {
         const { files } = input(id);
-        if (files?.length) void attempt(() => open(files[0].webkitRelativePath.split("/")[0] || files[0].name, pickedFiles(files, aside), false));
+        if (files?.length)
+            void attempt(() =>
+                open(files[0].webkitRelativePath.split("/")[0] || files[0].name, pickedFiles(files, aside), false),
+            );
     });
 }
 
 const name = () => fileName(capture?.clip.current.index ?? 0, "");
 on("export-glb", "click", () => capture?.clip.current.glb && save(capture.clip.current.glb, `${name()}glb`));
-on("export-ply", "click", () => void attempt(async () => {
-    if (capture) save(await ply(capture.clip, capture.clip.current, aside), `${name()}ply`);
-}));
+on(
+    "export-ply",
+    "click",
+    () =>
+        void attempt(async () => {
+            if (capture) save(await ply(capture.clip, capture.clip.current, aside), `${name()}ply`);
+        }),
+);
 on("export-png", "click", () => void attempt(async () => save(await viewer.still(), `${name()}png`)));
-on("export-zip", "click", () => void attempt(async () => {
-    if (capture) save(await clipZip(capture.clip, capture.source?.scene ?? {}, aside), "clip.zip");
-}));
+on(
+    "export-zip",
+    "click",
+    () =>
+        void attempt(async () => {
+            if (capture) save(await clipZip(capture.clip, capture.source?.scene ?? {}, aside), "clip.zip");
+        }),
+);
 
 // ---- dropping
 
@@ -472,7 +554,10 @@ const KEYS: Record<string, () => void> = {
 window.addEventListener("keydown", (event) => {
     const { target } = event;
     // Controls keep their own keys.
-    const own = target instanceof HTMLInputElement || target instanceof HTMLSelectElement || (target instanceof HTMLButtonElement && event.key === " ");
+    const own =
+        target instanceof HTMLInputElement ||
+        target instanceof HTMLSelectElement ||
+        (target instanceof HTMLButtonElement && event.key === " ");
     if (event.ctrlKey || event.metaKey || event.altKey || (own && event.key !== "Escape")) return;
     const act = KEYS[event.key] ?? KEYS[event.key.toLowerCase()];
     if (!act) return;

@@ -13,7 +13,7 @@ export function writePly({ positions, normals, colours, triangles }: PlyInput): 
     ];
     const header = new TextEncoder().encode(
         `ply\nformat binary_little_endian 1.0\ncomment pcmvs ${version()}\nelement vertex ${vertices}\n${properties.join("")}` +
-        `element face ${corners.length / 3}\nproperty list uchar uint vertex_indices\nend_header\n`,
+            `element face ${corners.length / 3}\nproperty list uchar uint vertex_indices\nend_header\n`,
     );
     const row = 12 + (normals ? 12 : 0) + (colours ? 3 : 0);
     const out = new ArrayBuffer(header.length + vertices * row + (corners.length / 3) * 13);

@@ -1,6 +1,7 @@
 // Workers, at most one a processor, each with one job at a time.
-import type { Failure, FrameResult, Job, JobResults, Reply, Rung } from "./protocol";
+
 import type { Stage } from "pcmvs";
+import type { Failure, FrameResult, Job, JobResults, Reply, Rung } from "./protocol";
 
 export interface Listener {
     started?(): void;
@@ -79,7 +80,13 @@ export class Pool {
             worker.onmessage = (event: MessageEvent<Reply>) => this.hear(worker, task, event.data);
             worker.onerror = (event) => {
                 event.preventDefault();
-                this.hear(worker, task, { type: "failed", failure: { code: "internal", message: event.message || "the worker could not be started: load the page again" } });
+                this.hear(worker, task, {
+                    type: "failed",
+                    failure: {
+                        code: "internal",
+                        message: event.message || "the worker could not be started: load the page again",
+                    },
+                });
             };
             this.busy.set(worker, task);
             task.listener.started?.();

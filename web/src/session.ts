@@ -17,7 +17,16 @@ export interface Choice {
 /** Stage outputs are large: kept for so many frames. */
 const STAGES_KEPT = 8;
 /** Shares of a frame's time by stage and of the first frame's by preset: only for the time left. */
-const STAGE_SHARES: Record<Stage, number> = { views: 0.06, hull: 0.14, contours: 0.04, coarse: 0.2, detect: 0.36, merge: 0.03, mesh: 0.12, colour: 0.05 };
+const STAGE_SHARES: Record<Stage, number> = {
+    views: 0.06,
+    hull: 0.14,
+    contours: 0.04,
+    coarse: 0.2,
+    detect: 0.36,
+    merge: 0.03,
+    mesh: 0.12,
+    colour: 0.05,
+};
 const STAGES = Object.keys(STAGE_SHARES) as Stage[];
 
 /** Cameras of a choice, by their place in the scene. BINO: five neighbouring pairs of twenty. */
@@ -30,12 +39,20 @@ export function chosenCameras(scene: Scene, views: ViewChoice): number[] {
 
 function find(entries: Entries, path: string): Entry {
     const entry = entries.get(path);
-    if (!entry) throw new JobError({ code: "input", message: `${path} is missing: drop the whole folder, with its pictures` });
+    if (!entry)
+        throw new JobError({ code: "input", message: `${path} is missing: drop the whole folder, with its pictures` });
     return entry;
 }
 
 /** A camera's files in a frame. */
-export function viewFiles(scene: Scene, entries: Entries, frame: number, camera: number, silhouettes: SilhouetteChoice, key: ChromaKey | null = null): ViewFiles {
+export function viewFiles(
+    scene: Scene,
+    entries: Entries,
+    frame: number,
+    camera: number,
+    silhouettes: SilhouetteChoice,
+    key: ChromaKey | null = null,
+): ViewFiles {
     const { images, masks } = scene.frames[frame];
     const mask = silhouettes === "masks" ? (masks?.[camera] ?? null) : null;
     return {
@@ -67,7 +84,13 @@ export class Session {
     readonly finished = this.first.promise;
 
     /** `sketch` is one of the first frame that has been begun already. */
-    constructor(readonly scene: Scene, private readonly entries: Entries, private readonly choice: Choice, private readonly clip: Clip, private readonly sketch?: Promise<FrameResult>) {
+    constructor(
+        readonly scene: Scene,
+        private readonly entries: Entries,
+        private readonly choice: Choice,
+        private readonly clip: Clip,
+        private readonly sketch?: Promise<FrameResult>,
+    ) {
         this.fractions = scene.frames.map(() => 0);
         this.chosen = chosenCameras(scene, choice.views);
         this.cameras = this.chosen.map((i) => scene.cameras[i]);
@@ -80,11 +103,16 @@ export class Session {
             if (position > 0) await this.finished;
             await this.make(pool, position, tell);
         };
-        const frames = this.scene.frames.map((_, position) => frame(position).catch((error: unknown) => {
-            this.first.resolve();
-            this.fractions[position] = 1;
-            fail(error instanceof JobError ? error.failure : { code: "internal", message: String(error) }, position);
-        }));
+        const frames = this.scene.frames.map((_, position) =>
+            frame(position).catch((error: unknown) => {
+                this.first.resolve();
+                this.fractions[position] = 1;
+                fail(
+                    error instanceof JobError ? error.failure : { code: "internal", message: String(error) },
+                    position,
+                );
+            }),
+        );
         await Promise.all(frames);
     }
 
@@ -94,23 +122,38 @@ export class Session {
         const ladder: Rung[] = position > 0 ? [preset] : [...coarse, preset];
         const shares = ladder.length === 3 ? [0.05, 0.25, 0.7] : ladder.length === 2 ? [0.2, 0.8] : [1];
         const show = (made: FrameResult) => {
-            this.clip.set(position, { glb: new Blob([made.glb], { type: "model/gltf-binary" }), preset: made.preset, triangles: made.triangles, seconds: made.seconds, stages: made.stages });
+            this.clip.set(position, {
+                glb: new Blob([made.glb], { type: "model/gltf-binary" }),
+                preset: made.preset,
+                triangles: made.triangles,
+                seconds: made.seconds,
+                stages: made.stages,
+            });
         };
         const rungs = this.sketch && position === 0 ? ladder.slice(1) : ladder;
         // It comes sooner alone; without it there is a better one soon.
-        if (position === 0) await this.sketch?.then((sketch) => pool.cancelled || show(sketch), () => {});
-        const views = this.chosen.map((camera) => viewFiles(this.scene, this.entries, position, camera, this.choice.silhouettes, this.choice.key));
-        await pool.run({ type: "frame", cameras: this.cameras, views, up: this.scene.up, rungs, stages: position < STAGES_KEPT }, {
-            progress: (preset, stage, done, total) => {
-                const before = STAGES.slice(0, STAGES.indexOf(stage)).reduce((sum, s) => sum + STAGE_SHARES[s], 0);
-                const inside = before + (STAGE_SHARES[stage] * done) / Math.max(total, 1);
-                const step = ladder.indexOf(preset);
-                const sum = shares.slice(0, step).reduce((a, b) => a + b, 0) + shares[step] * inside;
-                this.fractions[position] = Math.max(this.fractions[position], Math.min(sum, 1));
-                tell(this.status(position, preset, stage));
+        if (position === 0)
+            await this.sketch?.then(
+                (sketch) => pool.cancelled || show(sketch),
+                () => {},
+            );
+        const views = this.chosen.map((camera) =>
+            viewFiles(this.scene, this.entries, position, camera, this.choice.silhouettes, this.choice.key),
+        );
+        await pool.run(
+            { type: "frame", cameras: this.cameras, views, up: this.scene.up, rungs, stages: position < STAGES_KEPT },
+            {
+                progress: (preset, stage, done, total) => {
+                    const before = STAGES.slice(0, STAGES.indexOf(stage)).reduce((sum, s) => sum + STAGE_SHARES[s], 0);
+                    const inside = before + (STAGE_SHARES[stage] * done) / Math.max(total, 1);
+                    const step = ladder.indexOf(preset);
+                    const sum = shares.slice(0, step).reduce((a, b) => a + b, 0) + shares[step] * inside;
+                    this.fractions[position] = Math.max(this.fractions[position], Math.min(sum, 1));
+                    tell(this.status(position, preset, stage));
+                },
+                result: show,
             },
-            result: show,
-        });
+        );
         this.first.resolve();
         this.fractions[position] = 1;
         tell(this.status(position, null, null));
@@ -119,6 +162,13 @@ export class Session {
     private status(frame: number, preset: Rung | null, stage: Stage | null): Status {
         const fraction = this.fractions.reduce((a, b) => a + b, 0) / this.fractions.length;
         const seconds = (performance.now() - this.start) / 1000;
-        return { frame, stage, preset, done: this.fractions[frame], fraction, left: seconds > 2 && fraction > 0.06 ? (seconds * (1 - fraction)) / fraction : null };
+        return {
+            frame,
+            stage,
+            preset,
+            done: this.fractions[frame],
+            fraction,
+            left: seconds > 2 && fraction > 0.06 ? (seconds * (1 - fraction)) / fraction : null,
+        };
     }
 }

@@ -24,7 +24,12 @@ export class Strip {
     onlook: (camera: number | null) => void = () => {};
     onproblem: (failure: Failure) => void = () => {};
 
-    constructor(private readonly root: HTMLElement, private readonly photo: HTMLCanvasElement, private readonly pool: Pool, private readonly viewer: Viewer) {
+    constructor(
+        private readonly root: HTMLElement,
+        private readonly photo: HTMLCanvasElement,
+        private readonly pool: Pool,
+        private readonly viewer: Viewer,
+    ) {
         viewer.onlayout = () => this.place();
         viewer.onpick = (camera) => this.look(camera);
     }
@@ -60,7 +65,9 @@ export class Strip {
         const generation = ++this.generation;
         if (!rig) return;
         void this.takePhotograph();
-        const order = rig.cameras.map((_, i) => i).sort((a, b) => Number(b === this.looking) - Number(a === this.looking));
+        const order = rig.cameras
+            .map((_, i) => i)
+            .sort((a, b) => Number(b === this.looking) - Number(a === this.looking));
         for (const camera of order) {
             const made = await this.take(camera, THUMBNAIL);
             if (generation !== this.generation) return;
@@ -69,7 +76,9 @@ export class Strip {
             const canvas = button.querySelector("canvas") as HTMLCanvasElement;
             paint(canvas, made, true);
             button.toggleAttribute("data-problem", made.problem !== null);
-            button.title = made.problem ? `${rig.cameras[camera].name}: ${made.problem}` : `Look through ${rig.cameras[camera].name}`;
+            button.title = made.problem
+                ? `${rig.cameras[camera].name}: ${made.problem}`
+                : `Look through ${rig.cameras[camera].name}`;
             this.viewer.setThumbnail(camera, canvas);
         }
     }
@@ -103,7 +112,13 @@ export class Strip {
     private async take(camera: number, width: number): Promise<PhotographResult | null> {
         const rig = this.rig as Rig;
         try {
-            return await this.pool.run({ type: "photograph", cameras: rig.cameras, camera, view: rig.files(camera), width });
+            return await this.pool.run({
+                type: "photograph",
+                cameras: rig.cameras,
+                camera,
+                view: rig.files(camera),
+                width,
+            });
         } catch (error) {
             if (!(error instanceof JobError)) throw error;
             const { failure } = error;
@@ -118,7 +133,12 @@ export class Strip {
     private place() {
         if (this.looking === null) return;
         const { left, top, width, height } = this.viewer.pictureRectangle(this.looking);
-        Object.assign(this.photo.style, { left: `${left}px`, top: `${top}px`, width: `${width}px`, height: `${height}px` });
+        Object.assign(this.photo.style, {
+            left: `${left}px`,
+            top: `${top}px`,
+            width: `${width}px`,
+            height: `${height}px`,
+        });
     }
 }
 

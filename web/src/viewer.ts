@@ -1,11 +1,39 @@
 // The three-dimensional view: mesh, stage outputs, cameras.
+
+import type { Camera } from "pcmvs";
 import {
-    AmbientLight, BufferAttribute, BufferGeometry, CanvasTexture, Box3, Color, DirectionalLight, DoubleSide, Group, LineBasicMaterial, LineSegments,
-    Mesh, MeshBasicMaterial, MeshNormalMaterial, MeshStandardMaterial, PerspectiveCamera, PlaneGeometry, Points, PointsMaterial, PolarGridHelper,
-    Raycaster, SRGBColorSpace, Scene, Sphere, Texture, Vector2, Vector3, WebGLRenderer, type Camera as AnyCamera, type Material,
+    AmbientLight,
+    type Camera as AnyCamera,
+    Box3,
+    BufferAttribute,
+    BufferGeometry,
+    CanvasTexture,
+    Color,
+    DirectionalLight,
+    DoubleSide,
+    Group,
+    LineBasicMaterial,
+    LineSegments,
+    type Material,
+    Mesh,
+    MeshBasicMaterial,
+    MeshNormalMaterial,
+    MeshStandardMaterial,
+    PerspectiveCamera,
+    PlaneGeometry,
+    Points,
+    PointsMaterial,
+    PolarGridHelper,
+    Raycaster,
+    Scene,
+    Sphere,
+    SRGBColorSpace,
+    Texture,
+    Vector2,
+    Vector3,
+    WebGLRenderer,
 } from "three";
 import { OrbitControls } from "three/addons/controls/OrbitControls.js";
-import type { Camera } from "pcmvs";
 import { fit, pose, projection, upright } from "./cameras";
 import type { StageCloud, StageMesh } from "./protocol";
 
@@ -13,7 +41,8 @@ export const SHADINGS = ["colour", "clay", "normals"] as const;
 export type Shading = (typeof SHADINGS)[number];
 
 /** Colours of a cloud's tags: twenty views around the colour circle, every third next to each other. */
-const viewColour = (tag: number) => (tag === 65535 ? new Color(0.55, 0.55, 0.58) : new Color().setHSL((tag * 0.3819) % 1, 0.72, 0.58, SRGBColorSpace));
+const viewColour = (tag: number) =>
+    tag === 65535 ? new Color(0.55, 0.55, 0.58) : new Color().setHSL((tag * 0.3819) % 1, 0.72, 0.58, SRGBColorSpace);
 /** A camera's picture before it has come. */
 const BLANK = new MeshBasicMaterial({ color: 0x8892a0, transparent: true, opacity: 0.25, side: DoubleSide });
 const RANK_COLOURS = ["#8d93a1", "#e2a33d", "#4f9cf0", "#3ddc97"].map((c) => new Color(c));
@@ -53,7 +82,12 @@ export class Viewer {
     onlayout: () => void = () => {};
 
     constructor(private readonly canvas: HTMLCanvasElement) {
-        this.renderer = new WebGLRenderer({ canvas, antialias: true, alpha: true, powerPreference: "high-performance" });
+        this.renderer = new WebGLRenderer({
+            canvas,
+            antialias: true,
+            alpha: true,
+            powerPreference: "high-performance",
+        });
         // Asking for errors waits for the driver's compiler.
         this.renderer.debug.checkShaderErrors = import.meta.env.DEV;
         this.renderer.setPixelRatio(Math.min(devicePixelRatio, 2));
@@ -66,7 +100,8 @@ export class Viewer {
         this.scene.add(this.world, this.free, new AmbientLight(0xffffff, 0.9), this.grid);
         this.world.add(this.mesh, this.wires, this.rig, this.through);
         this.grid.visible = this.rig.visible = false;
-        for (const material of [this.grid.material].flat()) Object.assign(material, { transparent: true, opacity: 0.28 });
+        for (const material of [this.grid.material].flat())
+            Object.assign(material, { transparent: true, opacity: 0.28 });
         this.free.position.set(2.2, 0.9, 2.6);
         this.controls = new OrbitControls(this.free, canvas);
         this.controls.enableDamping = true;
@@ -86,14 +121,24 @@ export class Viewer {
         // The constructor's task is long enough.
         await new Promise((resolve) => setTimeout(resolve));
         const floats = () => new BufferAttribute(new Float32Array(9), 3);
-        const geometry = new BufferGeometry().setAttribute("position", floats()).setAttribute("normal", floats()).setAttribute("color", floats());
+        const geometry = new BufferGeometry()
+            .setAttribute("position", floats())
+            .setAttribute("normal", floats())
+            .setAttribute("color", floats());
         const all = new Group();
         for (const material of Object.values(this.materials)) all.add(new Mesh(geometry, material));
         const plate = new PlaneGeometry();
         const textured = new MeshBasicMaterial({ map: new Texture(), side: DoubleSide });
-        all.add(new Points(geometry, this.points), new LineSegments(plate, this.frustumLines), new Mesh(plate, BLANK), new Mesh(plate, textured), new LineSegments(this.grid.geometry, this.grid.material));
+        all.add(
+            new Points(geometry, this.points),
+            new LineSegments(plate, this.frustumLines),
+            new Mesh(plate, BLANK),
+            new Mesh(plate, textured),
+            new LineSegments(this.grid.geometry, this.grid.material),
+        );
         // Where readiness cannot be asked for, three.js warns of waiting for it.
-        if (this.renderer.extensions.has("KHR_parallel_shader_compile")) await this.renderer.compileAsync(all, this.free, this.scene);
+        if (this.renderer.extensions.has("KHR_parallel_shader_compile"))
+            await this.renderer.compileAsync(all, this.free, this.scene);
         else this.renderer.compile(all, this.free, this.scene);
     }
 
@@ -121,7 +166,12 @@ export class Viewer {
     /** What is seen now as a PNG. */
     still(): Promise<Blob> {
         this.render();
-        return new Promise((resolve, reject) => this.canvas.toBlob((blob) => (blob ? resolve(blob) : reject(new Error("the picture could not be made"))), "image/png"));
+        return new Promise((resolve, reject) =>
+            this.canvas.toBlob(
+                (blob) => (blob ? resolve(blob) : reject(new Error("the picture could not be made"))),
+                "image/png",
+            ),
+        );
     }
 
     setUp(up: number[] | undefined) {
@@ -214,8 +264,14 @@ export class Viewer {
         const depth = 0.13 * radius;
         for (const [i, camera] of cameras.entries()) {
             const { width, height, K } = camera;
-            const corner = (u: number, v: number) => new Vector3(((u - K[0][2]) / K[0][0]) * depth, ((K[1][2] - v) / K[1][1]) * depth, -depth);
-            const corners = [corner(-0.5, -0.5), corner(width - 0.5, -0.5), corner(width - 0.5, height - 0.5), corner(-0.5, height - 0.5)];
+            const corner = (u: number, v: number) =>
+                new Vector3(((u - K[0][2]) / K[0][0]) * depth, ((K[1][2] - v) / K[1][1]) * depth, -depth);
+            const corners = [
+                corner(-0.5, -0.5),
+                corner(width - 0.5, -0.5),
+                corner(width - 0.5, height - 0.5),
+                corner(-0.5, height - 0.5),
+            ];
             const eye = new Vector3();
             const lines = corners.flatMap((c, k) => [eye, c, c, corners[(k + 1) % 4]]);
             const frustum = new LineSegments(new BufferGeometry().setFromPoints(lines), this.frustumLines);
@@ -275,7 +331,9 @@ export class Viewer {
         const radius = offset.length();
         const angle = Math.atan2(offset.x, offset.z) + horizontal;
         const height = Math.min(1.5, Math.max(-1.5, Math.asin(offset.y / radius) + vertical));
-        offset.set(Math.sin(angle) * Math.cos(height), Math.sin(height), Math.cos(angle) * Math.cos(height)).multiplyScalar(radius);
+        offset
+            .set(Math.sin(angle) * Math.cos(height), Math.sin(height), Math.cos(angle) * Math.cos(height))
+            .multiplyScalar(radius);
         this.free.position.copy(this.controls.target).add(offset);
         this.controls.update();
         this.draw();
@@ -293,7 +351,12 @@ export class Viewer {
         if (!box) return;
         const sphere = box.getBoundingSphere(new Sphere());
         // From a little beside the first camera, which sees the front as a rule.
-        const front = this.cameras.length > 0 ? new Vector3(0, 0, 1).transformDirection(pose(this.cameras[0])).transformDirection(this.world.matrixWorld) : new Vector3(0.4, 0, 1);
+        const front =
+            this.cameras.length > 0
+                ? new Vector3(0, 0, 1)
+                      .transformDirection(pose(this.cameras[0]))
+                      .transformDirection(this.world.matrixWorld)
+                : new Vector3(0.4, 0, 1);
         const direction = front.setY(0).normalize().applyAxisAngle(this.free.up, 0.35).setY(0.2).normalize();
         const narrow = Math.min(1, this.free.aspect);
         const distance = (sphere.radius * 1.12) / Math.sin((this.free.fov / 2) * (Math.PI / 180)) / narrow;
@@ -332,7 +395,10 @@ export class Viewer {
         this.free.updateProjectionMatrix();
         if (this.looking !== null) {
             const camera = this.cameras[this.looking];
-            const distance = this.controls.target.clone().applyMatrix4(this.world.matrixWorld.clone().invert()).distanceTo(new Vector3().setFromMatrixPosition(pose(camera)));
+            const distance = this.controls.target
+                .clone()
+                .applyMatrix4(this.world.matrixWorld.clone().invert())
+                .distanceTo(new Vector3().setFromMatrixPosition(pose(camera)));
             this.through.matrix.copy(pose(camera));
             this.through.projectionMatrix.copy(projection(camera, width, height, distance / 50, distance * 10));
             this.through.projectionMatrixInverse.copy(this.through.projectionMatrix).invert();
@@ -346,9 +412,17 @@ export class Viewer {
         let down = new Vector2();
         this.canvas.addEventListener("pointerdown", (event) => (down = new Vector2(event.clientX, event.clientY)));
         this.canvas.addEventListener("pointerup", (event) => {
-            if (!this.rig.visible || this.looking !== null || down.distanceTo(new Vector2(event.clientX, event.clientY)) > 4) return;
+            if (
+                !this.rig.visible ||
+                this.looking !== null ||
+                down.distanceTo(new Vector2(event.clientX, event.clientY)) > 4
+            )
+                return;
             const box = this.canvas.getBoundingClientRect();
-            const at = new Vector2(((event.clientX - box.left) / box.width) * 2 - 1, 1 - ((event.clientY - box.top) / box.height) * 2);
+            const at = new Vector2(
+                ((event.clientX - box.left) / box.width) * 2 - 1,
+                1 - ((event.clientY - box.top) / box.height) * 2,
+            );
             raycaster.setFromCamera(at, this.free);
             const plates = this.thumbnails.filter((plate) => plate !== undefined);
             const [hit] = raycaster.intersectObjects(plates, false);
@@ -396,7 +470,8 @@ function edges(mesh: BufferGeometry): BufferGeometry {
         }
     }
     lines = new BufferGeometry().setIndex(new BufferAttribute(index, 1));
-    for (const [name, attribute] of Object.entries({ position, normal, color })) if (attribute) lines.setAttribute(name, attribute);
+    for (const [name, attribute] of Object.entries({ position, normal, color }))
+        if (attribute) lines.setAttribute(name, attribute);
     [lines.boundingBox, lines.boundingSphere] = [mesh.boundingBox, mesh.boundingSphere];
     const made = lines;
     mesh.addEventListener("dispose", () => made.dispose());

@@ -1,8 +1,8 @@
 // A worker: reads files, decodes, reconstructs. One job at a time; the page cancels by ending it.
 import { zipSync } from "fflate";
-import { Frame, Rig, openScene, ready, type Camera, type Cloud, type PcmvsError, type Stage } from "pcmvs";
-import type { Entry, Failure, FrameStages, Job, PhotographResult, Reply, StageCloud, ViewFiles } from "./protocol";
+import { type Camera, type Cloud, Frame, openScene, type PcmvsError, Rig, ready, type Stage } from "pcmvs";
 import { writePly } from "./ply";
+import type { Entry, Failure, FrameStages, Job, PhotographResult, Reply, StageCloud, ViewFiles } from "./protocol";
 import { bytesOf, readZip, unpack } from "./zip";
 
 /** Colour of silhouettes over pictures, as an image's bytes (little-endian). */
@@ -111,7 +111,8 @@ const reconstruct = (job: Extract<Job, { type: "frame" }>) =>
                 left = [];
             }
             const start = performance.now();
-            const tell = (stage: Stage, done: number, total: number) => reply({ type: "progress", preset, stage, done, total });
+            const tell = (stage: Stage, done: number, total: number) =>
+                reply({ type: "progress", preset, stage, done, total });
             const made = preset === "sketch" ? sketch(frame) : frame.reconstruct(preset, tell);
             if (!made) continue;
             const seconds = (performance.now() - start) / 1000;
@@ -119,7 +120,10 @@ const reconstruct = (job: Extract<Job, { type: "frame" }>) =>
             const { vertices, triangles } = made;
             const stages = job.stages && preset !== "hull" && preset !== "sketch" ? stagesOf(made, rig) : null;
             made.free();
-            reply({ type: "result", result: { preset, glb, vertices, triangles, seconds, stages } }, [glb.buffer, ...buffers(stages)]);
+            reply({ type: "result", result: { preset, glb, vertices, triangles, seconds, stages } }, [
+                glb.buffer,
+                ...buffers(stages),
+            ]);
         }
     });
 
@@ -135,7 +139,11 @@ function sketch(frame: Frame) {
 
 function stagesOf(made: ReturnType<Frame["reconstruct"]>, rig: Rig): FrameStages {
     const mesh = made.mesh("hull");
-    const cloud = (points: Cloud, tags: Uint16Array): StageCloud => ({ kind: "cloud", positions: points.positions, tags });
+    const cloud = (points: Cloud, tags: Uint16Array): StageCloud => ({
+        kind: "cloud",
+        positions: points.positions,
+        tags,
+    });
     const [detected, contours, merged] = [made.detected(), made.contours(), made.merged()];
     const outputs: FrameStages["outputs"] = {
         hull: { kind: "mesh", positions: mesh.positions, normals: mesh.normals, triangles: mesh.triangles },
@@ -149,7 +157,11 @@ function stagesOf(made: ReturnType<Frame["reconstruct"]>, rig: Rig): FrameStages
 
 function buffers(stages: FrameStages | null): Transferable[] {
     const outputs = stages ? Object.values(stages.outputs) : [];
-    return outputs.flatMap((o) => (o.kind === "cloud" ? [o.positions.buffer, o.tags.buffer] : [o.positions.buffer, o.normals.buffer, o.triangles.buffer]));
+    return outputs.flatMap((o) =>
+        o.kind === "cloud"
+            ? [o.positions.buffer, o.tags.buffer]
+            : [o.positions.buffer, o.normals.buffer, o.triangles.buffer],
+    );
 }
 
 const photograph = (job: Extract<Job, { type: "photograph" }>) =>
@@ -171,8 +183,15 @@ const photograph = (job: Extract<Job, { type: "photograph" }>) =>
         }
         const { width, height } = made;
         const resizeWidth = Math.min(width, job.width);
-        const size: ImageBitmapOptions = { resizeWidth, resizeHeight: Math.max(1, Math.round((height * resizeWidth) / width)), resizeQuality: "high" };
-        const picture = await createImageBitmap(new ImageData(made.pixels() as Uint8ClampedArray<ArrayBuffer>, width, height), size);
+        const size: ImageBitmapOptions = {
+            resizeWidth,
+            resizeHeight: Math.max(1, Math.round((height * resizeWidth) / width)),
+            resizeQuality: "high",
+        };
+        const picture = await createImageBitmap(
+            new ImageData(made.pixels() as Uint8ClampedArray<ArrayBuffer>, width, height),
+            size,
+        );
         const inside = made.silhouette();
         made.free();
         let [silhouette, coverage]: [ImageBitmap | null, number] = [null, 0];
@@ -184,7 +203,10 @@ const photograph = (job: Extract<Job, { type: "photograph" }>) =>
                 sum += inside[i];
             }
             coverage = sum / 255 / inside.length;
-            silhouette = await createImageBitmap(new ImageData(new Uint8ClampedArray(pixels.buffer), width, height), size);
+            silhouette = await createImageBitmap(
+                new ImageData(new Uint8ClampedArray(pixels.buffer), width, height),
+                size,
+            );
         }
         return { width, height, picture, silhouette, coverage, problem };
     });
@@ -202,7 +224,10 @@ async function read(entry: Entry): Promise<Uint8Array> {
     const here = fetched.get(entry.url);
     if (here) return here;
     const response = await fetch(entry.url);
-    if (!response.ok) throw Object.assign(new Error(`${entry.url}: the server says ${response.status}: load the page again`), { code: "input" });
+    if (!response.ok)
+        throw Object.assign(new Error(`${entry.url}: the server says ${response.status}: load the page again`), {
+            code: "input",
+        });
     const bytes = new Uint8Array(await response.arrayBuffer());
     fetched.set(entry.url, bytes);
     return bytes;

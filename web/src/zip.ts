@@ -17,8 +17,13 @@ export async function readZip(zip: Blob): Promise<Entries> {
     let end = tail.byteLength - 22;
     while (end >= 0 && tail.getUint32(end, true) !== 0x06054b50) end--;
     if (end < 0) throw damaged("its directory is missing");
-    const [count, size, start] = [tail.getUint16(end + 10, true), tail.getUint32(end + 12, true), tail.getUint32(end + 16, true)];
-    if (start === 0xffffffff || count === 0xffff) throw refused("this zip is of the 64-bit form: drop the unpacked folder instead");
+    const [count, size, start] = [
+        tail.getUint16(end + 10, true),
+        tail.getUint32(end + 12, true),
+        tail.getUint32(end + 16, true),
+    ];
+    if (start === 0xffffffff || count === 0xffff)
+        throw refused("this zip is of the 64-bit form: drop the unpacked folder instead");
     if (start + size > zip.size) throw damaged("it is truncated");
     const directory = new DataView(await zip.slice(start, start + size).arrayBuffer());
     const entries: Entries = new Map();
@@ -34,9 +39,14 @@ export async function readZip(zip: Blob): Promise<Entries> {
         at += 46 + name + extra + comment;
         if (path.endsWith("/")) continue;
         if (flags & 1) throw refused("this zip is encrypted: unpack it and drop the folder");
-        if (method !== 0 && method !== 8) throw refused(`${path}: this zip's compression is not known: unpack it and drop the folder`);
+        if (method !== 0 && method !== 8)
+            throw refused(`${path}: this zip's compression is not known: unpack it and drop the folder`);
         total += unpacked;
-        if ((unpacked > SMALL && unpacked > MOST_GROWTH * packed) || total > MOST_BYTES || entries.size >= MOST_ENTRIES) {
+        if (
+            (unpacked > SMALL && unpacked > MOST_GROWTH * packed) ||
+            total > MOST_BYTES ||
+            entries.size >= MOST_ENTRIES
+        ) {
             throw refused("this zip unpacks to far more than pictures do (a zip bomb): it was not opened");
         }
         entries.set(path, { kind: "zip", zip, offset, packed, size: unpacked, method });
@@ -49,7 +59,13 @@ export function bytesOf(blob: Blob): Uint8Array<ArrayBuffer> {
     return new Uint8Array(new FileReaderSync().readAsArrayBuffer(blob));
 }
 
-export function unpack({ zip, offset, packed, size, method }: Extract<Entry, { kind: "zip" }>): Uint8Array<ArrayBuffer> {
+export function unpack({
+    zip,
+    offset,
+    packed,
+    size,
+    method,
+}: Extract<Entry, { kind: "zip" }>): Uint8Array<ArrayBuffer> {
     // The entry's own header repeats its name and may have other extra fields than the directory.
     const header = new DataView(bytesOf(zip.slice(offset, offset + 30)).buffer);
     if (header.byteLength < 30) throw damaged("an entry is not where it should be");

@@ -27,6 +27,9 @@ const WRITTEN: [&str; 4] = ["index.js", "index.d.ts", "package.json", "README.md
 /// Debian's packages that the tests need besides Node.
 const TOOLS: [setup::Package; 2] = [setup::CHROMIUM, ("python3", "/usr/bin/python3")];
 
+/// The formatter and linter of JavaScript and TypeScript.
+pub const LINTERS: Need = Need::Npm("web");
+
 /// All that the checks need, that of building the page first.
 pub const NEEDS: [Need; 5] = [
     Need::TargetOrDebian(TRIPLE),
@@ -101,6 +104,12 @@ pub fn dist() -> Result<String> {
 pub fn demo() -> Result<()> {
     println!("{}", dist()?);
     serve::serve(&root().join("web/dist")).map_err(|e| format!("the page cannot be served: {e}"))
+}
+
+/// Checks format and lints of all JavaScript and TypeScript in the repository, see biome.json.
+pub fn lints() -> Result<()> {
+    LINTERS.install()?;
+    run(&mut program(root().join("web/node_modules/.bin/biome"), "ci --colors=off --error-on-warnings")).map(drop)
 }
 
 /// Builds the site and the command line and drives both, see tests/web; with `long` also what takes minutes.

@@ -25,7 +25,11 @@ export function open(stage, view) {
 export async function show(address, [x, y, z]) {
     const loaded = new Promise((done, failed) => {
         element.addEventListener("load", done, { once: true });
-        element.addEventListener("error", (event) => failed(new Error(event.detail?.sourceError ?? event.detail?.type)), { once: true });
+        element.addEventListener(
+            "error",
+            (event) => failed(new Error(event.detail?.sourceError ?? event.detail?.type)),
+            { once: true },
+        );
     });
     // Roll about z takes x out of it, then pitch about x takes z out of it.
     const [roll, pitch] = [Math.atan2(x, y), -Math.atan2(z, Math.hypot(x, y))];

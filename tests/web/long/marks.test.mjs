@@ -15,7 +15,9 @@ test("the sample: something to turn soon, a finished frame not long after", asyn
     const browser = await launch();
     t.after(() => browser.close());
     const { hull, preview, best, clip } = await sampleSeconds(browser, address);
-    t.diagnostic(`hull ${hull.toFixed(2)} s, preview ${preview.toFixed(2)} s, best ${best.toFixed(2)} s, clip ${clip.toFixed(1)} s`);
+    t.diagnostic(
+        `hull ${hull.toFixed(2)} s, preview ${preview.toFixed(2)} s, best ${best.toFixed(2)} s, clip ${clip.toFixed(1)} s`,
+    );
     // The marks are 1 s and 5 s; half as much again is for whatever else runs here.
     assert.ok(hull < 1.5, `hull after ${hull} s`);
     assert.ok(best < 7.5, `finished after ${best} s`);
@@ -25,7 +27,9 @@ test("twenty views of 1024 x 768 give the same bytes, in three times the time th
     const browser = await launch();
     t.after(() => browser.close());
     const { native, seconds, all, equal, problems } = await frameSeconds(browser, address, large());
-    t.diagnostic(`native ${native.toFixed(1)} s, in the page's worker ${seconds.toFixed(1)} s, ${all.toFixed(1)} s with hull and preview`);
+    t.diagnostic(
+        `native ${native.toFixed(1)} s, in the page's worker ${seconds.toFixed(1)} s, ${all.toFixed(1)} s with hull and preview`,
+    );
     assert.ok(equal);
     assert.ok(seconds < 3 * native, `${seconds} s, natively ${native} s`);
     assert.deepEqual(problems, []);
