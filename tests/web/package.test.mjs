@@ -7,6 +7,7 @@ import { join } from "node:path";
 import { test } from "node:test";
 import { fileURLToPath } from "node:url";
 import { promisify } from "node:util";
+import { build } from "vite";
 import { folder, scene } from "./captures.mjs";
 import { launch, openPage, pcmvs, sample, serve } from "./site.mjs";
 
@@ -120,7 +121,6 @@ test("packed and installed, it works in Node, from a plain script, and through a
     writeFileSync(join(app, "index.html"), page(' src="./main.js">'));
     writeFileSync(join(app, "main.js"), script("pcmvs"));
     writeFileSync(join(app, "plain.html"), page(`>${script("/node_modules/pcmvs/index.js")}`));
-    const { build } = await import(new URL("../../web/node_modules/vite/dist/node/index.js", import.meta.url));
     await build({ root: app, base: "./", logLevel: "error", build: { target: "es2022" } });
 
     const site = await serve({ "/": app, "/sample/": sample });

@@ -1,30 +1,19 @@
-// The built site on a port of its own, Chromium to look at it, the command line to compare with.
+// The built site on a port of its own, Chromium to look at it, and the command line to compare with.
 
 import assert from "node:assert/strict";
 import { execFileSync } from "node:child_process";
-import { mkdirSync, readFileSync } from "node:fs";
-import { readFile } from "node:fs/promises";
-import { createServer } from "node:http";
-import { extname, join, normalize } from "node:path";
+import { mkdirSync, mkdtempSync, readdirSync, readFileSync, rmSync, symlinkSync } from "node:fs";
+import { tmpdir } from "node:os";
+import { dirname, join, resolve } from "node:path";
 import { after, before } from "node:test";
 import { fileURLToPath } from "node:url";
 import { chromium } from "playwright-core";
+import { preview } from "vite";
 
 const here = (path) => fileURLToPath(new URL(path, import.meta.url));
 export const dist = here("../../web/dist");
 export const sample = join(dist, "sample");
 export const shots = here("shots");
-const KINDS = {
-    ".html": "text/html",
-    ".js": "text/javascript",
-    ".mjs": "text/javascript",
-    ".css": "text/css",
-    ".wasm": "application/wasm",
-    ".json": "application/json",
-    ".jpg": "image/jpeg",
-    ".png": "image/png",
-    ".glb": "model/gltf-binary",
-};
 const FLAGS = [
     "--headless",
     "--no-sandbox",
@@ -38,24 +27,35 @@ const FLAGS = [
     "--disable-sync",
 ];
 
-/** Serves folders by their path's first part, without special headers. */
+/**
+ * Serves folders by Vite's preview server, without special headers. Keys are paths that end with a slash.
+ *
+ * Preview serves one folder, and so this is a folder of links.
+ */
 export async function serve(folders) {
-    const server = createServer(async (request, response) => {
-        const path = normalize(decodeURIComponent(new URL(request.url, "http://x").pathname));
-        const mount = Object.keys(folders)
-            .filter((m) => path.startsWith(m))
-            .sort((a, b) => b.length - a.length)[0];
-        try {
-            const file = join(folders[mount], path.slice(mount.length) || "index.html");
-            response.setHeader("Content-Type", KINDS[extname(file)] ?? "application/octet-stream");
-            response.end(await readFile(file));
-        } catch {
-            response.statusCode = 404;
-            response.end();
-        }
+    const root = mkdtempSync(join(tmpdir(), "pcmvs-site-"));
+    for (const [path, folder] of Object.entries(folders)) {
+        const link = join(root, path.slice(0, -1));
+        mkdirSync(dirname(link), { recursive: true });
+        if (path !== "/") symlinkSync(resolve(folder), link);
+        else for (const name of readdirSync(folder)) symlinkSync(resolve(folder, name), join(root, name));
+    }
+    const server = await preview({
+        configFile: false,
+        root,
+        // Other paths than those of files are errors.
+        appType: "mpa",
+        logLevel: "error",
+        build: { outDir: root },
+        preview: { host: "127.0.0.1", port: 0 },
     });
-    await new Promise((done) => server.listen(0, "127.0.0.1", done));
-    return { address: `http://127.0.0.1:${server.address().port}`, close: () => server.close() };
+    return {
+        address: `http://127.0.0.1:${server.httpServer.address().port}`,
+        close: async () => {
+            await server.close();
+            rmSync(root, { recursive: true });
+        },
+    };
 }
 
 export function launch(more = []) {
