@@ -1,9 +1,9 @@
-// Everybody's page: contrast, labels, keys, fingers, small screens, no network.
+// The page for everybody: contrast, labels, keys, touch, small screens.
 import assert from "node:assert/strict";
 import { createRequire } from "node:module";
 import { test } from "node:test";
 import { capture } from "./captures.mjs";
-import { dist, drive, launch, openPage, run, serve, text, view } from "./site.mjs";
+import { drive, run, text, view } from "./site.mjs";
 
 const AXE = createRequire(import.meta.url).resolve("axe-core/axe.min.js");
 const PHONE = { viewport: { width: 390, height: 844 }, hasTouch: true, isMobile: true };
@@ -170,23 +170,4 @@ test("fingers turn and zoom, on a phone", async (t) => {
         ],
     );
     assert.deepEqual(problems, []);
-});
-
-test("it works without a network once it was loaded", async (t) => {
-    const own = await serve({ "/": dist });
-    const browser = await launch();
-    t.after(() => browser.close());
-    const { page, problems } = await openPage(browser, `${own.address}/`);
-    await page.evaluate(async () => {
-        await navigator.serviceWorker.ready;
-        while (!(await caches.match("sample/scene.json"))) await new Promise((r) => setTimeout(r, 100));
-    });
-    own.close();
-    await page.context().setOffline(true);
-    await page.reload();
-    await page.waitForFunction(() => document.body.dataset.preset === "sketch", undefined, { timeout: 60_000 });
-    assert.deepEqual(
-        problems.filter((p) => !p.includes("ERR_INTERNET_DISCONNECTED")),
-        [],
-    );
 });

@@ -53,7 +53,7 @@ export async function serve(folders) {
         address: `http://127.0.0.1:${server.httpServer.address().port}`,
         close: async () => {
             await server.close();
-            rmSync(root, { recursive: true });
+            rmSync(root, { recursive: true, force: true });
         },
     };
 }

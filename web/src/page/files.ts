@@ -1,4 +1,5 @@
 // The files of a capture, as entries by path.
+import { sampleHash } from "../version";
 import type { Pool } from "../workers/pool";
 import type { Entries } from "../workers/protocol";
 
@@ -7,14 +8,16 @@ const hidden = (path: string) => path.split("/").some((part) => part.startsWith(
 /** The sample, which is on the page's own host. */
 export async function sampleFiles(): Promise<Entries> {
     const base = new URL("sample/", document.baseURI);
-    const response = await fetch(new URL("scene.json", base));
+    const url = (path: string) => new URL(`${path}?${sampleHash}`, base).href;
+    const response = await fetch(url("scene.json"));
     if (!response.ok) throw new Error("the sample is missing on this host: drop a capture of your own");
     const scene = await response.blob();
     const { frames } = JSON.parse(await scene.text()) as { frames: { images: string[]; masks: string[] }[] };
     const entries: Entries = new Map([["scene.json", { kind: "blob", blob: scene }]]);
     // Workers fetch the pictures, because this thread is busy while the page loads.
-    for (const path of frames.flatMap((frame) => [...frame.images, ...frame.masks]))
-        entries.set(path, { kind: "url", url: new URL(path, base).href });
+    for (const path of frames.flatMap((frame) => [...frame.images, ...frame.masks])) {
+        entries.set(path, { kind: "url", url: url(path) });
+    }
     return entries;
 }
 
