@@ -9,7 +9,7 @@ const AXE = createRequire(import.meta.url).resolve("axe-core/axe.min.js");
 const PHONE = { viewport: { width: 390, height: 844 }, hasTouch: true, isMobile: true };
 const { openWith } = drive();
 
-/** What axe finds wrong, in words. */
+/** The problems that axe finds, in words. */
 async function violations(page) {
     await page.addScriptTag({ path: AXE });
     const found = await page.evaluate(() => axe.run(document, { resultTypes: ["violations"] }));
@@ -47,17 +47,17 @@ for (const colorScheme of ["dark", "light"]) {
             assert.deepEqual(found, { ready: [], through: [], error: [] });
             assert.ok(
                 await page.evaluate(() => document.documentElement.scrollWidth <= innerWidth),
-                "it scrolls sideways",
+                "the page scrolls sideways",
             );
             assert.deepEqual(problems, []);
         });
     }
 }
 
-test("the keyboard reaches every control, and each shows that it has the focus", async (t) => {
+test("the keyboard reaches every control, and each shows its focus", async (t) => {
     const { page } = await openWith(t, capture([0, 1]));
     await run(page);
-    // From the first control: tabbing goes on from where the last click was.
+    // Start at the first control, because tabbing continues from the last click.
     await page.focus("#back");
     await page.keyboard.press("Shift+Tab");
     const seen = [];
@@ -65,7 +65,7 @@ test("the keyboard reaches every control, and each shows that it has the focus",
         const focused = await page.evaluate(() => {
             const element = document.activeElement;
             if (!element || element === document.body) return null;
-            // Controls that are drawn by something else show the focus there.
+            // A control that another element draws shows its focus there.
             const places = [element, element.nextElementSibling, element.closest("#timeline")].filter(
                 (e) => e !== null,
             );
@@ -127,13 +127,13 @@ test("keys turn, zoom, step, play, change speed and loop", async (t) => {
     await page.selectOption("#speed", "2");
     await page.focus("#canvas");
     await page.keyboard.press(" ");
-    // Without looping it ends at the last frame.
+    // Without looping the clip ends at its last frame.
     await page.waitForFunction(() => document.getElementById("play").getAttribute("aria-pressed") === "false");
     assert.equal(await text(page, "counter"), "3 / 3");
     assert.deepEqual(problems, []);
 });
 
-test("fingers turn and zoom, on a phone", async (t) => {
+test("touch turns and zooms on a phone", async (t) => {
     const { page, problems, shot } = await openWith(t, capture([0]), { options: PHONE });
     await run(page);
     await shot("phone-done");

@@ -1,4 +1,4 @@
-// Prints the browser's table of BENCHMARKS.md: best of three where time counts.
+// Prints the browser's table of BENCHMARKS.md. Times are the best of three.
 import { frameSeconds, large, longestTask, memory, sampleSeconds } from "./measure.mjs";
 import { dist, ended, launch, openPage, serve } from "./site.mjs";
 
@@ -9,7 +9,7 @@ const address = `${site.address}/`;
 async function best(measure, key) {
     const seen = [];
     for (let i = 0; i < TIMES; i++) {
-        // A browser that has not been there: nothing is compiled or kept.
+        // A new browser has nothing compiled or cached.
         const browser = await launch();
         seen.push(await measure(browser));
         await browser.close();
@@ -22,7 +22,7 @@ const frame = await best((browser) => frameSeconds(browser, address, large()), "
 const own = await launch();
 const task = await longestTask(own, () => sampleSeconds(own, address));
 const { three, twenty } = await memory(own, address);
-// What README shows.
+// README's picture of the page.
 const { page, shot } = await openPage(own, address);
 await ended(page);
 await page.setViewportSize({ width: 1120, height: 700 });

@@ -1,4 +1,4 @@
-// The sample's first frame as other programs write captures, and with faults.
+// The sample's frames as captures of other programs, and captures with faults.
 import { execFileSync } from "node:child_process";
 import { cpSync, mkdirSync, mkdtempSync, readFileSync, writeFileSync } from "node:fs";
 import { tmpdir } from "node:os";
@@ -9,7 +9,7 @@ export const scene = JSON.parse(readFileSync(join(sample, "scene.json"), "utf8")
 
 export const folder = () => mkdtempSync(join(tmpdir(), "pcmvs-web-"));
 
-/** A scene folder of some frames; `change` may spoil it. */
+/** A scene folder with some of the frames. `change` can introduce faults. */
 export function capture(frames = [0], change = () => {}) {
     const to = folder();
     const copy = structuredClone(scene);
@@ -94,19 +94,17 @@ export function opencv() {
     return to;
 }
 
-/** A folder as a zip, its entries compressed. */
-export function zipped(source) {
+/** A folder as a zip with compressed entries. `limit` is the size above which Python's zipfile uses the 64-bit form. */
+export function zipped(source, limit = 2 ** 31) {
     const to = join(folder(), "capture.zip");
-    execFileSync("python3", [
-        "-c",
-        "import shutil,sys\nshutil.make_archive(sys.argv[1][:-4],'zip',sys.argv[2])",
-        to,
-        source,
-    ]);
+    const program = `import shutil, sys, zipfile
+zipfile.ZIP64_LIMIT = ${limit}
+shutil.make_archive(sys.argv[1][:-4], "zip", sys.argv[2])`;
+    execFileSync("python3", ["-c", program, to, source]);
     return to;
 }
 
-/** w x y z of a rotation. */
+/** A rotation matrix as a quaternion w, x, y, z. */
 function quaternion(r) {
     const trace = r[0][0] + r[1][1] + r[2][2];
     if (trace > 0) {

@@ -10,7 +10,7 @@ import { download, drive, ended, launch, pcmvs, run, same, sample, text } from "
 
 const { open, openWith } = drive();
 
-/** Two PLY files of one mesh: all is equal but the last digits of normals, which a GLB holds at unit length. */
+/** Checks that two PLY files are equal except for the last digits of normals, which a GLB normalises. */
 function samePly(a, b) {
     const [start, row] = [b.indexOf("end_header\n") + 11, 27];
     const vertices = Number(/element vertex (\d+)/.exec(b.subarray(0, start).toString("latin1"))[1]);
@@ -90,7 +90,7 @@ test("the sample reconstructs by itself, plays, and exports what the command lin
     );
     assert.deepEqual(ours.frames[5], theirs.frames[1]);
 
-    // Back in: no reconstruction, only play.
+    // The exported clip can be played without a reconstruction.
     await page.setInputFiles("#file-input", zip);
     await page.waitForFunction(() => document.getElementById("status").textContent === "Clip opened");
     await page.waitForFunction(() => performance.getEntriesByName("shown-clip").length > 8);
@@ -98,8 +98,8 @@ test("the sample reconstructs by itself, plays, and exports what the command lin
     assert.deepEqual(problems, []);
 });
 
-test("the page's own thread is never held for more than 50 ms", async (t) => {
-    // Not used before: everything is compiled and drawn for the first time.
+test("the page's main thread is never blocked for more than 50 ms", async (t) => {
+    // In a new browser everything is compiled and drawn for the first time.
     const own = await launch();
     t.after(() => own.close());
     const { clock, processor, tasks } = await longestTask(own, async () => {
@@ -131,7 +131,7 @@ test("the page's own thread is never held for more than 50 ms", async (t) => {
     assert.ok(processor <= 50, `${processor} ms`);
 });
 
-test("stages, surfaces, cameras and keys", async (t) => {
+test("each stage, surface and camera looks different", async (t) => {
     const { page, problems, shot } = await openWith(t, capture([0]));
     await shot("own-capture-cameras");
     await page.selectOption("#preset", "preview");
@@ -166,7 +166,7 @@ test("stages, surfaces, cameras and keys", async (t) => {
     assert.deepEqual(problems, []);
 });
 
-test("through a camera the mesh covers the photograph's silhouette", async (t) => {
+test("seen through a camera, the mesh covers the photograph's silhouette", async (t) => {
     const { page } = await openWith(t, capture([0]));
     await run(page);
     await page.click("#strip button:nth-child(4)");
@@ -206,7 +206,7 @@ test("through a camera the mesh covers the photograph's silhouette", async (t) =
     assert.ok(agreement > 0.97, `intersection over union ${agreement}`);
 });
 
-test("chroma sliders change the silhouettes at once, and give the command line's bytes", async (t) => {
+test("chroma sliders change the silhouettes immediately, and give the command line's bytes", async (t) => {
     const { page, problems, shot } = await openWith(t, capture([0]));
     await page.selectOption("#silhouettes", "chroma");
     await page.click("#strip button:first-child");
@@ -228,7 +228,7 @@ test("chroma sliders change the silhouettes at once, and give the command line's
     assert.deepEqual(problems, []);
 });
 
-test("cancel stops, what is there stays, and it starts again", async (t) => {
+test("cancelling keeps what is finished, and a run can start again", async (t) => {
     const { page, problems, shot } = await open(t);
     await page.waitForFunction(() => document.body.dataset.preset === "sketch");
     await page.click("#cancel");

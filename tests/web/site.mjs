@@ -1,4 +1,4 @@
-// The built site on a port of its own, Chromium to look at it, and the command line to compare with.
+// The built site on its own port, Chromium to look at it, and the command line to compare with.
 
 import assert from "node:assert/strict";
 import { execFileSync } from "node:child_process";
@@ -43,7 +43,7 @@ export async function serve(folders) {
     const server = await preview({
         configFile: false,
         root,
-        // Other paths than those of files are errors.
+        // Paths other than those of files are errors.
         appType: "mpa",
         logLevel: "error",
         build: { outDir: root },
@@ -63,7 +63,7 @@ export function launch(more = []) {
     return chromium.launch({ executablePath: process.env.CHROMIUM ?? "/usr/bin/chromium", args: [...FLAGS, ...more] });
 }
 
-/** A page that notes whatever goes wrong in it. */
+/** A page, and a list of the errors that occur in it. */
 export async function openPage(browser, address, { options = {}, script } = {}) {
     const context = await browser.newContext({
         viewport: { width: 1280, height: 800 },
@@ -86,13 +86,13 @@ export const ended = (page, timeout = 240_000) =>
     page.waitForFunction(() => ["done", "failed"].includes(document.body.dataset.state), undefined, { timeout });
 export const text = (page, id) => page.locator(`#${id}`).innerText();
 
-/** What a click on an export gives. */
+/** The file that an export button saves. */
 export async function download(page, id) {
     const [file] = await Promise.all([page.waitForEvent("download"), page.click(`#${id}`)]);
     return readFileSync(await file.path());
 }
 
-/** Picks a folder and waits until it is open. */
+/** Opens a folder through the file picker. */
 export async function openFolder(page, folder) {
     await page.setInputFiles("#folder-input", folder);
     await page.waitForFunction(() =>
@@ -100,18 +100,18 @@ export async function openFolder(page, folder) {
     );
 }
 
-/** Reconstructs as it is set up, to the end. */
+/** Starts a run and waits until it ends. */
 export async function run(page) {
     await page.evaluate(() => (document.body.dataset.state = "asked"));
     await page.click("#run");
     await ended(page);
 }
 
-/** A browser and the site for a file of tests. */
+/** A browser and the site, for all tests of a file. */
 export function drive() {
     let browser, site;
     before(async () => {
-        // Not at the root: the site works from any folder.
+        // Not at the root, because the site works from any folder.
         site = await serve({ "/some/where/": dist });
         browser = await launch();
     });
@@ -119,13 +119,13 @@ export function drive() {
         await browser.close();
         site.close();
     });
-    /** The page in a test; it is closed when the test ends. `own`: another browser. */
+    /** The page in `own` or the common browser. It is closed when the test ends. */
     const open = async (t, { own = browser, ...options } = {}) => {
         const opened = await openPage(own, `${site.address}/some/where/`, options);
         t.after(() => opened.page.context().close());
         return opened;
     };
-    /** The page with a capture instead of the sample, and the coarse preset for what does not need the best. */
+    /** The page with a capture instead of the sample, set to the fastest preset. */
     const openWith = async (t, folder, options) => {
         const opened = await open(t, options);
         await opened.page.waitForSelector("#cancel:enabled");
@@ -137,10 +137,10 @@ export function drive() {
     return { open, openWith };
 }
 
-/** Equal bytes, without printing millions of them where they are not. */
+/** Checks that bytes are equal, and does not print millions of them if they are not. */
 export const same = (a, b) => assert.ok(a.equals(b), `${a.length} bytes are not the other ${b.length}`);
 
-/** A pixel's worth of the picture that the view shows now, to see whether it changes. */
+/** The picture that the view shows now, to find out whether it changes. */
 export const view = async (page) => (await download(page, "export-png")).toString("base64");
 
 export const pcmvs = (...args) => execFileSync(process.env.PCMVS, args, { stdio: ["ignore", "pipe", "pipe"] });

@@ -132,7 +132,7 @@ test("a page that is open keeps its version until it is closed", async (t) => {
     assert.equal(await name(page), NAMES[1]);
     await until(page, async () => (await navigator.serviceWorker.ready).waiting?.state === "installed");
 
-    // New workers and the sample are needed: the server has them no longer.
+    // This needs new workers and the sample, which the server does not have any more.
     await old.click("#sample");
     await old.waitForFunction(() => document.body.dataset.state === "running");
     await ended(old);

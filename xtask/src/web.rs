@@ -17,15 +17,15 @@ use std::{
 };
 use wasm_bindgen_cli_support::Bindgen;
 
-/// Most that a build of the package's module may weigh, compressed.
+/// Maximum size of a build of the package's module, compressed, in bytes.
 const MODULE_BUDGET: usize = 400 << 10;
-/// Little is inlined: that keeps the module within its budget, and loops that count are inlined by attribute.
+/// Inlines little, which keeps the module within its budget. Hot loops are inlined by attribute.
 const INLINE: &str = "-Cllvm-args=-inline-threshold=15";
-/// The two builds of the module and their compilers' flags beside that: the page takes the first that runs.
+/// The two builds of the module and their further compiler flags. The page uses the first that the browser can run.
 const BUILDS: [(&str, &str); 2] = [("simd", "-Ctarget-feature=+simd128"), ("scalar", "-Ctarget-feature=-simd128")];
 /// The browser.
 const TRIPLE: &str = "wasm32-unknown-unknown";
-/// What is written by hand in the package.
+/// The files of the package that are written by hand.
 const WRITTEN: [&str; 4] = ["index.js", "index.d.ts", "package.json", "README.md"];
 
 /// Debian's packages that the tests need besides Node.

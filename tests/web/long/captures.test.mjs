@@ -1,4 +1,4 @@
-// Real captures through the page; PCMVS_DATA names their folder.
+// Real captures on the page. PCMVS_DATA is their folder.
 import assert from "node:assert/strict";
 import { existsSync, readFileSync } from "node:fs";
 import { join } from "node:path";
