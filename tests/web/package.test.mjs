@@ -1,4 +1,4 @@
-// The npm package: both builds give the command line's bytes, wherever it is used.
+// The npm package: both of its builds give the command line's bytes, wherever it is used.
 import assert from "node:assert/strict";
 import { execFileSync } from "node:child_process";
 import { createHash } from "node:crypto";
@@ -29,14 +29,14 @@ test("both builds give the command line's bytes", async () => {
     pcmvs("reconstruct", sample, "-o", out, "--frames", "0", "--preset", "preview");
     const expected = readFileSync(join(out, "frame_0000.glb"));
     for (const build of ["simd", "scalar"]) {
-        // A query makes it a module of its own, with an instance of its own.
+        // With another query it is another module, with its own instance.
         const api = await import(new URL(`pcmvs.js?${build}`, pkg));
         await api.default({ module_or_path: await promisify(readFile)(new URL(`pcmvs.${build}.wasm`, pkg)) });
         assert.deepEqual(Buffer.from(reconstruct(api, "preview").glb(scene.up)), expected, build);
     }
 });
 
-test("the entry point chooses a build, tells progress, cancels and throws errors with codes", async () => {
+test("the entry point chooses a build, reports progress, cancels and throws errors with codes", async () => {
     const api = await import(new URL("index.js", pkg));
     await api.ready;
     assert.equal(api.simd, true);
@@ -71,7 +71,7 @@ test("the entry point chooses a build, tells progress, cancels and throws errors
     const frame = new api.Frame(new api.Rig(scene.cameras));
     assert.throws(() => frame.setImage(4, new Uint8Array(10)), { code: "image", camera: 4 });
     assert.throws(() => frame.reconstruct("hull"), { code: "image", camera: 0 });
-    // A sketch does with the pictures that are there, and names cameras by their place among all.
+    // A sketch uses the pictures that are there, and its errors number the cameras as the frame does.
     for (let i = 0; i < scene.cameras.length; i += 2) {
         frame.setImage(i, readFileSync(join(sample, scene.frames[0].images[i])));
         frame.setMask(i, readFileSync(join(sample, scene.frames[0].masks[i])));
@@ -82,7 +82,22 @@ test("the entry point chooses a build, tells progress, cancels and throws errors
     assert.throws(() => frame.sketch(), { code: "silhouette", camera: 6 });
 });
 
-/** A page's script that reconstructs the sample's hull; `from` is where the package is. */
+test("a rig's memory is what an instance takes, to within a factor of three", async () => {
+    const api = await import(new URL("pcmvs.js?memory", pkg));
+    const { memory } = await api.default({
+        module_or_path: await promisify(readFile)(new URL("pcmvs.simd.wasm", pkg)),
+    });
+    // The instance's memory never shrinks: the preset that needs least comes first.
+    for (const preset of ["hull", "preview", "default"]) {
+        const expected = new api.Rig(scene.cameras).memory(preset);
+        reconstruct(api, preset).free();
+        const taken = memory.buffer.byteLength;
+        console.log(preset, expected, taken);
+        assert.ok(taken <= expected && expected <= 3 * taken, `${preset}: ${taken} bytes taken, ${expected} expected`);
+    }
+});
+
+/** A script that reconstructs the sample's hull with the package at `from`. */
 const script = (from) => `
     import { Frame, Rig, ready } from "${from}";
     const bytes = async (path) => new Uint8Array(await (await fetch("/sample/" + path)).arrayBuffer());

@@ -1,7 +1,8 @@
 // Runs: a reconstruction of the whole capture, from its start to its end or to its cancellation.
 
-import type { Scene, Stage } from "pcmvs";
+import type { Stage } from "pcmvs";
 import type { Clip } from "../clip/clip";
+import { sidePool } from "../early";
 import { Session, type Status } from "../run/session";
 import { Pool } from "../workers/pool";
 import type { Failure, FrameResult, QualityLevel } from "../workers/protocol";
@@ -41,13 +42,11 @@ export function stop() {
     button("run").textContent = "Reconstruct";
 }
 
-/** Number of workers that memory allows: a frame needs about so many bytes per pixel. */
-function poolSize(scene: Scene, cameras: number): number {
-    const { width, height } = scene.cameras[0];
-    const bytes = 30 * width * height * cameras + 2 ** 26;
+/** Number of workers for so many frames, where each needs so many bytes. They get half of the machine's memory. */
+function workersFor(frames: number, bytes: number): number {
+    // Gigabytes; not all browsers report them.
     const memory = (navigator as { deviceMemory?: number }).deviceMemory ?? 4;
-    const fitting = Math.floor((memory * 2 ** 30) / 2 / bytes);
-    return Math.max(1, Math.min(navigator.hardwareConcurrency, scene.frames.length, fitting));
+    return Math.min(navigator.hardwareConcurrency, frames, Math.floor((memory * 2 ** 30) / 2 / bytes));
 }
 
 /** Reconstructs the capture as it is chosen. `sketch` is a sketch of its first frame, if one has been started. */
@@ -59,11 +58,19 @@ export function reconstruct(sketch?: Promise<FrameResult>) {
     const { scene, entries } = source;
     clearErrors();
     const clip = setScene(name, source);
-    const session = new Session(scene, entries, chosen(), clip, sketch);
+    const choice = chosen();
+    const session = new Session(scene, entries, choice, clip, sketch);
     // The strip's pictures are made after the first frame, which somebody waits for.
     strip.load(shownRig(), session.finished);
-    const pool = new Pool(poolSize(scene, session.cameras.length));
+    // The first frame runs alone in any case.
+    const pool = new Pool(1);
     state.pool = pool;
+    sidePool.run({ type: "memory", cameras: session.cameras, preset: choice.preset }).then(
+        (bytes) => pool.grow(workersFor(scene.frames.length, bytes)),
+        () => {
+            // The cameras are wrong, which the first frame reports.
+        },
+    );
     button("cancel").disabled = false;
     button("run").textContent = "Start again";
     document.body.dataset.state = "running";

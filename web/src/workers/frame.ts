@@ -1,6 +1,6 @@
 // The library's frame for a job, freed when the job ends.
 
-import { type Camera, Frame, Rig } from "pcmvs";
+import { type Camera, Frame, type Preset, Rig } from "pcmvs";
 import { failureOf, isFatal } from "./failure";
 import type { ViewFiles } from "./protocol";
 
@@ -16,6 +16,9 @@ function rigOf(cameras: Camera[]): Rig {
     }
     return last.rig;
 }
+
+/** Bytes of memory that a worker is expected to need for a frame of these cameras. */
+export const memoryOf = (cameras: Camera[], preset: Preset) => rigOf(cameras).memory(preset);
 
 /** Works with a frame, then frees it. After a fatal failure nothing is freed: the whole worker is ended. */
 export async function withFrame<T>(cameras: Camera[], work: (frame: Frame, rig: Rig) => Promise<T>): Promise<T> {

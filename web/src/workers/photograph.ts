@@ -6,8 +6,8 @@ import { setSilhouette, withFrame } from "./frame";
 import type { PhotographJob, PhotographResult } from "./protocol";
 import { readView } from "./reading";
 
-/** Colour of a silhouette over its picture, as the lower three bytes of a little-endian RGBA pixel. */
-const TINT = (151 << 16) | (220 << 8) | 61;
+/** Colour of a silhouette over its picture: red, green, blue. */
+const TINT = [61, 220, 151] as const;
 
 export const photograph = (job: PhotographJob) =>
     withFrame(job.cameras, async (frame): Promise<PhotographResult> => {
@@ -32,16 +32,12 @@ export const photograph = (job: PhotographJob) =>
 
 /** The picture and, if there is one, its silhouette as an overlay, scaled down to a width. Frees the photograph. */
 async function bitmaps(made: Photograph, maxWidth: number): Promise<[ImageBitmap, ImageBitmap | null]> {
-    const { width, height } = made;
+    const picture = made.picture();
+    const silhouette = made.silhouette(...TINT);
+    made.free();
+    const { width, height } = picture;
     const resizeWidth = Math.min(width, maxWidth);
     const resizeHeight = Math.max(1, Math.round((height * resizeWidth) / width));
-    const scaled = (rgba: Uint8ClampedArray<ArrayBuffer>) =>
-        createImageBitmap(new ImageData(rgba, width, height), { resizeWidth, resizeHeight, resizeQuality: "high" });
-    const pixels = made.pixels() as Uint8ClampedArray<ArrayBuffer>;
-    const inside = made.silhouette();
-    made.free();
-    if (!inside) return [await scaled(pixels), null];
-    const tinted = new Uint32Array(inside.length);
-    for (let i = 0; i < inside.length; i++) tinted[i] = (inside[i] << 24) | TINT;
-    return Promise.all([scaled(pixels), scaled(new Uint8ClampedArray(tinted.buffer))]);
+    const scaled = (image: ImageData) => createImageBitmap(image, { resizeWidth, resizeHeight, resizeQuality: "high" });
+    return Promise.all([scaled(picture), silhouette ? scaled(silhouette) : null]);
 }

@@ -41,7 +41,13 @@ export class Pool {
     cancelled = false;
 
     /** A pool of at most `size` workers. */
-    constructor(private readonly size: number) {}
+    constructor(private size: number) {}
+
+    /** Allows more workers. */
+    grow(size: number) {
+        this.size = Math.max(this.size, size);
+        this.next();
+    }
 
     run<T extends Job>(job: T, listener: Listener = {}): Promise<JobResults[T["type"]]> {
         return new Promise((resolve, reject) => {

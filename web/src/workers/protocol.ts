@@ -24,6 +24,7 @@ export type Job =
     | { type: "open"; entries: Entries }
     | { type: "read"; entry: Entry }
     | { type: "unzip"; zip: Blob }
+    | { type: "memory"; cameras: Camera[]; preset: Preset }
     | FrameJob
     | PhotographJob
     | { type: "zip"; files: NamedBlob[] }
@@ -105,6 +106,7 @@ export interface JobResults {
     open: Scene;
     read: Uint8Array<ArrayBuffer>;
     unzip: Entries;
+    memory: number;
     frame: null;
     photograph: PhotographResult;
     zip: Blob;

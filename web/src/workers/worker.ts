@@ -2,6 +2,7 @@
 
 import { ready } from "pcmvs";
 import { failureOf } from "./failure";
+import { memoryOf } from "./frame";
 import { open } from "./open";
 import { photograph } from "./photograph";
 import { writePly } from "./ply";
@@ -30,6 +31,8 @@ async function run(job: Job): Promise<[unknown, Transferable[]]> {
     switch (job.type) {
         case "open":
             return [await open(job.entries), []];
+        case "memory":
+            return [memoryOf(job.cameras, job.preset), []];
         case "frame":
             await reconstruct(job, send);
             return [null, []];
