@@ -1,14 +1,55 @@
+import { createHash } from "node:crypto";
+import { existsSync, readdirSync, readFileSync } from "node:fs";
+import { join } from "node:path";
 import { fileURLToPath } from "node:url";
-import { readFileSync } from "node:fs";
 import { defineConfig } from "vite";
+import { VitePWA } from "vite-plugin-pwa";
 
-const { version } = JSON.parse(readFileSync(new URL("../wasm/pkg/package.json", import.meta.url), "utf8"));
+const here = (path: string) => fileURLToPath(new URL(path, import.meta.url));
+const { version } = JSON.parse(readFileSync(here("../wasm/pkg/package.json"), "utf8"));
+const sampleHash = hashOf(here("public/sample"));
+
+/** Hash of a folder's files and their names. */
+function hashOf(folder: string): string {
+    const hash = createHash("sha256");
+    const entries = existsSync(folder) ? readdirSync(folder, { recursive: true, withFileTypes: true }) : [];
+    const files = entries.filter((entry) => entry.isFile()).map((entry) => join(entry.parentPath, entry.name));
+    for (const file of files.sort()) hash.update(file.slice(folder.length)).update(readFileSync(file));
+    return hash.digest("hex").slice(0, 8);
+}
 
 export default defineConfig({
     base: "./",
-    define: { __VERSION__: JSON.stringify(version) },
-    resolve: { alias: { pcmvs: fileURLToPath(new URL("../wasm/pkg/index.js", import.meta.url)) } },
+    // Addresses other than those of files are errors.
+    appType: "mpa",
+    define: { __VERSION__: JSON.stringify(version), __SAMPLE_HASH__: JSON.stringify(sampleHash) },
+    resolve: { alias: { pcmvs: here("../wasm/pkg/index.js") } },
     worker: { format: "es" },
     build: { target: "es2022", chunkSizeWarningLimit: 900 },
     server: { fs: { allow: [".."] } },
+    preview: { host: "127.0.0.1", port: 8420 },
+    plugins: [
+        VitePWA({
+            strategies: "injectManifest",
+            srcDir: "src",
+            filename: "sw.ts",
+            // src/page/offline.ts registers it, after the first run.
+            injectRegister: false,
+            manifest: false,
+            injectManifest: {
+                rollupFormat: "iife",
+                globPatterns: ["**/*"],
+                maximumFileSizeToCacheInBytes: 16 * 2 ** 20,
+                // Vite puts a hash into the names of what it builds. The sample gets one as its query.
+                dontCacheBustURLsMatching: /^(assets|sample)\//,
+                manifestTransforms: [
+                    (entries) => ({
+                        manifest: entries.map((entry) =>
+                            entry.url.startsWith("sample/") ? { ...entry, url: `${entry.url}?${sampleHash}` } : entry,
+                        ),
+                    }),
+                ],
+            },
+        }),
+    ],
 });

@@ -49,7 +49,7 @@ pub fn coarse(
     let inner = context.reporting_to(&detecting);
     let guide = Guide::Hull(hull_mesh);
     let found = executor
-        .map_with(scratch, views.len(), |scratch, i| detect_view(inner, i, level, guide, &params.detection, scratch));
+        .map_with(scratch, views.len(), |scratch, i| detect_view(inner, i, &level, guide, &params.detection, scratch));
     let mut clouds = found.into_iter().map(|found| found.map(|(cloud, _)| cloud)).collect::<Result<Vec<_>>>()?;
     clouds.iter_mut().for_each(|cloud| weigh(cloud, meshing.weights.as_ref()));
     let cloud = concat(once(frontier).chain(clouds.iter().map(|cloud| &cloud[..])), workspace);

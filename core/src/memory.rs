@@ -26,6 +26,11 @@ const SEARCH: u64 = 16 << 20;
 const PER_BLOCK: u64 = 9000;
 /// Bytes per vertex of the final mesh: grids and samples of the Poisson solver, the mesh and its colours.
 const PER_VERTEX: f64 = 640.0;
+/// Share of a picture that an object is expected to cover.
+const EXPECTED_INSIDE: f64 = 0.25;
+/// Vertices of a mesh per pixel inside a silhouette, with voxels of one pixel: an upright figure's surface is about three
+/// times as large as its silhouette.
+const EXPECTED_VERTICES: f64 = 3.0;
 
 /// The smallest number of bytes that any frame of a rig needs.
 pub fn smallest(rig: &Rig) -> u64 {
@@ -42,21 +47,39 @@ fn pixels(views: &[View]) -> u64 {
     views.iter().map(|v| v.luma.len() as u64).sum()
 }
 
+/// The number of bytes that a frame is expected to need, before anything but its rig is known. It assumes that the object
+/// covers a quarter of every picture.
+pub fn expected(rig: &Rig, params: &Params) -> u64 {
+    let views = smallest(rig) - SEARCH;
+    let pixels = (views / PER_PIXEL) as f64;
+    let inside = EXPECTED_INSIDE * pixels;
+    let voxel = f64::from(params.hull.voxel_pixels);
+    let vertices = EXPECTED_VERTICES * inside / rig.cameras().len() as f64 / (voxel * voxel);
+    views + SEARCH.max(later(pixels, inside, vertices, params))
+}
+
 /// The largest number of bytes that a frame needs, once its silhouettes, its hull and the hull's mesh are known.
 pub fn needed(views: &[View], hull: &VisualHull, hull_mesh: &Mesh, params: &Params) -> u64 {
     let inside = |v: &View| match &v.silhouette {
         Some(silhouette) => silhouette.distances().iter().filter(|&&d| d > 0).count(),
         None => v.luma.len(),
     };
+    let (pixels, inside) = (pixels(views), views.iter().map(inside).sum::<usize>());
+    let later = later(pixels as f64, inside as f64, hull_mesh.positions.len() as f64, params);
+    needed_for_hull(views, hull).max(PER_PIXEL * pixels + later)
+}
+
+/// The number of bytes that the stages after the hull need besides the views, from the number of pixels of all views, the
+/// number of those inside the silhouettes and the number of vertices of the hull's mesh.
+fn later(pixels: f64, inside: f64, hull_vertices: f64, params: &Params) -> u64 {
     let finer = params.hull.voxel_pixels / params.meshing.voxel_pixels;
-    let mut later = PER_VERTEX * hull_mesh.positions.len() as f64 * f64::from((finer * finer).max(1.0));
+    let mut later = PER_VERTEX * hull_vertices * f64::from((finer * finer).max(1.0));
     if params.method == Method::Pcmvs {
         let share = if params.detection.octave > 0 { 0.25 } else { 1.0 };
         let cleaned = params.merging.downsample.is_some() || params.merging.conflicts.is_some();
-        let silhouettes = views.iter().map(inside).sum::<usize>() as f64;
-        later += share * (3.0 * pixels(views) as f64 + if cleaned { 200.0 } else { 140.0 } * silhouettes);
+        later += share * (3.0 * pixels + if cleaned { 200.0 } else { 140.0 } * inside);
     }
-    needed_for_hull(views, hull).max(PER_PIXEL * pixels(views) + later as u64)
+    later as u64
 }
 
 /// Refuses a frame if its hull's mesh would need more than `limit` bytes. Called before that mesh is extracted.

@@ -15,7 +15,10 @@ const browser = await launch();
 try {
     const opened = await openPage(browser, server.address);
     await opened.page.waitForFunction(() => window.run);
-    const { status, printed, text } = await opened.page.evaluate(([module, args]) => window.run(module, args), [basename(path), args]);
+    const { status, printed, text } = await opened.page.evaluate(
+        ([module, args]) => window.run(module, args),
+        [basename(path), args],
+    );
     if (printed) console.error(printed);
     if (opened.problems.length > 0) throw new Error(opened.problems.join("\n"));
     process.exitCode = status;

@@ -6,7 +6,11 @@ import { run } from "./page/run.js";
 
 const [path, ...args] = process.argv.slice(2);
 const [capture, record] = args.slice(-2);
-const { status, printed, text } = await run(await WebAssembly.compile(await readFile(path)), args, await readFile(capture));
+const { status, printed, text } = await run(
+    await WebAssembly.compile(await readFile(path)),
+    args,
+    await readFile(capture),
+);
 if (printed) console.error(printed);
 process.exitCode = status;
 if (status === 0) await writeFile(record, text);

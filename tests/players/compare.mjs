@@ -1,34 +1,45 @@
-// Pictures with a mask: what a player shows of a mesh, and how far two of them are from each other.
+// Pictures with a mask, and measures of how much two of them differ.
 import { PNG } from "pngjs";
 
-/** Our own picture: its mask is what is not transparent. */
+/** Our own picture. Its mask is where it is not transparent. */
 export function ours(png) {
     const { width, data } = PNG.sync.read(png);
-    return { width, rgb: (i, k) => data[4 * i + k], mask: Array.from({ length: data.length / 4 }, (_, i) => data[4 * i + 3] > 0) };
+    return {
+        width,
+        rgb: (i, k) => data[4 * i + k],
+        mask: Array.from({ length: data.length / 4 }, (_, i) => data[4 * i + 3] > 0),
+    };
 }
 
-/** A player's picture from what it shows on black and on white: their difference is how much of the page's background
-    is left. At least half of a pixel in the mask is mesh. */
+/**
+ * A player's picture, made of what it shows on black and on white: their difference is how much the background shows
+ * through. A pixel is in the mask if at least half of it is mesh.
+ */
 export function shown(onBlack, onWhite) {
     const [{ width, data: black }, { data: white }] = [onBlack, onWhite].map((png) => PNG.sync.read(png));
-    const left = (i) => white[4 * i] - black[4 * i] + white[4 * i + 1] - black[4 * i + 1] + white[4 * i + 2] - black[4 * i + 2];
-    return { width, rgb: (i, k) => black[4 * i + k], mask: Array.from({ length: black.length / 4 }, (_, i) => left(i) <= (3 * 255) / 2) };
+    const left = (i) =>
+        white[4 * i] - black[4 * i] + white[4 * i + 1] - black[4 * i + 1] + white[4 * i + 2] - black[4 * i + 2];
+    return {
+        width,
+        rgb: (i, k) => black[4 * i + k],
+        mask: Array.from({ length: black.length / 4 }, (_, i) => left(i) <= (3 * 255) / 2),
+    };
 }
 
-/** A player's picture on pure green, which no mesh of ours has; edges are less exact than those of `shown`. */
+/** A player's picture on pure green, a colour that our meshes do not have. Its edges are less exact than `shown`'s. */
 export function onGreen(png) {
     const { width, data } = PNG.sync.read(png);
     const far = (i) => Math.max(data[4 * i], 255 - data[4 * i + 1], data[4 * i + 2]) > 127;
     return { width, mask: Array.from({ length: data.length / 4 }, (_, i) => far(i)) };
 }
 
-/** Share of the pixels in either mask that are in both. */
+/** Intersection over union of two masks. */
 export function overlap(a, b) {
     const count = (test) => a.mask.reduce((sum, m, i) => sum + test(m, b.mask[i]), 0);
     return count((m, n) => m && n) / count((m, n) => m || n);
 }
 
-/** Decibels of the colours in both masks but for their outermost pixels, where players mix them with the background. */
+/** PSNR of the colours in both masks, without the outermost pixels, where players blend them with the background. */
 export function psnr(a, b) {
     const [w, n] = [a.width, a.mask.length];
     const around = [-w - 1, -w, -w + 1, -1, 0, 1, w - 1, w, w + 1];
@@ -41,7 +52,10 @@ export function psnr(a, b) {
     return 10 * Math.log10(255 ** 2 / (sum / count));
 }
 
-/** The mask upside down, and left for right. */
+/** The mask upside down, and mirrored. */
 export function flipped({ width, mask }) {
-    return [{ mask: mask.map((_, i) => mask[mask.length - width - i + 2 * (i % width)]) }, { mask: mask.map((_, i) => mask[i - 2 * (i % width) + width - 1]) }];
+    return [
+        { mask: mask.map((_, i) => mask[mask.length - width - i + 2 * (i % width)]) },
+        { mask: mask.map((_, i) => mask[i - 2 * (i % width) + width - 1]) },
+    ];
 }

@@ -8,10 +8,10 @@ import { launch, openPage, serve } from "../web/site.mjs";
 import { flipped, onGreen, ours, overlap, psnr, shown } from "./compare.mjs";
 
 const PACKAGES = { three: "three", babylon: "@babylonjs/core", "model-viewer": "@google/model-viewer" };
-/** What must be reached: share of the silhouettes, decibels. */
+/** Required overlap of the silhouettes, and PSNR in decibels. */
 const OVERLAP = 0.97;
 const PSNR = 30;
-/** Looks taken at a clip that plays. */
+/** Number of pictures taken of a playing clip. */
 const LOOKS = 12;
 
 const here = (path) => fileURLToPath(new URL(path, import.meta.url));
@@ -41,17 +41,20 @@ async function measure(browser, address, player) {
         measured.mirrored = Math.max(measured.mirrored, ...flipped(seen).map((other) => overlap(other, pictures[i])));
     }
     await see("#0f0");
-    // One frame after the other, as fast as they come, for as long as it is looked at.
-    const playing = page.evaluate(async ([urls, up]) => {
-        const times = [];
-        for (let i = 0; !window.looked; i++) {
-            const start = performance.now();
-            await window.player.show(`/clip/${urls[i % urls.length]}`, up);
-            times.push(performance.now() - start);
-            await new Promise(requestAnimationFrame);
-        }
-        return times.sort((a, b) => a - b);
-    }, [clip.frames.map(({ url }) => url), clip.up]);
+    // Play frame after frame, as fast as they load, while pictures are taken.
+    const playing = page.evaluate(
+        async ([urls, up]) => {
+            const times = [];
+            for (let i = 0; !window.looked; i++) {
+                const start = performance.now();
+                await window.player.show(`/clip/${urls[i % urls.length]}`, up);
+                times.push(performance.now() - start);
+                await new Promise(requestAnimationFrame);
+            }
+            return times.sort((a, b) => a - b);
+        },
+        [clip.frames.map(({ url }) => url), clip.up],
+    );
     const seen = new Set();
     for (let i = 0; i < LOOKS; i++) {
         const look = onGreen(await see("#0f0"));
@@ -70,13 +73,18 @@ function shortcomings({ overlap, psnr, mirrored, looks, frames, problems }) {
     const wrong = [...problems];
     if (!(overlap >= OVERLAP)) wrong.push(`silhouettes overlap by ${overlap.toFixed(3)}, not ${OVERLAP}`);
     if (!(psnr >= PSNR)) wrong.push(`colours are at ${psnr.toFixed(1)} dB, not ${PSNR}`);
-    if (!(mirrored < OVERLAP)) wrong.push("the mesh is its own mirror image: nothing is said about where up is");
-    if (!(looks >= OVERLAP)) wrong.push(`while the clip plays, a look overlaps no frame by more than ${looks.toFixed(3)}`);
+    if (!(mirrored < OVERLAP)) wrong.push("the mesh is its own mirror image, and so this does not show where up is");
+    if (!(looks >= OVERLAP))
+        wrong.push(`while the clip plays, a look overlaps no frame by more than ${looks.toFixed(3)}`);
     if (clip.frames.length > 1 && frames < 2) wrong.push("the clip stands still");
     return wrong;
 }
 
-const server = await serve({ "/": here("page"), "/node_modules/": here("node_modules"), "/clip/": join(folder, "clip") });
+const server = await serve({
+    "/": here("page"),
+    "/node_modules/": here("node_modules"),
+    "/clip/": join(folder, "clip"),
+});
 const browser = await launch();
 try {
     for (const player of Object.keys(PACKAGES)) {
@@ -84,7 +92,7 @@ try {
         const { overlap, mirrored, psnr, looks, frames, milliseconds } = measured;
         const name = `${player} ${json(here(`node_modules/${PACKAGES[player]}/package.json`)).version}`;
         const still = `overlap ${overlap.toFixed(4)} (flipped at most ${mirrored.toFixed(3)}), ${psnr.toFixed(1)} dB`;
-        const playing = `playing: overlap ${looks.toFixed(4)}, ${frames} of ${clip.frames.length} frames seen, ${milliseconds.toFixed(0)} ms a frame`;
+        const playing = `playing: overlap ${looks.toFixed(4)}, ${frames} of ${clip.frames.length} frames seen, ${milliseconds.toFixed(0)} ms per frame`;
         console.log(`${name}: ${still}; ${playing}`);
         for (const wrong of shortcomings(measured)) {
             console.log(`  ${wrong}`);

@@ -12,12 +12,16 @@ try {
     for (const build of ["simd", "scalar"]) {
         const { page, problems } = await openPage(browser, `${site.address}/`);
         const work = { build, capture: `/capture/${basename(capture)}`, rounds: Number(rounds) };
-        const done = await page.evaluate((work) => new Promise((resolve, reject) => {
-            const worker = new Worker("/worker.js", { type: "module" });
-            worker.onmessage = ({ data }) => resolve(data);
-            worker.onerror = ({ message }) => reject(new Error(message ?? "the worker cannot be loaded"));
-            worker.postMessage(work);
-        }), work);
+        const done = await page.evaluate(
+            (work) =>
+                new Promise((resolve, reject) => {
+                    const worker = new Worker("/worker.js", { type: "module" });
+                    worker.onmessage = ({ data }) => resolve(data);
+                    worker.onerror = ({ message }) => reject(new Error(message ?? "the worker cannot be loaded"));
+                    worker.postMessage(work);
+                }),
+            work,
+        );
         if (problems.length) throw new Error(problems.join("\n"));
         console.log(JSON.stringify({ build, ...done }));
         await page.context().close();

@@ -1,19 +1,27 @@
-// Everybody's page: contrast, labels, keys, fingers, small screens, no network.
+// The page for everybody: contrast, labels, keys, touch, small screens.
 import assert from "node:assert/strict";
 import { createRequire } from "node:module";
 import { test } from "node:test";
 import { capture } from "./captures.mjs";
-import { dist, drive, launch, openPage, run, serve, text, view } from "./site.mjs";
+import { drive, run, text, view } from "./site.mjs";
 
 const AXE = createRequire(import.meta.url).resolve("axe-core/axe.min.js");
 const PHONE = { viewport: { width: 390, height: 844 }, hasTouch: true, isMobile: true };
-const { open, openWith } = drive();
+const { openWith } = drive();
 
-/** What axe finds wrong, in words. */
+/** The problems that axe finds, in words. */
 async function violations(page) {
     await page.addScriptTag({ path: AXE });
     const found = await page.evaluate(() => axe.run(document, { resultTypes: ["violations"] }));
-    return found.violations.flatMap(({ id, help, nodes }) => nodes.map((node) => `${id}: ${help}: ${node.target} ${node.any.concat(node.all).map((check) => check.message).join("; ")}`));
+    return found.violations.flatMap(({ id, help, nodes }) =>
+        nodes.map(
+            (node) =>
+                `${id}: ${help}: ${node.target} ${node.any
+                    .concat(node.all)
+                    .map((check) => check.message)
+                    .join("; ")}`,
+        ),
+    );
 }
 
 for (const colorScheme of ["dark", "light"]) {
@@ -28,21 +36,28 @@ for (const colorScheme of ["dark", "light"]) {
             await shot(`${device}-${colorScheme}-through`);
             found.through = await violations(page);
             await page.click("#through-leave");
-            await page.setInputFiles("#file-input", { name: "a.zip", mimeType: "application/zip", buffer: Buffer.from("none") });
+            await page.setInputFiles("#file-input", {
+                name: "a.zip",
+                mimeType: "application/zip",
+                buffer: Buffer.from("none"),
+            });
             await page.waitForFunction(() => document.getElementById("errors").childElementCount > 0);
             await shot(`${device}-${colorScheme}-error`);
             found.error = await violations(page);
             assert.deepEqual(found, { ready: [], through: [], error: [] });
-            assert.ok(await page.evaluate(() => document.documentElement.scrollWidth <= innerWidth), "it scrolls sideways");
+            assert.ok(
+                await page.evaluate(() => document.documentElement.scrollWidth <= innerWidth),
+                "the page scrolls sideways",
+            );
             assert.deepEqual(problems, []);
         });
     }
 }
 
-test("the keyboard reaches every control, and each shows that it has the focus", async (t) => {
+test("the keyboard reaches every control, and each shows its focus", async (t) => {
     const { page } = await openWith(t, capture([0, 1]));
     await run(page);
-    // From the first control: tabbing goes on from where the last click was.
+    // Start at the first control, because tabbing continues from the last click.
     await page.focus("#back");
     await page.keyboard.press("Shift+Tab");
     const seen = [];
@@ -50,18 +65,43 @@ test("the keyboard reaches every control, and each shows that it has the focus",
         const focused = await page.evaluate(() => {
             const element = document.activeElement;
             if (!element || element === document.body) return null;
-            // Controls that are drawn by something else show the focus there.
-            const places = [element, element.nextElementSibling, element.closest("#timeline")].filter((e) => e !== null);
-            return { name: element.id || element.value || element.textContent, shown: places.some((e) => getComputedStyle(e).outlineStyle !== "none") };
+            // A control that another element draws shows its focus there.
+            const places = [element, element.nextElementSibling, element.closest("#timeline")].filter(
+                (e) => e !== null,
+            );
+            return {
+                name: element.id || element.value || element.textContent,
+                shown: places.some((e) => getComputedStyle(e).outlineStyle !== "none"),
+            };
         });
         if (focused === null) break;
         seen.push(focused);
         await page.keyboard.press("Tab");
     }
-    assert.deepEqual(seen.filter(({ shown }) => !shown), []);
+    assert.deepEqual(
+        seen.filter(({ shown }) => !shown),
+        [],
+    );
     const names = seen.map(({ name }) => name);
-    for (const id of ["canvas", "play", "scrub", "speed", "loop", "pick-folder", "views", "run", "wireframe", "export-glb", "mesh", "colour"]) assert.ok(names.includes(id), `${id} is not among ${names}`);
-    assert.ok(names.some((name) => name.startsWith("cam")), "no camera is reached");
+    for (const id of [
+        "canvas",
+        "play",
+        "scrub",
+        "speed",
+        "loop",
+        "pick-folder",
+        "views",
+        "run",
+        "wireframe",
+        "export-glb",
+        "mesh",
+        "colour",
+    ])
+        assert.ok(names.includes(id), `${id} is not among ${names}`);
+    assert.ok(
+        names.some((name) => name.startsWith("cam")),
+        "no camera is reached",
+    );
 });
 
 test("keys turn, zoom, step, play, change speed and loop", async (t) => {
@@ -87,19 +127,22 @@ test("keys turn, zoom, step, play, change speed and loop", async (t) => {
     await page.selectOption("#speed", "2");
     await page.focus("#canvas");
     await page.keyboard.press(" ");
-    // Without looping it ends at the last frame.
+    // Without looping the clip ends at its last frame.
     await page.waitForFunction(() => document.getElementById("play").getAttribute("aria-pressed") === "false");
     assert.equal(await text(page, "counter"), "3 / 3");
     assert.deepEqual(problems, []);
 });
 
-test("fingers turn and zoom, on a phone", async (t) => {
+test("touch turns and zooms on a phone", async (t) => {
     const { page, problems, shot } = await openWith(t, capture([0]), { options: PHONE });
     await run(page);
     await shot("phone-done");
     const client = await page.context().newCDPSession(page);
     const touch = async (type, points) => {
-        await client.send("Input.dispatchTouchEvent", { type, touchPoints: points.map(([x, y], id) => ({ x, y, id })) });
+        await client.send("Input.dispatchTouchEvent", {
+            type,
+            touchPoints: points.map(([x, y], id) => ({ x, y, id })),
+        });
         await page.waitForTimeout(30);
     };
     const gesture = async (...steps) => {
@@ -112,22 +155,19 @@ test("fingers turn and zoom, on a phone", async (t) => {
         assert.notEqual(await view(page), before);
     };
     await gesture([[120, 250]], [[170, 250]], [[240, 260]]);
-    await gesture([[150, 250], [240, 250]], [[120, 250], [270, 250]], [[80, 250], [310, 250]]);
+    await gesture(
+        [
+            [150, 250],
+            [240, 250],
+        ],
+        [
+            [120, 250],
+            [270, 250],
+        ],
+        [
+            [80, 250],
+            [310, 250],
+        ],
+    );
     assert.deepEqual(problems, []);
-});
-
-test("it works without a network once it was loaded", async (t) => {
-    const own = await serve({ "/": dist });
-    const browser = await launch();
-    t.after(() => browser.close());
-    const { page, problems } = await openPage(browser, `${own.address}/`);
-    await page.evaluate(async () => {
-        await navigator.serviceWorker.ready;
-        while (!(await caches.match("sample/scene.json"))) await new Promise((r) => setTimeout(r, 100));
-    });
-    own.close();
-    await page.context().setOffline(true);
-    await page.reload();
-    await page.waitForFunction(() => document.body.dataset.preset === "sketch", undefined, { timeout: 60_000 });
-    assert.deepEqual(problems.filter((p) => !p.includes("ERR_INTERNET_DISCONNECTED")), []);
 });

@@ -1,4 +1,4 @@
-// Prints the browser's table of BENCHMARKS.md: best of three where time counts.
+// Prints the browser's table of BENCHMARKS.md. Times are the best of three.
 import { frameSeconds, large, longestTask, memory, sampleSeconds } from "./measure.mjs";
 import { dist, ended, launch, openPage, serve } from "./site.mjs";
 
@@ -9,7 +9,7 @@ const address = `${site.address}/`;
 async function best(measure, key) {
     const seen = [];
     for (let i = 0; i < TIMES; i++) {
-        // A browser that has not been there: nothing is compiled or kept.
+        // A new browser has nothing compiled or cached.
         const browser = await launch();
         seen.push(await measure(browser));
         await browser.close();
@@ -22,7 +22,7 @@ const frame = await best((browser) => frameSeconds(browser, address, large()), "
 const own = await launch();
 const task = await longestTask(own, () => sampleSeconds(own, address));
 const { three, twenty } = await memory(own, address);
-// What README shows.
+// README's picture of the page.
 const { page, shot } = await openPage(own, address);
 await ended(page);
 await page.setViewportSize({ width: 1120, height: 700 });
@@ -33,21 +33,27 @@ site.close();
 
 const row = (...cells) => `| ${cells.join(" | ")} |`;
 const s = (seconds) => seconds.toFixed(2);
-console.log([
-    row("headless Chromium, pictures drawn by software", "s", "mark, s"),
-    "|---|---:|---:|",
-    row("sample, 20 views of 512 x 384, from opening the page: first, coarse hull seen", s(sample.hull), 1),
-    row("preview seen", s(sample.preview), "–"),
-    row("first frame finished", s(sample.best), 5),
-    row("all 8 frames", s(sample.clip), "–"),
-    row("20 views of 1024 x 768, one frame: command line, one thread", s(frame.native), "–"),
-    row("page, the same reconstruction", s(frame.seconds), s(3 * frame.native)),
-    row("page, with hull and preview before it, until it ends", s(frame.all), s(3 * frame.native)),
-    "",
-    row("sample", "measured", "mark"),
-    "|---|---:|---:|",
-    row("longest task of the page's own thread, processor time", `${task.processor.toFixed(0)} ms`, "50 ms"),
-    row("the same with waiting for pictures drawn by software", `${task.clock.toFixed(0)} ms`, "–"),
-    row("memory of all of the browser's processes after 3 reconstructions", `${(three / 2 ** 20).toFixed(0)} MiB`, "–"),
-    row("after 20", `${(twenty / 2 ** 20).toFixed(0)} MiB`, `${((1.1 * three) / 2 ** 20).toFixed(0)} MiB`),
-].join("\n"));
+console.log(
+    [
+        row("headless Chromium, pictures drawn by software", "s", "mark, s"),
+        "|---|---:|---:|",
+        row("sample, 20 views of 512 x 384, from opening the page: first, coarse hull seen", s(sample.hull), 1),
+        row("preview seen", s(sample.preview), "–"),
+        row("first frame finished", s(sample.best), 5),
+        row("all 8 frames", s(sample.clip), "–"),
+        row("20 views of 1024 x 768, one frame: command line, one thread", s(frame.native), "–"),
+        row("page, the same reconstruction", s(frame.seconds), s(3 * frame.native)),
+        row("page, with hull and preview before it, until it ends", s(frame.all), s(3 * frame.native)),
+        "",
+        row("sample", "measured", "mark"),
+        "|---|---:|---:|",
+        row("longest task of the page's own thread, processor time", `${task.processor.toFixed(0)} ms`, "50 ms"),
+        row("the same with waiting for pictures drawn by software", `${task.clock.toFixed(0)} ms`, "–"),
+        row(
+            "memory of all of the browser's processes after 3 reconstructions",
+            `${(three / 2 ** 20).toFixed(0)} MiB`,
+            "–",
+        ),
+        row("after 20", `${(twenty / 2 ** 20).toFixed(0)} MiB`, `${((1.1 * three) / 2 ** 20).toFixed(0)} MiB`),
+    ].join("\n"),
+);

@@ -1,4 +1,4 @@
-// The sample's first frame as other programs write captures, and with faults.
+// The sample's frames as captures of other programs, and captures with faults.
 import { execFileSync } from "node:child_process";
 import { cpSync, mkdirSync, mkdtempSync, readFileSync, writeFileSync } from "node:fs";
 import { tmpdir } from "node:os";
@@ -9,12 +9,13 @@ export const scene = JSON.parse(readFileSync(join(sample, "scene.json"), "utf8")
 
 export const folder = () => mkdtempSync(join(tmpdir(), "pcmvs-web-"));
 
-/** A scene folder of some frames; `change` may spoil it. */
+/** A scene folder with some of the frames. `change` can introduce faults. */
 export function capture(frames = [0], change = () => {}) {
     const to = folder();
     const copy = structuredClone(scene);
     copy.frames = frames.map((i) => copy.frames[i]);
-    for (const path of copy.frames.flatMap((frame) => [...frame.images, ...frame.masks])) cpSync(join(sample, path), join(to, path));
+    for (const path of copy.frames.flatMap((frame) => [...frame.images, ...frame.masks]))
+        cpSync(join(sample, path), join(to, path));
     change(copy, to);
     writeFileSync(join(to, "scene.json"), JSON.stringify(copy));
     return to;
@@ -40,8 +41,14 @@ export function colmap() {
     const to = folder();
     pictures(to);
     mkdirSync(join(to, "sparse"));
-    const cameras = scene.cameras.map((c, i) => `${i + 1} PINHOLE ${c.width} ${c.height} ${c.K[0][0]} ${c.K[1][1]} ${c.K[0][2] + 0.5} ${c.K[1][2] + 0.5}`);
-    const images = scene.cameras.flatMap((c, i) => [`${i + 1} ${quaternion(c.R).join(" ")} ${c.t.join(" ")} ${i + 1} ${c.name}.jpg`, ""]);
+    const cameras = scene.cameras.map(
+        (c, i) =>
+            `${i + 1} PINHOLE ${c.width} ${c.height} ${c.K[0][0]} ${c.K[1][1]} ${c.K[0][2] + 0.5} ${c.K[1][2] + 0.5}`,
+    );
+    const images = scene.cameras.flatMap((c, i) => [
+        `${i + 1} ${quaternion(c.R).join(" ")} ${c.t.join(" ")} ${i + 1} ${c.name}.jpg`,
+        "",
+    ]);
     writeFileSync(join(to, "sparse/cameras.txt"), ["# cameras", ...cameras, ""].join("\n"));
     writeFileSync(join(to, "sparse/images.txt"), ["# images", ...images, ""].join("\n"));
     return to;
@@ -54,7 +61,16 @@ export function transforms() {
         const back = [0, 1, 2].map((i) => [0, 1, 2].map((j) => c.R[j][i]));
         const centre = back.map((row) => -row.reduce((sum, v, j) => sum + v * c.t[j], 0));
         const rows = back.map((row, i) => [row[0], -row[1], -row[2], centre[i]]);
-        return { file_path: `./images/${c.name}.jpg`, fl_x: c.K[0][0], fl_y: c.K[1][1], cx: c.K[0][2] + 0.5, cy: c.K[1][2] + 0.5, w: c.width, h: c.height, transform_matrix: [...rows, [0, 0, 0, 1]] };
+        return {
+            file_path: `./images/${c.name}.jpg`,
+            fl_x: c.K[0][0],
+            fl_y: c.K[1][1],
+            cx: c.K[0][2] + 0.5,
+            cy: c.K[1][2] + 0.5,
+            w: c.width,
+            h: c.height,
+            transform_matrix: [...rows, [0, 0, 0, 1]],
+        };
     });
     writeFileSync(join(to, "transforms.json"), JSON.stringify({ camera_model: "PINHOLE", frames }));
     return to;
@@ -63,22 +79,32 @@ export function transforms() {
 export function opencv() {
     const to = folder();
     pictures(to);
-    const matrix = (rows) => `!!opencv-matrix\n   rows: ${rows.length}\n   cols: ${rows[0].length}\n   dt: d\n   data: [ ${rows.flat().join(", ")} ]`;
+    const matrix = (rows) =>
+        `!!opencv-matrix\n   rows: ${rows.length}\n   cols: ${rows[0].length}\n   dt: d\n   data: [ ${rows.flat().join(", ")} ]`;
     for (const c of scene.cameras) {
-        const lines = [`camera_matrix: ${matrix(c.K)}`, `R: ${matrix(c.R)}`, `T: ${matrix(c.t.map((v) => [v]))}`, `image_width: ${c.width}`, `image_height: ${c.height}`];
+        const lines = [
+            `camera_matrix: ${matrix(c.K)}`,
+            `R: ${matrix(c.R)}`,
+            `T: ${matrix(c.t.map((v) => [v]))}`,
+            `image_width: ${c.width}`,
+            `image_height: ${c.height}`,
+        ];
         writeFileSync(join(to, `${c.name}.yml`), ["%YAML:1.0", "---", ...lines, ""].join("\n"));
     }
     return to;
 }
 
-/** A folder as a zip, its entries compressed. */
-export function zipped(source) {
+/** A folder as a zip with compressed entries. `limit` is the size above which Python's zipfile uses the 64-bit form. */
+export function zipped(source, limit = 2 ** 31) {
     const to = join(folder(), "capture.zip");
-    execFileSync("python3", ["-c", "import shutil,sys\nshutil.make_archive(sys.argv[1][:-4],'zip',sys.argv[2])", to, source]);
+    const program = `import shutil, sys, zipfile
+zipfile.ZIP64_LIMIT = ${limit}
+shutil.make_archive(sys.argv[1][:-4], "zip", sys.argv[2])`;
+    execFileSync("python3", ["-c", program, to, source]);
     return to;
 }
 
-/** w x y z of a rotation. */
+/** A rotation matrix as a quaternion w, x, y, z. */
 function quaternion(r) {
     const trace = r[0][0] + r[1][1] + r[2][2];
     if (trace > 0) {

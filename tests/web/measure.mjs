@@ -1,4 +1,4 @@
-// What is measured in the browser, for the tests and for BENCHMARKS.md.
+// Measurements in the browser, for the tests and for BENCHMARKS.md.
 import { execFileSync } from "node:child_process";
 import { existsSync, readFileSync } from "node:fs";
 import { join } from "node:path";
@@ -7,25 +7,30 @@ import { capture, folder } from "./captures.mjs";
 import { download, ended, openFolder, openPage, pcmvs, run } from "./site.mjs";
 
 /**
- * Milliseconds of the longest task of the page's own thread during `work`: on the clock, and of processor time.
+ * Milliseconds of the longest task of the page's main thread during `work`: elapsed, and of processor time.
  *
  * Without a graphics card Chromium draws WebGL by software and reads every picture back while the page's thread waits,
- * and workers want the same processors. Neither is the page's work: it is the processor time that must be short.
+ * and workers compete for the same processors. Neither is the page's work, and so the processor time is what counts.
  */
 export async function longestTask(browser, work) {
     const client = await browser.newBrowserCDPSession();
     const events = [];
     client.on("Tracing.dataCollected", ({ value }) => events.push(...value));
-    await client.send("Tracing.start", { transferMode: "ReportEvents", traceConfig: { includedCategories: ["toplevel", "__metadata"] } });
+    await client.send("Tracing.start", {
+        transferMode: "ReportEvents",
+        traceConfig: { includedCategories: ["toplevel", "__metadata"] },
+    });
     await work();
     const complete = new Promise((done) => client.once("Tracing.tracingComplete", done));
     await client.send("Tracing.end");
     await complete;
     const thread = (event) => `${event.pid} ${event.tid}`;
-    const mains = new Set(events.filter((e) => e.name === "thread_name" && e.args.name === "CrRendererMain").map(thread));
+    const mains = new Set(
+        events.filter((e) => e.name === "thread_name" && e.args.name === "CrRendererMain").map(thread),
+    );
     const tasks = events.filter((e) => e.name.endsWith("RunTask") && e.tdur !== undefined);
     const each = [...mains].map((main) => tasks.filter((e) => thread(e) === main));
-    // Chromium keeps a process in reserve: the page's is the one that works.
+    // Chromium keeps a spare renderer. The page's renderer is the one that works.
     const sum = (list) => list.reduce((total, e) => total + e.tdur, 0);
     const own = each.sort((a, b) => sum(b) - sum(a))[0];
     const longest = (key) => Math.max(...own.map((e) => e[key] / 1000));
@@ -36,7 +41,12 @@ export async function longestTask(browser, work) {
 export async function sampleSeconds(browser, address) {
     const { page } = await openPage(browser, address);
     await ended(page);
-    const seconds = await page.evaluate(() => [...["sketch", "preview", "default"].map((p) => performance.getEntriesByName(`shown-${p}`)[0].startTime), performance.now()].map((ms) => ms / 1000));
+    const seconds = await page.evaluate(() =>
+        [
+            ...["sketch", "preview", "default"].map((p) => performance.getEntriesByName(`shown-${p}`)[0].startTime),
+            performance.now(),
+        ].map((ms) => ms / 1000),
+    );
     await page.context().close();
     const [hull, preview, best, clip] = seconds;
     return { hull, preview, best, clip };
@@ -45,11 +55,17 @@ export async function sampleSeconds(browser, address) {
 /** A capture of 20 views of 1024 x 768 from the studio. */
 export function large() {
     const scene = fileURLToPath(new URL("../../target/large-scene", import.meta.url));
-    if (!existsSync(join(scene, "scene.json"))) execFileSync(process.env.STUDIO, ["--output", scene, "--views", "20", "--size", "1024x768", "--frames", "1"], { stdio: "ignore" });
+    if (!existsSync(join(scene, "scene.json")))
+        execFileSync(process.env.STUDIO, ["--output", scene, "--views", "20", "--size", "1024x768", "--frames", "1"], {
+            stdio: "ignore",
+        });
     return scene;
 }
 
-/** Seconds for a frame by the best preset, here on one thread and on the page, with decoding; and whether both gave the same bytes. */
+/**
+ * Seconds for a frame by the best preset, with decoding, by the command line on one thread and by the page, and whether
+ * both gave the same bytes.
+ */
 export async function frameSeconds(browser, address, scene) {
     const out = folder();
     let start = performance.now();
@@ -59,8 +75,12 @@ export async function frameSeconds(browser, address, scene) {
     await page.waitForSelector("#cancel:enabled");
     await page.click("#cancel");
     await openFolder(page, scene);
-    // Thumbnails use a processor, too: not what is measured.
-    await page.waitForFunction(() => [...document.querySelectorAll("#strip canvas")].every((c) => c.width !== 300), undefined, { timeout: 60_000 });
+    // Thumbnails use a processor, too, and are not to be measured.
+    await page.waitForFunction(
+        () => [...document.querySelectorAll("#strip canvas")].every((c) => c.width !== 300),
+        undefined,
+        { timeout: 60_000 },
+    );
     start = performance.now();
     await run(page);
     const all = (performance.now() - start) / 1000;
@@ -70,20 +90,21 @@ export async function frameSeconds(browser, address, scene) {
     return { native, all, seconds, equal, problems };
 }
 
-/** Bytes of memory of all of a browser's processes, pages, workers and what is drawn, after 3 and after 20 runs. */
+/** Memory of all processes of a browser after 3 and after 20 runs, bytes. */
 export async function memory(browser, address) {
     const { page, problems } = await openPage(browser, address);
     await page.waitForSelector("#cancel:enabled");
     await page.click("#cancel");
     await openFolder(page, capture([0]));
-    // Has everything that a run keeps: meshes, clouds and hull of the stages, pictures of all cameras.
+    // This preset keeps all there is to keep: meshes, the stages' clouds and hull, pictures of all cameras.
     await page.selectOption("#preset", "preview");
     const [client, system] = [await page.context().newCDPSession(page), await browser.newBrowserCDPSession()];
     const used = async () => {
         await client.send("HeapProfiler.collectGarbage");
         await page.waitForTimeout(1000);
         const { processInfo } = await system.send("SystemInfo.getProcessInfo");
-        const resident = ({ id }) => Number(/VmRSS:\s+(\d+)/.exec(readFileSync(`/proc/${id}/status`, "utf8"))[1]) * 1024;
+        const resident = ({ id }) =>
+            Number(/VmRSS:\s+(\d+)/.exec(readFileSync(`/proc/${id}/status`, "utf8"))[1]) * 1024;
         return processInfo.reduce((sum, one) => sum + resident(one), 0);
     };
     const seen = [];

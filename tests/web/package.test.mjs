@@ -1,4 +1,4 @@
-// The npm package: both builds give the command line's bytes, wherever it is used.
+// The npm package: both of its builds give the command line's bytes, wherever it is used.
 import assert from "node:assert/strict";
 import { execFileSync } from "node:child_process";
 import { createHash } from "node:crypto";
@@ -7,6 +7,7 @@ import { join } from "node:path";
 import { test } from "node:test";
 import { fileURLToPath } from "node:url";
 import { promisify } from "node:util";
+import { build } from "vite";
 import { folder, scene } from "./captures.mjs";
 import { launch, openPage, pcmvs, sample, serve } from "./site.mjs";
 
@@ -28,14 +29,14 @@ test("both builds give the command line's bytes", async () => {
     pcmvs("reconstruct", sample, "-o", out, "--frames", "0", "--preset", "preview");
     const expected = readFileSync(join(out, "frame_0000.glb"));
     for (const build of ["simd", "scalar"]) {
-        // A query makes it a module of its own, with an instance of its own.
+        // With another query it is another module, with its own instance.
         const api = await import(new URL(`pcmvs.js?${build}`, pkg));
         await api.default({ module_or_path: await promisify(readFile)(new URL(`pcmvs.${build}.wasm`, pkg)) });
         assert.deepEqual(Buffer.from(reconstruct(api, "preview").glb(scene.up)), expected, build);
     }
 });
 
-test("the entry point chooses a build, tells progress, cancels and throws errors with codes", async () => {
+test("the entry point chooses a build, reports progress, cancels and throws errors with codes", async () => {
     const api = await import(new URL("index.js", pkg));
     await api.ready;
     assert.equal(api.simd, true);
@@ -50,14 +51,27 @@ test("the entry point chooses a build, tells progress, cancels and throws errors
     assert.equal(mesh.triangles.length, 3 * made.triangles);
     assert.match(made.hashes().mesh, /^[0-9a-f]{16}$/);
     const sketch = frameOf(api).sketch();
-    assert.ok(sketch.triangles > 500 && sketch.triangles < made.triangles / 3, `${sketch.triangles} of ${made.triangles}`);
-    assert.throws(() => reconstruct(api, "hull", (stage) => stage !== "hull"), { name: "PcmvsError", code: "cancelled", stage: "hull" });
-    assert.throws(() => reconstruct(api, "hull", () => { throw new RangeError("mine"); }), { name: "RangeError", message: "mine" });
+    assert.ok(
+        sketch.triangles > 500 && sketch.triangles < made.triangles / 3,
+        `${sketch.triangles} of ${made.triangles}`,
+    );
+    assert.throws(() => reconstruct(api, "hull", (stage) => stage !== "hull"), {
+        name: "PcmvsError",
+        code: "cancelled",
+        stage: "hull",
+    });
+    assert.throws(
+        () =>
+            reconstruct(api, "hull", () => {
+                throw new RangeError("mine");
+            }),
+        { name: "RangeError", message: "mine" },
+    );
     assert.throws(() => new api.Rig(scene.cameras.slice(0, 2)), { code: "too-few-views" });
     const frame = new api.Frame(new api.Rig(scene.cameras));
     assert.throws(() => frame.setImage(4, new Uint8Array(10)), { code: "image", camera: 4 });
     assert.throws(() => frame.reconstruct("hull"), { code: "image", camera: 0 });
-    // A sketch does with the pictures that are there, and names cameras by their place among all.
+    // A sketch uses the pictures that are there, and its errors number the cameras as the frame does.
     for (let i = 0; i < scene.cameras.length; i += 2) {
         frame.setImage(i, readFileSync(join(sample, scene.frames[0].images[i])));
         frame.setMask(i, readFileSync(join(sample, scene.frames[0].masks[i])));
@@ -68,7 +82,22 @@ test("the entry point chooses a build, tells progress, cancels and throws errors
     assert.throws(() => frame.sketch(), { code: "silhouette", camera: 6 });
 });
 
-/** A page's script that reconstructs the sample's hull; `from` is where the package is. */
+test("a rig's memory is what an instance takes, to within a factor of three", async () => {
+    const api = await import(new URL("pcmvs.js?memory", pkg));
+    const { memory } = await api.default({
+        module_or_path: await promisify(readFile)(new URL("pcmvs.simd.wasm", pkg)),
+    });
+    // The instance's memory never shrinks: the preset that needs least comes first.
+    for (const preset of ["hull", "preview", "default"]) {
+        const expected = new api.Rig(scene.cameras).memory(preset);
+        reconstruct(api, preset).free();
+        const taken = memory.buffer.byteLength;
+        console.log(preset, expected, taken);
+        assert.ok(taken <= expected && expected <= 3 * taken, `${preset}: ${taken} bytes taken, ${expected} expected`);
+    }
+});
+
+/** A script that reconstructs the sample's hull with the package at `from`. */
 const script = (from) => `
     import { Frame, Rig, ready } from "${from}";
     const bytes = async (path) => new Uint8Array(await (await fetch("/sample/" + path)).arrayBuffer());
@@ -86,14 +115,20 @@ const script = (from) => `
 test("packed and installed, it works in Node, from a plain script, and through a bundler", async (t) => {
     const out = folder();
     pcmvs("reconstruct", sample, "-o", out, "--frames", "0", "--preset", "hull");
-    const expected = createHash("sha256").update(readFileSync(join(out, "frame_0000.glb"))).digest("hex");
+    const expected = createHash("sha256")
+        .update(readFileSync(join(out, "frame_0000.glb")))
+        .digest("hex");
     const app = folder();
-    const npm = (...args) => execFileSync("npm", [...args, "--silent", "--no-audit", "--no-fund"], { cwd: app, encoding: "utf8" });
+    const npm = (...args) =>
+        execFileSync("npm", [...args, "--silent", "--no-audit", "--no-fund"], { cwd: app, encoding: "utf8" });
     writeFileSync(join(app, "package.json"), JSON.stringify({ private: true, type: "module" }));
     const tarball = npm("pack", fileURLToPath(pkg)).trim();
     npm("install", "--offline", `./${tarball}`);
 
-    writeFileSync(join(app, "node.mjs"), 'import { ready, version } from "pcmvs";\nawait ready;\nconsole.log(version());\n');
+    writeFileSync(
+        join(app, "node.mjs"),
+        'import { ready, version } from "pcmvs";\nawait ready;\nconsole.log(version());\n',
+    );
     const { version } = JSON.parse(readFileSync(new URL("package.json", pkg), "utf8"));
     assert.equal(execFileSync("node", ["node.mjs"], { cwd: app, encoding: "utf8" }).trim(), version);
 
@@ -101,7 +136,6 @@ test("packed and installed, it works in Node, from a plain script, and through a
     writeFileSync(join(app, "index.html"), page(' src="./main.js">'));
     writeFileSync(join(app, "main.js"), script("pcmvs"));
     writeFileSync(join(app, "plain.html"), page(`>${script("/node_modules/pcmvs/index.js")}`));
-    const { build } = await import(new URL("../../web/node_modules/vite/dist/node/index.js", import.meta.url));
     await build({ root: app, base: "./", logLevel: "error", build: { target: "es2022" } });
 
     const site = await serve({ "/": app, "/sample/": sample });
@@ -112,8 +146,13 @@ test("packed and installed, it works in Node, from a plain script, and through a
     });
     for (const path of ["plain.html", "dist/index.html"]) {
         const { page, problems } = await openPage(browser, `${site.address}/${path}`);
-        await page.waitForFunction(() => /^[0-9a-f]{64}$/.test(document.body.textContent), undefined, { timeout: 60_000 }).catch(() => {});
+        await page
+            .waitForFunction(() => /^[0-9a-f]{64}$/.test(document.body.textContent), undefined, { timeout: 60_000 })
+            .catch(() => {});
         assert.equal(await page.innerText("body"), expected, `${path} ${problems}`);
-        assert.deepEqual(problems.filter((p) => !p.includes("favicon")), []);
+        assert.deepEqual(
+            problems.filter((p) => !p.includes("favicon")),
+            [],
+        );
     }
 });

@@ -10,7 +10,7 @@ import { download, drive, ended, launch, pcmvs, run, same, sample, text } from "
 
 const { open, openWith } = drive();
 
-/** Two PLY files of one mesh: all is equal but the last digits of normals, which a GLB holds at unit length. */
+/** Checks that two PLY files are equal except for the last digits of normals, which a GLB normalises. */
 function samePly(a, b) {
     const [start, row] = [b.indexOf("end_header\n") + 11, 27];
     const vertices = Number(/element vertex (\d+)/.exec(b.subarray(0, start).toString("latin1"))[1]);
@@ -26,11 +26,17 @@ function samePly(a, b) {
 
 test("the sample reconstructs by itself, plays, and exports what the command line makes", async (t) => {
     const { page, problems, shot } = await open(t);
-    await page.waitForFunction(() => performance.getEntriesByName("shown-sketch").length > 0, undefined, { timeout: 60_000 });
+    await page.waitForFunction(() => performance.getEntriesByName("shown-sketch").length > 0, undefined, {
+        timeout: 60_000,
+    });
     await shot("sample-hull");
-    await page.waitForFunction(() => performance.getEntriesByName("shown-preview").length > 0, undefined, { timeout: 60_000 });
+    await page.waitForFunction(() => performance.getEntriesByName("shown-preview").length > 0, undefined, {
+        timeout: 60_000,
+    });
     await shot("sample-preview");
-    await page.waitForFunction(() => performance.getEntriesByName("shown-default").length > 0, undefined, { timeout: 120_000 });
+    await page.waitForFunction(() => performance.getEntriesByName("shown-default").length > 0, undefined, {
+        timeout: 120_000,
+    });
     await shot("sample-best");
     await ended(page);
     assert.match(await text(page, "status"), /^8 of 8 frames in .* triangles$/);
@@ -45,7 +51,9 @@ test("the sample reconstructs by itself, plays, and exports what the command lin
     await page.setViewportSize({ width: 1120, height: 700 });
     await page.waitForTimeout(500);
     await shot("page");
-    const times = await page.evaluate(() => ["sketch", "preview", "default"].map((p) => performance.getEntriesByName(`shown-${p}`)[0].startTime));
+    const times = await page.evaluate(() =>
+        ["sketch", "preview", "default"].map((p) => performance.getEntriesByName(`shown-${p}`)[0].startTime),
+    );
     t.diagnostic(`hull, preview, best visible after ${times.map((ms) => (ms / 1000).toFixed(1)).join(", ")} s`);
 
     await page.click("#play");
@@ -76,10 +84,13 @@ test("the sample reconstructs by itself, plays, and exports what the command lin
     same(readFileSync(join(out, "clip/frame_0005.glb")), readFileSync(join(out, "frame_0005.glb")));
     const ours = JSON.parse(readFileSync(join(out, "clip/sequence.json"), "utf8"));
     const theirs = JSON.parse(readFileSync(join(out, "sequence.json"), "utf8"));
-    assert.deepEqual([ours.up, ours.fps, ours.units, ours.generator, ours.url], [theirs.up, theirs.fps, theirs.units, theirs.generator, theirs.url]);
+    assert.deepEqual(
+        [ours.up, ours.fps, ours.units, ours.generator, ours.url],
+        [theirs.up, theirs.fps, theirs.units, theirs.generator, theirs.url],
+    );
     assert.deepEqual(ours.frames[5], theirs.frames[1]);
 
-    // Back in: no reconstruction, only play.
+    // The exported clip can be played without a reconstruction.
     await page.setInputFiles("#file-input", zip);
     await page.waitForFunction(() => document.getElementById("status").textContent === "Clip opened");
     await page.waitForFunction(() => performance.getEntriesByName("shown-clip").length > 8);
@@ -87,16 +98,18 @@ test("the sample reconstructs by itself, plays, and exports what the command lin
     assert.deepEqual(problems, []);
 });
 
-test("the page's own thread is never held for more than 50 ms", async (t) => {
-    // Not used before: everything is compiled and drawn for the first time.
+test("the page's main thread is never blocked for more than 50 ms", async (t) => {
+    // In a new browser everything is compiled and drawn for the first time.
     const own = await launch();
     t.after(() => own.close());
     const { clock, processor, tasks } = await longestTask(own, async () => {
         const { page } = await open(t, { own });
         await ended(page);
         await page.click("#play");
-        for (const stage of ["hull", "detected", "contours", "merged", "mesh"]) await page.check(`#stages input[value=${stage}]`, { force: true });
-        for (const surface of ["clay", "normals", "colour"]) await page.check(`#shadings input[value=${surface}]`, { force: true });
+        for (const stage of ["hull", "detected", "contours", "merged", "mesh"])
+            await page.check(`#stages input[value=${stage}]`, { force: true });
+        for (const surface of ["clay", "normals", "colour"])
+            await page.check(`#shadings input[value=${surface}]`, { force: true });
         await page.check("#wireframe");
         await page.click("#forward");
         await page.uncheck("#wireframe");
@@ -112,11 +125,13 @@ test("the page's own thread is never held for more than 50 ms", async (t) => {
         await page.mouse.up();
         for (const format of ["glb", "ply", "png", "zip"]) await download(page, `export-${format}`);
     });
-    t.diagnostic(`longest of ${tasks} tasks: ${processor.toFixed(0)} ms of processor time, ${clock.toFixed(0)} ms with waiting for pictures drawn by software`);
+    t.diagnostic(
+        `longest of ${tasks} tasks: ${processor.toFixed(0)} ms of processor time, ${clock.toFixed(0)} ms with waiting for pictures drawn by software`,
+    );
     assert.ok(processor <= 50, `${processor} ms`);
 });
 
-test("stages, surfaces, cameras and keys", async (t) => {
+test("each stage, surface and camera looks different", async (t) => {
     const { page, problems, shot } = await openWith(t, capture([0]));
     await shot("own-capture-cameras");
     await page.selectOption("#preset", "preview");
@@ -151,7 +166,7 @@ test("stages, surfaces, cameras and keys", async (t) => {
     assert.deepEqual(problems, []);
 });
 
-test("through a camera the mesh covers the photograph's silhouette", async (t) => {
+test("seen through a camera, the mesh covers the photograph's silhouette", async (t) => {
     const { page } = await openWith(t, capture([0]));
     await run(page);
     await page.click("#strip button:nth-child(4)");
@@ -159,31 +174,39 @@ test("through a camera the mesh covers the photograph's silhouette", async (t) =
     await page.fill("#blend", "0");
     const still = await download(page, "export-png");
     const mask = readFileSync(join(sample, scene.frames[0].masks[3])).toString("base64");
-    const box = await page.locator("#photo").evaluate((photo) => ["left", "top", "width", "height"].map((side) => parseFloat(photo.style[side])));
-    const agreement = await page.evaluate(async ([still, mask, [left, top, width, height]]) => {
-        const bitmap = async (data) => createImageBitmap(await (await fetch(`data:image/png;base64,${data}`)).blob());
-        const pixels = (draw) => {
-            const canvas = new OffscreenCanvas(512, 384);
-            const context = canvas.getContext("2d");
-            draw(context);
-            return context.getImageData(0, 0, 512, 384).data;
-        };
-        const [view, truth] = [await bitmap(still), await bitmap(mask)];
-        const ratio = view.width / document.getElementById("canvas").clientWidth;
-        const seen = pixels((c) => c.drawImage(view, left * ratio, top * ratio, width * ratio, height * ratio, 0, 0, 512, 384));
-        const given = pixels((c) => c.drawImage(truth, 0, 0));
-        let [both, either] = [0, 0];
-        for (let i = 0; i < given.length; i += 4) {
-            const [a, b] = [seen[i + 3] > 127, given[i] > 127];
-            both += a && b;
-            either += a || b;
-        }
-        return both / either;
-    }, [still.toString("base64"), mask, box]);
+    const box = await page
+        .locator("#photo")
+        .evaluate((photo) => ["left", "top", "width", "height"].map((side) => parseFloat(photo.style[side])));
+    const agreement = await page.evaluate(
+        async ([still, mask, [left, top, width, height]]) => {
+            const bitmap = async (data) =>
+                createImageBitmap(await (await fetch(`data:image/png;base64,${data}`)).blob());
+            const pixels = (draw) => {
+                const canvas = new OffscreenCanvas(512, 384);
+                const context = canvas.getContext("2d");
+                draw(context);
+                return context.getImageData(0, 0, 512, 384).data;
+            };
+            const [view, truth] = [await bitmap(still), await bitmap(mask)];
+            const ratio = view.width / document.getElementById("canvas").clientWidth;
+            const seen = pixels((c) =>
+                c.drawImage(view, left * ratio, top * ratio, width * ratio, height * ratio, 0, 0, 512, 384),
+            );
+            const given = pixels((c) => c.drawImage(truth, 0, 0));
+            let [both, either] = [0, 0];
+            for (let i = 0; i < given.length; i += 4) {
+                const [a, b] = [seen[i + 3] > 127, given[i] > 127];
+                both += a && b;
+                either += a || b;
+            }
+            return both / either;
+        },
+        [still.toString("base64"), mask, box],
+    );
     assert.ok(agreement > 0.97, `intersection over union ${agreement}`);
 });
 
-test("chroma sliders change the silhouettes at once, and give the command line's bytes", async (t) => {
+test("chroma sliders change the silhouettes immediately, and give the command line's bytes", async (t) => {
     const { page, problems, shot } = await openWith(t, capture([0]));
     await page.selectOption("#silhouettes", "chroma");
     await page.click("#strip button:first-child");
@@ -192,7 +215,9 @@ test("chroma sliders change the silhouettes at once, and give the command line's
     await page.waitForTimeout(500);
     const usual = await tint();
     await page.fill("#key-tolerance", "0.15");
-    await page.waitForFunction((before) => document.getElementById("photo").toDataURL() !== before, usual, { timeout: 10_000 });
+    await page.waitForFunction((before) => document.getElementById("photo").toDataURL() !== before, usual, {
+        timeout: 10_000,
+    });
     await shot("chroma-key");
     await page.fill("#key-tolerance", "0.5");
     await page.click("#through-leave");
@@ -203,7 +228,7 @@ test("chroma sliders change the silhouettes at once, and give the command line's
     assert.deepEqual(problems, []);
 });
 
-test("cancel stops, what is there stays, and it starts again", async (t) => {
+test("cancelling keeps what is finished, and a run can start again", async (t) => {
     const { page, problems, shot } = await open(t);
     await page.waitForFunction(() => document.body.dataset.preset === "sketch");
     await page.click("#cancel");
@@ -218,4 +243,3 @@ test("cancel stops, what is there stays, and it starts again", async (t) => {
     assert.match(await text(page, "status"), /^8 of 8 frames/);
     assert.deepEqual(problems, []);
 });
-

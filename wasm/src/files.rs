@@ -1,4 +1,4 @@
-//! Files that the page hands over, as the tree that a scene is read from.
+//! Files that JavaScript hands in, as the tree from which a scene is read.
 
 use crate::types::FileSource;
 use js_sys::Uint8Array;
@@ -10,7 +10,7 @@ use std::{
 };
 use wasm_bindgen::JsCast;
 
-/// The page's files and the folders that their paths imply.
+/// The files and the folders in their paths.
 pub struct Given<'a> {
     source: &'a FileSource,
     files: BTreeSet<PathBuf>,

@@ -4,12 +4,17 @@
 mod error;
 mod files;
 mod frame;
+mod key;
+mod photograph;
+mod presets;
 mod progress;
 mod reconstruction;
 mod rig;
+mod sketch;
 mod types;
 
-pub use frame::{Frame, Photograph};
+pub use frame::Frame;
+pub use photograph::Photograph;
 pub use reconstruction::{Cloud, MeshArrays, Reconstruction};
 pub use rig::Rig;
 

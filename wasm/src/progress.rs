@@ -1,12 +1,13 @@
-//! Progress to a JavaScript function, which also says when to stop.
+//! Progress to a JavaScript function, which can cancel.
 
+use crate::types::ProgressFunction;
 use js_sys::Function;
 use pcmvs_core::{Progress, Stage};
 use send_wrapper::SendWrapper;
 use std::cell::{Cell, RefCell};
-use wasm_bindgen::JsValue;
+use wasm_bindgen::{JsCast, JsValue};
 
-/// What the callback was last told, and what it threw.
+/// The stage that was reported last, and what the callback threw.
 struct State {
     callback: Option<Function>,
     stage: Cell<Option<Stage>>,
@@ -17,12 +18,13 @@ struct State {
 pub struct Callback(SendWrapper<State>);
 
 impl Callback {
-    /// Without a function nothing is told and nothing cancels.
-    pub fn new(callback: Option<Function>) -> Self {
+    /// Without a function nothing is reported and nothing cancels.
+    pub fn new(callback: Option<ProgressFunction>) -> Self {
+        let callback = callback.map(JsCast::unchecked_into);
         Self(SendWrapper::new(State { callback, stage: Cell::default(), thrown: RefCell::default() }))
     }
 
-    /// The stage that began last.
+    /// The stage that started last.
     pub fn stage(&self) -> Option<Stage> {
         self.0.stage.get()
     }

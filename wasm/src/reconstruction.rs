@@ -32,7 +32,7 @@ impl Reconstruction {
             Some("hull") => Ok(&self.result.intermediates.hull),
             Some("coarse") => Ok(&self.result.intermediates.coarse),
             Some("mesh") => Ok(&self.result.mesh),
-            _ => Err(Failed::new("input", "a mesh is one of hull, coarse, mesh", None, None)),
+            _ => Err(Failed::input("a mesh is one of hull, coarse, mesh")),
         }
     }
 }
@@ -57,7 +57,7 @@ impl Reconstruction {
         Uint8Array::new_from_slice(&ply::write_cloud(&self.result.intermediates.merged, self.origin))
     }
 
-    /// A stage's mesh: `hull` has no colours, nor has `coarse`, which is empty where there is no coarse pass.
+    /// A stage's mesh. `hull` and `coarse` have no colours, and `coarse` is empty without a coarse pass.
     pub fn mesh(&self, stage: MeshStage) -> Result<MeshArrays, Failed> {
         let mesh = self.stage(&stage)?;
         Ok(MeshArrays {
@@ -135,13 +135,13 @@ impl MeshArrays {
         self.normals.clone()
     }
 
-    /// sRGB of each vertex, or nothing.
+    /// sRGB of each vertex; empty without colours.
     #[wasm_bindgen(getter)]
     pub fn colours(&self) -> Uint8Array {
         self.colours.clone()
     }
 
-    /// Three vertices a triangle, counter-clockwise seen from outside.
+    /// Three vertices per triangle, counter-clockwise seen from outside.
     #[wasm_bindgen(getter)]
     pub fn triangles(&self) -> Uint32Array {
         self.triangles.clone()
@@ -184,7 +184,7 @@ impl Cloud {
         self.normals.clone()
     }
 
-    /// Camera that detected each point; 65535: none.
+    /// Camera that detected each point, or 65535 for none.
     #[wasm_bindgen(getter)]
     pub fn views(&self) -> Uint16Array {
         self.views.clone()

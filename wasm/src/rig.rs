@@ -1,10 +1,19 @@
 //! The cameras.
 
-use crate::{error::Failed, types::CameraList};
-use pcmvs_core::Camera;
+use crate::{
+    error::Failed,
+    presets,
+    types::{CameraList, PresetName},
+};
+use pcmvs_core::{Camera, memory};
 use pcmvs_scene::SceneCamera;
 use std::rc::Rc;
 use wasm_bindgen::prelude::*;
+
+/// Bytes of memory of a module without a frame: its data, its stack, a decoder.
+const MODULE: f64 = 16e6;
+/// Bytes per pixel of the pictures that a frame holds: red, green, blue and mask.
+const PICTURES_PER_PIXEL: f64 = 4.0;
 
 /// A calibrated set of cameras, checked.
 #[wasm_bindgen]
@@ -20,7 +29,7 @@ impl Rig {
     pub fn new(cameras: CameraList) -> Result<Rig, Failed> {
         let cameras: Vec<SceneCamera> = serde_wasm_bindgen::from_value(cameras.into())?;
         let camera = |(i, camera): (usize, &SceneCamera)| {
-            camera.camera().map_err(|problem| Failed::new("camera", &problem, Some(i as u32), None))
+            camera.camera().map_err(|problem| Failed::of_camera("camera", &problem, i))
         };
         let cameras: Vec<Camera> = cameras.iter().enumerate().map(camera).collect::<Result<_, _>>()?;
         let rig = pcmvs_core::Rig::new(&cameras).map_err(|error| Failed::core(&error, None))?;
@@ -33,7 +42,14 @@ impl Rig {
         self.rig.cameras().len()
     }
 
-    /// World position that stages' outputs are relative to, x y z.
+    /// Bytes of memory that a module is expected to need for a frame of this rig with its pictures.
+    pub fn memory(&self, preset: &PresetName) -> Result<f64, Failed> {
+        let pixels: f64 = self.rig.cameras().iter().map(|c| f64::from(c.width) * f64::from(c.height)).sum();
+        let frame = memory::expected(&self.rig, &presets::params(preset)?);
+        Ok(MODULE + PICTURES_PER_PIXEL * pixels + frame as f64)
+    }
+
+    /// World position to which stages' outputs are relative, x y z.
     #[wasm_bindgen(getter)]
     pub fn origin(&self) -> Vec<f64> {
         self.rig.origin().to_array().to_vec()

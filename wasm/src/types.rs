@@ -5,7 +5,7 @@ use wasm_bindgen::prelude::*;
 
 #[wasm_bindgen(typescript_custom_section)]
 const TYPES: &str = r#"
-/** A calibrated camera: world to pixel is `x = K · distort(R X + t)`, x right, y down, z forward, the first pixel's
+/** A calibrated camera. World to pixel is `x = K · distort(R X + t)`, x right, y down, z forward, the first pixel's
  * centre at (0, 0). Matrices by rows, OpenCV's distortion k1 k2 p1 p2 k3. */
 export interface Camera {
     name: string;
@@ -28,18 +28,18 @@ export interface Scene {
     background?: { chroma_rgb?: [number, number, number] };
 }
 
-/** Files by path, with `/` between folders. */
+/** Files by their paths, with `/` between folders. */
 export interface FileSource {
     paths(): string[];
     read(path: string): Uint8Array;
 }
 
-/** How to tell an object from a backdrop of about this sRGB colour. */
+/** How an object is separated from a backdrop of about this sRGB colour. */
 export interface ChromaKey {
     rgb: [number, number, number];
     /** Share of the angle between backdrop and gray, 0..1 (0.5). */
     tolerance?: number;
-    /** Shadows count as backdrop down to this share of its brightness (0.2). */
+    /** A shadow on the backdrop counts as backdrop down to this share of its brightness (0.2). */
     darkestShadow?: number;
     /** Specks below this share of the picture are removed (3e-4). */
     smallestPart?: number;
@@ -53,14 +53,14 @@ export type Stage = "views" | "hull" | "contours" | "coarse" | "detect" | "merge
 /** Returns false to cancel. */
 export type Progress = (stage: Stage, done: number, total: number) => boolean | void;
 
-/** What is thrown. */
+/** The errors that the package throws. */
 export interface PcmvsError extends Error {
     name: "PcmvsError";
     code: "camera" | "image" | "silhouette" | "duplicate-camera" | "too-few-views" | "empty-hull" | "no-surface"
-        | "out-of-memory" | "cancelled" | "input" | "internal";
-    /** Index of the camera that it is about. */
+        | "out-of-memory" | "invalid-argument" | "wrong-order" | "cancelled" | "input" | "internal";
+    /** Index of the camera to blame. */
     camera?: number;
-    /** Stage that ran. */
+    /** The stage that ran. */
     stage?: Stage;
 }
 "#;

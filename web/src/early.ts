@@ -1,29 +1,32 @@
-// What takes longest to come, asked for before the page itself is read: workers compile, the sample's pictures come, and a
+// Starts what takes longest before the page itself is loaded: workers compile, the sample's pictures are fetched, and a
 // first sketch is made of them while three.js loads.
-import { sampleFiles } from "./files";
-import { Pool, warm } from "./pool";
-import type { FrameResult } from "./protocol";
-import { viewFiles } from "./session";
+
+import { sampleFiles } from "./page/files";
+import { viewFiles } from "./run/views";
+import { Pool, warm } from "./workers/pool";
+import type { FrameResult } from "./workers/protocol";
 
 warm(2);
-/** For what is not a frame: opening, pictures of cameras, exports. */
-export const aside = new Pool(1);
+/** Does everything but frames: it opens captures, makes pictures of cameras, and exports. */
+export const sidePool = new Pool(1);
+/** The files of the sample. */
 export const sample = sampleFiles();
+/** A sketch of the sample's first frame. */
+export const sketch = sketchSample();
 
-async function sketched(): Promise<FrameResult> {
+async function sketchSample(): Promise<FrameResult> {
     const entries = await sample;
-    const scene = await aside.run({ type: "open", entries });
-    const views = scene.cameras.map((_, camera) => viewFiles(scene, entries, 0, camera, "masks"));
+    const { cameras, frames, up } = await sidePool.run({ type: "open", entries });
+    const views = cameras.map((_, camera) => viewFiles(frames[0], entries, camera, "masks", null));
     const made: FrameResult[] = [];
     const pool = new Pool(1);
-    await pool.run({ type: "frame", cameras: scene.cameras, views, up: scene.up, rungs: ["sketch"], stages: false }, { result: (one) => made.push(one) });
+    const job = { type: "frame" as const, cameras, views, up, levels: ["sketch" as const], stages: false };
+    await pool.run(job, { result: (one) => made.push(one) });
     pool.leave();
-    if (made.length === 0) throw new Error("there is no sketch");
+    if (made.length === 0) throw new Error("the sample has no sketch");
     return made[0];
 }
 
-/** A sketch of the sample's first frame. */
-export const sketch = sketched();
-// Told where they are awaited.
+// Failures are reported where these are awaited.
 sample.catch(() => {});
 sketch.catch(() => {});

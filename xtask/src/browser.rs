@@ -1,4 +1,4 @@
-//! A frame in a browser beside the same frame in a program: what WebAssembly costs.
+//! The same frame in a browser and in a native program: the cost of WebAssembly.
 
 use crate::{
     Result,
@@ -12,12 +12,12 @@ use golden::case::LARGE;
 use serde_json::Value;
 use std::path::Path;
 
-/// Of every build in a run; a browser's first compiles on the way.
+/// Rounds per build and run. A browser compiles during the first.
 const ROUNDS: &str = "2";
-/// Runs of each build, in turns, because machines have slow minutes. The fastest round counts.
+/// Runs of each build, alternating, because a machine may be slow for a while. The fastest round counts.
 const RUNS: usize = 2;
 
-/// What one build took.
+/// The times of one build.
 struct Timed {
     name: &'static str,
     /// Seconds of each round.

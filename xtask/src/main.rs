@@ -18,7 +18,6 @@ mod process;
 mod publish;
 mod result;
 mod sample;
-mod serve;
 mod setup;
 mod speed;
 mod steps;

@@ -1,4 +1,5 @@
-//! `cargo xtask players`: a clip in other people's players, compared with our own pictures of it (see tests/players).
+//! `cargo xtask players`: plays a clip in common players and compares them with our own pictures of it (see
+//! tests/players).
 
 use crate::{
     Result,

@@ -41,6 +41,7 @@ pub fn run(all: bool, install: bool) -> Result<()> {
     steps.step_with(&[CLIPPY], "lints", || {
         run_program(&mut cargo("clippy --quiet --workspace --all-targets --all-features -- -D warnings")).map(passed)
     })?;
+    steps.step_with(&[web::LINTERS], "JavaScript and TypeScript", || web::lints().map(passed))?;
     steps.step_with(&no_std::NEEDS, "core without std", || no_std::check().map(Outcome::Passed))?;
     steps.step_with(&oldest_compiler::NEEDS, "oldest compiler", oldest_compiler::check)?;
     steps.step("tests", || tests().map(Outcome::Passed))?;

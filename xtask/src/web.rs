@@ -3,29 +3,36 @@
 use crate::{
     Result,
     compiler::Compiler,
-    process::{cargo, program, root, run, target},
-    sample, serve,
+    process::{cargo, program, root, run, show, target},
+    sample,
     setup::{self, Need},
     steps::{Outcome, Steps},
     tables::replace_in,
 };
 use flate2::{Compression, write::GzEncoder};
-use std::{fs, io::Write, path::Path};
+use std::{
+    fs,
+    io::Write,
+    path::{Path, PathBuf},
+};
 use wasm_bindgen_cli_support::Bindgen;
 
-/// Most that a build of the package's module may weigh, compressed.
+/// Maximum size of a build of the package's module, compressed, in bytes.
 const MODULE_BUDGET: usize = 400 << 10;
-/// Little is inlined: that keeps the module within its budget, and loops that count are inlined by attribute.
+/// Inlines little, which keeps the module within its budget. Hot loops are inlined by attribute.
 const INLINE: &str = "-Cllvm-args=-inline-threshold=15";
-/// The two builds of the module and their compilers' flags beside that: the page takes the first that runs.
+/// The two builds of the module and their further compiler flags. The page uses the first that the browser can run.
 const BUILDS: [(&str, &str); 2] = [("simd", "-Ctarget-feature=+simd128"), ("scalar", "-Ctarget-feature=-simd128")];
 /// The browser.
 const TRIPLE: &str = "wasm32-unknown-unknown";
-/// What is written by hand in the package.
+/// The files of the package that are written by hand.
 const WRITTEN: [&str; 4] = ["index.js", "index.d.ts", "package.json", "README.md"];
 
 /// Debian's packages that the tests need besides Node.
 const TOOLS: [setup::Package; 2] = [setup::CHROMIUM, ("python3", "/usr/bin/python3")];
+
+/// The formatter and linter of JavaScript and TypeScript.
+pub const LINTERS: Need = Need::Npm("web");
 
 /// All that the checks need, that of building the page first.
 pub const NEEDS: [Need; 5] = [
@@ -86,21 +93,23 @@ pub fn dist() -> Result<String> {
     let web = root().join("web");
     setup::node_packages(&web)?;
     run(program("npm", "run build").current_dir(&web))?;
-    // What the service worker keeps for use without a network.
     let dist = web.join("dist");
     let mut paths = Vec::new();
-    files(&dist, &dist, &mut paths)?;
-    paths.sort();
-    let list: Vec<String> = paths.iter().map(|path| format!("{path:?}")).collect();
-    write(&dist.join("files.json"), format!("[{}]\n", list.join(",")).as_bytes())?;
-    let size: u64 = paths.iter().map(|path| fs::metadata(dist.join(path)).map_or(0, |m| m.len())).sum();
+    files(&dist, &mut paths)?;
+    let size: u64 = paths.iter().map(|path| fs::metadata(path).map_or(0, |m| m.len())).sum();
     Ok(format!("{modules}; web/dist {} files, {:.1} MB", paths.len(), size as f64 / 1e6))
 }
 
 /// Builds the site and serves it on this machine until the program ends.
 pub fn demo() -> Result<()> {
     println!("{}", dist()?);
-    serve::serve(&root().join("web/dist")).map_err(|e| format!("the page cannot be served: {e}"))
+    show(program("npm", "run --silent preview").current_dir(root().join("web")))
+}
+
+/// Checks format and lints of all JavaScript and TypeScript in the repository, see biome.json.
+pub fn lints() -> Result<()> {
+    LINTERS.install()?;
+    run(&mut program(root().join("web/node_modules/.bin/biome"), "ci --colors=off --error-on-warnings")).map(drop)
 }
 
 /// Builds the site and the command line and drives both, see tests/web; with `long` also what takes minutes.
@@ -148,15 +157,15 @@ fn node(script: &str) -> Result<String> {
     })
 }
 
-/// Paths of all files below a folder, relative to `root`, with `/`.
-fn files(root: &Path, folder: &Path, found: &mut Vec<String>) -> Result<()> {
+/// Paths of all files below a folder.
+fn files(folder: &Path, found: &mut Vec<PathBuf>) -> Result<()> {
     let unreadable = |e| format!("{}: {e}", folder.display());
     for entry in fs::read_dir(folder).map_err(unreadable)? {
         let path = entry.map_err(unreadable)?.path();
         if path.is_dir() {
-            files(root, &path, found)?;
-        } else if let Ok(relative) = path.strip_prefix(root) {
-            found.push(relative.to_string_lossy().replace('\\', "/"));
+            files(&path, found)?;
+        } else {
+            found.push(path);
         }
     }
     Ok(())
@@ -175,10 +184,6 @@ fn read(path: &Path) -> Result<Vec<u8>> {
 
 fn read_text(path: &Path) -> Result<String> {
     fs::read_to_string(path).map_err(|e| format!("{}: {e}", path.display()))
-}
-
-fn write(path: &Path, bytes: &[u8]) -> Result<()> {
-    fs::write(path, bytes).map_err(|e| format!("{}: {e}", path.display()))
 }
 
 fn copy(from: &Path, to: &Path) -> Result<()> {

@@ -65,7 +65,7 @@ pub struct DetectionScratch {
 pub fn detect_view<'l>(
     context: Context,
     view: usize,
-    level: impl Fn(usize) -> PyramidLevel<'l>,
+    level: &dyn Fn(usize) -> PyramidLevel<'l>,
     guide: Guide,
     params: &DetectionParams,
     scratch: &mut DetectionScratch,

@@ -165,7 +165,7 @@ impl<R: Deref<Target = Rig>> Frame<R> {
             let params = &self.params.detection;
             let context = self.context(progress)?;
             let level = |place| self.level(place);
-            self.memory.detection.with(|scratch| detect_view(context, place, level, guide, params, scratch))?
+            self.memory.detection.with(|scratch| detect_view(context, place, &level, guide, params, scratch))?
         };
         *self.found[place].lock() = Some(found);
         Ok(())

@@ -7,7 +7,9 @@ export async function run(compiled, args, bytes) {
     const folder = new PreopenDirectory(".", new Map([[capture, new File(bytes)]]));
     const lines = [];
     const print = () => ConsoleStdout.lineBuffered((line) => lines.push(line));
-    const wasi = new WASI(["golden", ...args], [], [new OpenFile(new File([])), print(), print(), folder], { debug: false });
+    const wasi = new WASI(["golden", ...args], [], [new OpenFile(new File([])), print(), print(), folder], {
+        debug: false,
+    });
     const status = wasi.start(await WebAssembly.instantiate(compiled, { wasi_snapshot_preview1: wasi.wasiImport }));
     const written = folder.dir.contents.get(record);
     return { status, printed: lines.join("\n"), text: written ? new TextDecoder().decode(written.data) : "" };

@@ -32,7 +32,11 @@ export async function show(address, up) {
     const loaded = await LoadAssetContainerAsync(address, scene);
     shown?.dispose();
     shown = loaded;
-    world.rotationQuaternion = Quaternion.FromUnitVectorsToRef(Vector3.FromArray(up).normalize(), Vector3.Up(), new Quaternion());
+    world.rotationQuaternion = Quaternion.FromUnitVectorsToRef(
+        Vector3.FromArray(up).normalize(),
+        Vector3.Up(),
+        new Quaternion(),
+    );
     for (const root of loaded.rootNodes) root.parent = world;
     loaded.addAllToScene();
     await scene.whenReadyAsync();

@@ -1,7 +1,7 @@
-// <model-viewer>: attributes alone. `orientation` is what turns the clip's upward direction to +y.
+// <model-viewer>: only attributes are used. `orientation` turns the clip's upward direction to +y.
 import { ModelViewerElement } from "@google/model-viewer";
 
-// Or it would show fewer pixels where drawing is slow.
+// Otherwise it reduces its resolution where drawing is slow.
 ModelViewerElement.minimumRenderScale = 1;
 const element = document.createElement("model-viewer");
 
@@ -11,13 +11,13 @@ export function open(stage, view) {
         "camera-target": view.target.map((v) => `${v}m`).join(" "),
         "camera-orbit": `${view.theta}rad ${view.phi}rad ${view.radius}m`,
         "field-of-view": `${view.fov}rad`,
-        // By itself it lets nobody see a model smaller than it thinks fit.
+        // Its default limits keep a small model from being shown small.
         "max-camera-orbit": `auto auto ${view.radius}m`,
         "max-field-of-view": `${view.fov}rad`,
         "interaction-prompt": "none",
     };
     for (const [name, value] of Object.entries(attributes)) element.setAttribute(name, value);
-    // Without its progress bar, which lies over the picture.
+    // This replaces its progress bar, which would cover the picture.
     element.innerHTML = '<div slot="progress-bar"></div>';
     stage.append(element);
 }
@@ -25,9 +25,13 @@ export function open(stage, view) {
 export async function show(address, [x, y, z]) {
     const loaded = new Promise((done, failed) => {
         element.addEventListener("load", done, { once: true });
-        element.addEventListener("error", (event) => failed(new Error(event.detail?.sourceError ?? event.detail?.type)), { once: true });
+        element.addEventListener(
+            "error",
+            (event) => failed(new Error(event.detail?.sourceError ?? event.detail?.type)),
+            { once: true },
+        );
     });
-    // Roll about z takes x out of it, then pitch about x takes z out of it.
+    // Rolling around z makes x zero, then pitching around x makes z zero.
     const [roll, pitch] = [Math.atan2(x, y), -Math.atan2(z, Math.hypot(x, y))];
     element.orientation = `${roll}rad ${pitch}rad 0rad`;
     element.src = address;

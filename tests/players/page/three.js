@@ -7,8 +7,10 @@ const scene = new Scene();
 const world = new Group();
 let renderer, camera;
 
-/** Starts the player in `stage`, a square of `view.size` pixels, with the camera on a sphere of radius `view.radius`
-    round `view.target`: `theta` turns it from +z to +x, `phi` is its angle from +y; `fov` is vertical; radians. */
+/**
+ * Starts the player in `stage`, a square of `view.size` pixels, with the camera on a sphere of radius `view.radius` around
+ * `view.target`. `theta` turns it from +z to +x, `phi` is its angle from +y, and `fov` is vertical, all in radians.
+ */
 export function open(stage, view) {
     renderer = new WebGLRenderer({ antialias: true, alpha: true });
     renderer.setSize(view.size, view.size);
@@ -20,7 +22,7 @@ export function open(stage, view) {
     scene.add(world);
 }
 
-/** Shows the GLB at an address in place of what is shown; `up` is the manifest's. Done when it has been drawn. */
+/** Shows the GLB at an address instead of the previous one, and resolves when it has been drawn. `up` is the manifest's. */
 export async function show(address, up) {
     const loaded = (await loader.loadAsync(address)).scene;
     world.traverse((object) => object.geometry?.dispose());

@@ -35,14 +35,28 @@ self.onmessage = async ({ data: { build, capture, rounds } }) => {
 function read(buffer) {
     const data = new DataView(buffer);
     let at = 0;
-    const size = () => data.getUint32((at += 4) - 4, true);
-    const numbers = (count) => Array.from({ length: count }, () => data.getFloat64((at += 8) - 8, true));
+    /** Moves on by so many bytes and returns where they begin. */
+    const take = (count) => {
+        const start = at;
+        at += count;
+        return start;
+    };
+    const size = () => data.getUint32(take(4), true);
+    const numbers = (count) => Array.from({ length: count }, () => data.getFloat64(take(8), true));
     const rows = () => [numbers(3), numbers(3), numbers(3)];
-    const bytes = (count) => new Uint8Array(buffer, (at += count) - count, count);
+    const bytes = (count) => new Uint8Array(buffer, take(count), count);
     const views = [];
     while (at < buffer.byteLength) {
         const [width, height] = [size(), size()];
-        const camera = { name: `camera ${views.length}`, width, height, K: rows(), distortion: numbers(5), R: rows(), t: numbers(3) };
+        const camera = {
+            name: `camera ${views.length}`,
+            width,
+            height,
+            K: rows(),
+            distortion: numbers(5),
+            R: rows(),
+            t: numbers(3),
+        };
         const rgb = bytes(3 * width * height);
         const rgba = new Uint8Array(4 * width * height).map((_, i) => (i % 4 < 3 ? rgb[(i >> 2) * 3 + (i % 4)] : 255));
         views.push({ camera, rgba, mask: bytes(width * height) });

@@ -1,4 +1,4 @@
-// Real captures through the page; PCMVS_DATA names their folder.
+// Real captures on the page. PCMVS_DATA is their folder.
 import assert from "node:assert/strict";
 import { existsSync, readFileSync } from "node:fs";
 import { join } from "node:path";
@@ -10,7 +10,10 @@ const { openWith } = drive();
 
 for (const name of ["wd2", "dino-sparse-ring"]) {
     const scene = join(process.env.PCMVS_DATA ?? "", name);
-    const skip = process.env.PCMVS_DATA && existsSync(join(scene, "scene.json")) ? false : `PCMVS_DATA names no folder with ${name}`;
+    const skip =
+        process.env.PCMVS_DATA && existsSync(join(scene, "scene.json"))
+            ? false
+            : `PCMVS_DATA names no folder with ${name}`;
     test(`${name} on the page gives the command line's bytes`, { skip }, async (t) => {
         const { page, problems, shot } = await openWith(t, scene);
         await page.selectOption("#preset", "default");

@@ -1,10 +1,11 @@
-// What passes between the page and its workers.
+// The messages between the page and its workers.
+
 import type { Camera, ChromaKey, PcmvsError, Preset, Scene, Stage } from "pcmvs";
 
 /** A file that has not been read yet: on disk, inside a zip, or on the page's own host. */
 export type Entry =
     | { kind: "blob"; blob: Blob }
-    | { kind: "zip"; zip: Blob; offset: number; packed: number; size: number; method: number }
+    | { kind: "zip"; zip: Blob; id: string; path: string }
     | { kind: "url"; url: string };
 
 export type Entries = Map<string, Entry>;
@@ -16,20 +17,46 @@ export interface ViewFiles {
     key: ChromaKey | null;
 }
 
-/** What a frame is shown as on its way to what is wanted. */
-export type Rung = "sketch" | Preset;
+/** How good a mesh is: a preset of the library, or the sketch that is shown before any of them. */
+export type QualityLevel = "sketch" | Preset;
 
 export type Job =
     | { type: "open"; entries: Entries }
     | { type: "read"; entry: Entry }
     | { type: "unzip"; zip: Blob }
-    | { type: "frame"; cameras: Camera[]; views: ViewFiles[]; up: Scene["up"]; rungs: Rung[]; stages: boolean }
-    | { type: "photograph"; cameras: Camera[]; camera: number; view: ViewFiles; width: number }
-    | { type: "zip"; files: { name: string; blob: Blob }[] }
+    | { type: "memory"; cameras: Camera[]; preset: Preset }
+    | FrameJob
+    | PhotographJob
+    | { type: "zip"; files: NamedBlob[] }
     | { type: "digest"; blobs: Blob[] }
     | ({ type: "ply" } & PlyInput);
 
-/** A mesh's arrays: colours are linear light, 0 to 1 in floats or the whole range of integers. */
+/** Reconstructs a frame once for every level, the coarse ones first. */
+export interface FrameJob {
+    type: "frame";
+    cameras: Camera[];
+    views: ViewFiles[];
+    up: Scene["up"];
+    levels: QualityLevel[];
+    /** Whether the stages' outputs are returned, too. */
+    stages: boolean;
+}
+
+/** Makes a camera's undistorted picture, at most `width` pixels wide. */
+export interface PhotographJob {
+    type: "photograph";
+    cameras: Camera[];
+    camera: number;
+    view: ViewFiles;
+    width: number;
+}
+
+export interface NamedBlob {
+    name: string;
+    blob: Blob;
+}
+
+/** A mesh's arrays. Colours are linear light: floats from 0 to 1, or integers over their whole range. */
 export interface PlyInput {
     positions: ArrayLike<number>;
     normals?: ArrayLike<number>;
@@ -37,7 +64,7 @@ export interface PlyInput {
     triangles?: ArrayLike<number>;
 }
 
-/** Positions in the scene's frame less `origin`; `tags` are detecting views, or ranks. */
+/** Positions in the scene's frame, relative to `origin`. `tags` are detecting views, or ranks. */
 export interface StageCloud {
     kind: "cloud";
     positions: Float32Array;
@@ -51,8 +78,8 @@ export interface StageMesh {
     triangles: Uint32Array;
 }
 
-export const STAGE_VIEWS = ["hull", "detected", "contours", "merged"] as const;
-export type StageView = (typeof STAGE_VIEWS)[number];
+/** A stage output that can be looked at. */
+export type StageView = "hull" | "detected" | "contours" | "merged";
 
 export interface FrameStages {
     origin: number[];
@@ -60,22 +87,17 @@ export interface FrameStages {
 }
 
 export interface FrameResult {
-    preset: Rung;
+    preset: QualityLevel;
     glb: Uint8Array<ArrayBuffer>;
-    vertices: number;
     triangles: number;
     seconds: number;
     stages: FrameStages | null;
 }
 
-/** An undistorted picture and, above it in the same size, its silhouette in the accent colour's alpha. */
+/** An undistorted picture, and its silhouette as an overlay in the accent colour. */
 export interface PhotographResult {
-    width: number;
-    height: number;
     picture: ImageBitmap;
     silhouette: ImageBitmap | null;
-    /** Share of the picture that is object. */
-    coverage: number;
     /** What is wrong with the silhouette, if anything. */
     problem: string | null;
 }
@@ -84,6 +106,7 @@ export interface JobResults {
     open: Scene;
     read: Uint8Array<ArrayBuffer>;
     unzip: Entries;
+    memory: number;
     frame: null;
     photograph: PhotographResult;
     zip: Blob;
@@ -99,7 +122,7 @@ export interface Failure {
 }
 
 export type Reply =
-    | { type: "progress"; preset: Rung; stage: Stage; done: number; total: number }
+    | { type: "progress"; preset: QualityLevel; stage: Stage; done: number; total: number }
     | { type: "result"; result: FrameResult }
-    | { type: "done"; value: unknown; memory: number }
+    | { type: "done"; value: unknown }
     | { type: "failed"; failure: Failure };

@@ -1,10 +1,12 @@
-// Calibrated cameras in three.js' terms: x right, y up, looking along -z.
-import { Matrix4, Quaternion, Vector3 } from "three";
-import type { Camera } from "pcmvs";
+// Calibrated cameras in three.js' convention: x right, y up, looking along -z.
 
-/** From a camera's axes to the scene's frame. */
-export function pose(camera: Camera): Matrix4 {
+import type { Camera } from "pcmvs";
+import { Matrix4, Quaternion, Vector3 } from "three";
+
+/** Transforms from a camera's axes to the scene's frame. */
+export function cameraToWorld(camera: Camera): Matrix4 {
     const { R, t } = camera;
+    // biome-ignore format: a matrix by rows
     const worldToCamera = new Matrix4().set(
         R[0][0], R[0][1], R[0][2], t[0],
         R[1][0], R[1][1], R[1][2], t[1],
@@ -14,22 +16,19 @@ export function pose(camera: Camera): Matrix4 {
     return worldToCamera.invert().multiply(new Matrix4().makeScale(1, -1, -1));
 }
 
-export function centre(camera: Camera): Vector3 {
-    return new Vector3().setFromMatrixPosition(pose(camera));
-}
-
-/** Where a picture lies in a window that contains it whole. */
+/** Scale and place of a picture that fills as much of a window as it can without being cropped. */
 export function fit(camera: Camera, width: number, height: number) {
     const scale = Math.min(width / camera.width, height / camera.height);
     return { scale, left: (width - scale * camera.width) / 2, top: (height - scale * camera.height) / 2 };
 }
 
-/** Projects as the camera does, its picture fitted into a window. */
+/** Projects as the camera does, with its picture fitted into a window. */
 export function projection(camera: Camera, width: number, height: number, near: number, far: number): Matrix4 {
     const { scale, left, top } = fit(camera, width, height);
     const [[fx, skew, cx], [, fy, cy]] = camera.K;
     const [x, y] = [(2 * scale) / width, (2 * scale) / height];
-    // The first pixel's centre is at (0, 0): its corner at (-0.5, -0.5).
+    // The first pixel's centre is at (0, 0), and so its corner is at (-0.5, -0.5).
+    // biome-ignore format: a matrix by rows
     return new Matrix4().set(
         x * fx, -x * skew, 1 - x * (cx + 0.5) - (2 * left) / width, 0,
         0, y * fy, -1 + y * (cy + 0.5) + (2 * top) / height, 0,
@@ -38,13 +37,13 @@ export function projection(camera: Camera, width: number, height: number, near: 
     );
 }
 
-/** Turns the scene's upward direction to three.js'. */
+/** Rotates the scene's upward direction to +y. */
 export function upright(up: number[] | undefined): Quaternion {
     const [x, y, z] = up ?? [0, 1, 0];
     return new Quaternion().setFromUnitVectors(new Vector3(x, y, z).normalize(), new Vector3(0, 1, 0));
 }
 
-/** Upward direction of cameras that hold their heads up, for scenes that do not say. */
+/** Mean upward direction of the cameras, for scenes that give none. */
 export function meanUp(cameras: Camera[]): [number, number, number] {
     const sum = new Vector3();
     for (const { R } of cameras) sum.sub(new Vector3(...R[1]));

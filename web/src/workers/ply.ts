@@ -1,4 +1,4 @@
-// A mesh as binary PLY, laid out as the command line's.
+// A mesh as binary PLY, in the same layout as the command line's.
 import { version } from "pcmvs";
 import type { PlyInput } from "./protocol";
 
@@ -13,7 +13,7 @@ export function writePly({ positions, normals, colours, triangles }: PlyInput): 
     ];
     const header = new TextEncoder().encode(
         `ply\nformat binary_little_endian 1.0\ncomment pcmvs ${version()}\nelement vertex ${vertices}\n${properties.join("")}` +
-        `element face ${corners.length / 3}\nproperty list uchar uint vertex_indices\nend_header\n`,
+            `element face ${corners.length / 3}\nproperty list uchar uint vertex_indices\nend_header\n`,
     );
     const row = 12 + (normals ? 12 : 0) + (colours ? 3 : 0);
     const out = new ArrayBuffer(header.length + vertices * row + (corners.length / 3) * 13);
@@ -37,7 +37,7 @@ export function writePly({ positions, normals, colours, triangles }: PlyInput): 
     return out;
 }
 
-/** IEC 61966-2-1: the code of linear light. */
+/** The sRGB code of linear light, IEC 61966-2-1. */
 function srgb(linear: number): number {
     return Math.round(255 * (linear <= 0.0031308 ? 12.92 * linear : 1.055 * linear ** (1 / 2.4) - 0.055));
 }

@@ -1,52 +1,50 @@
-// The cameras as a strip of pictures with their silhouettes, and the photograph over the view.
+// The cameras as a strip of pictures with their silhouettes, and one photograph over the view.
+
 import type { Camera } from "pcmvs";
-import { JobError, type Pool } from "./pool";
-import type { Failure, PhotographResult, ViewFiles } from "./protocol";
+import { JobError, type Pool } from "../workers/pool";
+import type { Failure, PhotographResult, ViewFiles } from "../workers/protocol";
 import type { Viewer } from "./viewer";
 
+/** Widths of small pictures and, at most, of the photograph, pixels. */
 const THUMBNAIL = 240;
-const WHOLE = 4096;
+const PHOTOGRAPH = 4096;
 
-export interface Rig {
+/** Cameras to show and where their pictures come from. */
+export interface ShownRig {
     cameras: Camera[];
     files: (camera: number) => ViewFiles;
-    /** Tint the silhouette into the photograph. */
+    /** Whether the silhouette is tinted into the photograph. */
     tinted: boolean;
 }
 
 export class Strip {
-    private rig: Rig | null = null;
-    /** Changes whenever pictures under way are no longer wanted. */
+    private rig: ShownRig | null = null;
+    /** Changes whenever pictures that are being made are no longer wanted. */
     private generation = 0;
     private photographs = 0;
     private readonly buttons: HTMLButtonElement[] = [];
-    looking: number | null = null;
+    /** The camera that is looked through. */
+    private looking: number | null = null;
     onlook: (camera: number | null) => void = () => {};
     onproblem: (failure: Failure) => void = () => {};
 
-    constructor(private readonly root: HTMLElement, private readonly photo: HTMLCanvasElement, private readonly pool: Pool, private readonly viewer: Viewer) {
+    constructor(
+        private readonly root: HTMLElement,
+        private readonly photo: HTMLCanvasElement,
+        private readonly pool: Pool,
+        private readonly viewer: Viewer,
+    ) {
         viewer.onlayout = () => this.place();
         viewer.onpick = (camera) => this.look(camera);
     }
 
-    /** Shows other cameras, their pictures as soon as `when` allows; null: none. */
-    load(rig: Rig | null, when?: Promise<void>) {
+    /** Shows other cameras, or none. Their pictures are made once `when` resolves. */
+    load(rig: ShownRig | null, when?: Promise<void>) {
         this.look(null);
         this.rig = rig;
         this.root.replaceChildren();
         this.buttons.length = 0;
-        for (const [i, camera] of rig?.cameras.entries() ?? []) {
-            const button = document.createElement("button");
-            button.type = "button";
-            button.title = `Look through ${camera.name}`;
-            button.setAttribute("aria-pressed", "false");
-            const name = document.createElement("span");
-            name.textContent = camera.name;
-            button.append(document.createElement("canvas"), name);
-            button.addEventListener("click", () => this.look(this.looking === i ? null : i));
-            this.root.append(button);
-            this.buttons.push(button);
-        }
+        for (const [i, camera] of rig?.cameras.entries() ?? []) this.addButton(i, camera.name);
         this.viewer.setCameras(rig?.cameras ?? []);
         const generation = ++this.generation;
         void Promise.resolve(when).then(() => {
@@ -54,13 +52,27 @@ export class Strip {
         });
     }
 
-    /** Other files, or another way to silhouettes: the camera looked through first. */
-    async refresh(rig: Rig | null) {
+    private addButton(camera: number, text: string) {
+        const button = document.createElement("button");
+        button.type = "button";
+        button.title = `Look through ${text}`;
+        button.setAttribute("aria-pressed", "false");
+        const name = document.createElement("span");
+        name.textContent = text;
+        button.append(document.createElement("canvas"), name);
+        button.addEventListener("click", () => this.look(this.looking === camera ? null : camera));
+        this.root.append(button);
+        this.buttons.push(button);
+    }
+
+    /** Makes all pictures again, for other files or silhouettes. The camera that is looked through comes first. */
+    async refresh(rig: ShownRig | null) {
         this.rig = rig;
         const generation = ++this.generation;
         if (!rig) return;
         void this.takePhotograph();
-        const order = rig.cameras.map((_, i) => i).sort((a, b) => Number(b === this.looking) - Number(a === this.looking));
+        const order = rig.cameras.map((_, i) => i);
+        order.sort((a, b) => Number(b === this.looking) - Number(a === this.looking));
         for (const camera of order) {
             const made = await this.take(camera, THUMBNAIL);
             if (generation !== this.generation) return;
@@ -68,12 +80,14 @@ export class Strip {
             const button = this.buttons[camera];
             const canvas = button.querySelector("canvas") as HTMLCanvasElement;
             paint(canvas, made, true);
+            const { name } = rig.cameras[camera];
             button.toggleAttribute("data-problem", made.problem !== null);
-            button.title = made.problem ? `${rig.cameras[camera].name}: ${made.problem}` : `Look through ${rig.cameras[camera].name}`;
+            button.title = made.problem ? `${name}: ${made.problem}` : `Look through ${name}`;
             this.viewer.setThumbnail(camera, canvas);
         }
     }
 
+    /** Looks through a camera, or with null from outside again. */
     look(camera: number | null) {
         this.looking = camera;
         for (const [i, button] of this.buttons.entries()) button.setAttribute("aria-pressed", String(i === camera));
@@ -83,7 +97,7 @@ export class Strip {
         void this.takePhotograph();
     }
 
-    /** To a neighbouring camera. */
+    /** Looks through the next or the previous camera. */
     turn(direction: 1 | -1) {
         const count = this.rig?.cameras.length ?? 0;
         if (count > 0) this.look(this.looking === null ? 0 : (this.looking + direction + count) % count);
@@ -93,7 +107,7 @@ export class Strip {
         const camera = this.looking;
         const wanted = ++this.photographs;
         if (camera === null) return;
-        const made = await this.take(camera, WHOLE);
+        const made = await this.take(camera, PHOTOGRAPH);
         if (wanted !== this.photographs || !made) return;
         paint(this.photo, made, this.rig?.tinted ?? false);
         this.photo.hidden = false;
@@ -101,9 +115,10 @@ export class Strip {
     }
 
     private async take(camera: number, width: number): Promise<PhotographResult | null> {
-        const rig = this.rig as Rig;
+        const rig = this.rig as ShownRig;
         try {
-            return await this.pool.run({ type: "photograph", cameras: rig.cameras, camera, view: rig.files(camera), width });
+            const { cameras } = rig;
+            return await this.pool.run({ type: "photograph", cameras, camera, view: rig.files(camera), width });
         } catch (error) {
             if (!(error instanceof JobError)) throw error;
             const { failure } = error;
@@ -115,10 +130,12 @@ export class Strip {
         }
     }
 
+    /** Lays the photograph over the place where its camera sees the scene. */
     private place() {
         if (this.looking === null) return;
-        const { left, top, width, height } = this.viewer.pictureRectangle(this.looking);
-        Object.assign(this.photo.style, { left: `${left}px`, top: `${top}px`, width: `${width}px`, height: `${height}px` });
+        for (const [side, pixels] of Object.entries(this.viewer.pictureRectangle(this.looking))) {
+            this.photo.style.setProperty(side, `${pixels}px`);
+        }
     }
 }
 

@@ -1,8 +1,10 @@
-// What can be taken away: the same files as the command line's.
-import { version } from "./version";
+// The files that a person can save. They are the same as the command line's.
+
 import type { Scene } from "pcmvs";
-import { inspectGlb, type Clip, type ClipFrame } from "./clip";
-import type { Pool } from "./pool";
+import { version } from "../version";
+import type { Pool } from "../workers/pool";
+import type { Clip, ClipFrame } from "./clip";
+import { inspectGlb } from "./glb";
 
 export const fileName = (index: number, extension: string) => `frame_${String(index).padStart(4, "0")}.${extension}`;
 
@@ -11,22 +13,32 @@ export function save(blob: Blob, name: string) {
     link.href = URL.createObjectURL(blob);
     link.download = name;
     link.click();
-    // The browser has taken the data over when the click's handlers are through.
+    // The download has its own reference long before this.
     setTimeout(() => URL.revokeObjectURL(link.href), 10_000);
 }
 
-/** A frame as PLY, as the command line writes it but for normals' last digits: a GLB's are of unit length. */
+/** A frame as PLY. It differs from the command line's only in the last digits of normals, which a GLB normalises. */
 export async function ply(clip: Clip, frame: ClipFrame, pool: Pool): Promise<Blob> {
     const { attributes, index } = await clip.geometry(frame);
-    return pool.run({ type: "ply", positions: attributes.position.array, normals: attributes.normal?.array, colours: attributes.color?.array, triangles: index?.array });
+    return pool.run({
+        type: "ply",
+        positions: attributes.position.array,
+        normals: attributes.normal?.array,
+        colours: attributes.color?.array,
+        triangles: index?.array,
+    });
 }
 
 /** All finished frames and sequence.json, the clip's manifest. */
 export async function clipZip(clip: Clip, scene: Pick<Scene, "units" | "up">, pool: Pool): Promise<Blob> {
     const frames = clip.frames.filter((frame) => frame.glb !== null);
     const blobs = frames.map((frame) => frame.glb as Blob);
-    const [digests, infos] = await Promise.all([pool.run({ type: "digest", blobs }), Promise.all(blobs.map(inspectGlb))]);
-    const axis = (pick: (a: number, b: number) => number, key: "min" | "max") => [0, 1, 2].map((i) => infos.map((info) => info[key][i]).reduce(pick));
+    const [digests, infos] = await Promise.all([
+        pool.run({ type: "digest", blobs }),
+        Promise.all(blobs.map(inspectGlb)),
+    ]);
+    const axis = (pick: (a: number, b: number) => number, key: "min" | "max") =>
+        [0, 1, 2].map((i) => infos.map((info) => info[key][i]).reduce(pick));
     const manifest = {
         version: 1,
         generator: `pcmvs ${version}`,
@@ -44,6 +56,7 @@ export async function clipZip(clip: Clip, scene: Pick<Scene, "units" | "up">, po
             sha256: digests[i],
         })),
     };
+    const text = new Blob([JSON.stringify(manifest, null, 2), "\n"]);
     const files = frames.map((frame, i) => ({ name: fileName(frame.index, "glb"), blob: blobs[i] }));
-    return pool.run({ type: "zip", files: [{ name: "sequence.json", blob: new Blob([JSON.stringify(manifest, null, 2), "\n"]) }, ...files] });
+    return pool.run({ type: "zip", files: [{ name: "sequence.json", blob: text }, ...files] });
 }

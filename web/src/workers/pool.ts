@@ -1,10 +1,11 @@
-// Workers, at most one a processor, each with one job at a time.
-import type { Failure, FrameResult, Job, JobResults, Reply, Rung } from "./protocol";
-import type { Stage } from "pcmvs";
+// Workers, each with one job at a time.
 
+import type { Stage } from "pcmvs";
+import type { Failure, FrameResult, Job, JobResults, QualityLevel, Reply } from "./protocol";
+
+/** Hears of a job that is running. */
 export interface Listener {
-    started?(): void;
-    progress?(preset: Rung, stage: Stage, done: number, total: number): void;
+    progress?(preset: QualityLevel, stage: Stage, done: number, total: number): void;
     result?(result: FrameResult): void;
 }
 
@@ -27,7 +28,7 @@ const CANCELLED: Failure = { code: "cancelled", message: "cancelled" };
 const start = () => new Worker(new URL("./worker.ts", import.meta.url), { type: "module" });
 const warmed: Worker[] = [];
 
-/** Starts workers ahead: pools that need one find it ready. */
+/** Starts workers in advance, so that a pool finds them ready. */
 export function warm(count: number) {
     for (let i = 0; i < count; i++) warmed.push(start());
 }
@@ -36,12 +37,17 @@ export class Pool {
     private readonly waiting: Task[] = [];
     private readonly idle: Worker[] = [];
     private readonly busy = new Map<Worker, Task>();
-    /** It has been ended for good. */
+    /** Whether it was cancelled; it stays so. */
     cancelled = false;
-    /** Most memory that an instance has had, bytes. */
-    memory = 0;
 
-    constructor(readonly size: number) {}
+    /** A pool of at most `size` workers. */
+    constructor(private size: number) {}
+
+    /** Allows more workers. */
+    grow(size: number) {
+        this.size = Math.max(this.size, size);
+        this.next();
+    }
 
     run<T extends Job>(job: T, listener: Listener = {}): Promise<JobResults[T["type"]]> {
         return new Promise((resolve, reject) => {
@@ -51,7 +57,7 @@ export class Pool {
         });
     }
 
-    /** Ends everything, running or waiting, for good. */
+    /** Ends all jobs, running or waiting, and accepts no more. */
     cancel() {
         this.cancelled = true;
         this.rest();
@@ -62,12 +68,12 @@ export class Pool {
         for (const task of tasks) task.reject(new JobError(CANCELLED));
     }
 
-    /** Leaves idle workers to other pools. */
+    /** Gives idle workers to other pools. */
     leave() {
         warmed.push(...this.idle.splice(0));
     }
 
-    /** Gives idle workers' memory back. */
+    /** Ends idle workers, which frees their memory. */
     rest() {
         for (const worker of this.idle.splice(0)) worker.terminate();
     }
@@ -76,19 +82,19 @@ export class Pool {
         while (this.waiting.length > 0 && this.busy.size < this.size) {
             const task = this.waiting.shift() as Task;
             const worker = this.idle.pop() ?? warmed.pop() ?? start();
-            worker.onmessage = (event: MessageEvent<Reply>) => this.hear(worker, task, event.data);
+            worker.onmessage = (event: MessageEvent<Reply>) => this.onMessage(worker, task, event.data);
             worker.onerror = (event) => {
                 event.preventDefault();
-                this.hear(worker, task, { type: "failed", failure: { code: "internal", message: event.message || "the worker could not be started: load the page again" } });
+                const message = event.message || "the worker cannot be started: load the page again";
+                this.onMessage(worker, task, { type: "failed", failure: { code: "internal", message } });
             };
             this.busy.set(worker, task);
-            task.listener.started?.();
             worker.postMessage(task.job);
         }
     }
 
-    private hear(worker: Worker, task: Task, message: Reply) {
-        // Messages of an ended worker may still be under way.
+    private onMessage(worker: Worker, task: Task, message: Reply) {
+        // A terminated worker may have sent messages that arrive later.
         if (this.busy.get(worker) !== task) return;
         switch (message.type) {
             case "progress":
@@ -96,14 +102,13 @@ export class Pool {
             case "result":
                 return task.listener.result?.(message.result);
             case "done":
-                this.memory = Math.max(this.memory, message.memory);
                 this.busy.delete(worker);
                 this.idle.push(worker);
                 task.resolve(message.value as never);
                 break;
             case "failed":
                 this.busy.delete(worker);
-                // After a defect or a lack of memory an instance is in no defined state.
+                // After a defect or without memory, the state of an instance is undefined.
                 if (["internal", "out-of-memory"].includes(message.failure.code)) worker.terminate();
                 else this.idle.push(worker);
                 task.reject(new JobError(message.failure));

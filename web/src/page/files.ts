@@ -1,25 +1,32 @@
-// What a person drops or picks, as entries by path.
-import type { Pool } from "./pool";
-import type { Entries } from "./protocol";
+// The files of a capture, as entries by path.
+import { sampleHash } from "../version";
+import type { Pool } from "../workers/pool";
+import type { Entries } from "../workers/protocol";
 
 const hidden = (path: string) => path.split("/").some((part) => part.startsWith(".") || part === "__MACOSX");
 
-/** The page's own capture. */
+/** The sample, which is on the page's own host. */
 export async function sampleFiles(): Promise<Entries> {
     const base = new URL("sample/", document.baseURI);
-    const response = await fetch(new URL("scene.json", base));
-    if (!response.ok) throw new Error("the sample is not on this host: drop a capture of your own");
+    const url = (path: string) => new URL(`${path}?${sampleHash}`, base).href;
+    const response = await fetch(url("scene.json"));
+    if (!response.ok) throw new Error("the sample is missing on this host: drop a capture of your own");
     const scene = await response.blob();
     const { frames } = JSON.parse(await scene.text()) as { frames: { images: string[]; masks: string[] }[] };
     const entries: Entries = new Map([["scene.json", { kind: "blob", blob: scene }]]);
-    // Workers fetch the pictures: this thread is busy while the page loads.
-    for (const path of frames.flatMap((frame) => [...frame.images, ...frame.masks])) entries.set(path, { kind: "url", url: new URL(path, base).href });
+    // Workers fetch the pictures, because this thread is busy while the page loads.
+    for (const path of frames.flatMap((frame) => [...frame.images, ...frame.masks])) {
+        entries.set(path, { kind: "url", url: url(path) });
+    }
     return entries;
 }
 
-/** Picked files; a folder's have paths. */
+/** Picked files. Those of a picked folder have paths. */
 export function pickedFiles(list: FileList, pool: Pool): Promise<Entries> {
-    return unpack([...list].map((file) => [file.webkitRelativePath || file.name, file]), pool);
+    return unpack(
+        [...list].map((file) => [file.webkitRelativePath || file.name, file]),
+        pool,
+    );
 }
 
 /** Dropped files and folders. Must be called while the event is handled. */
@@ -27,7 +34,7 @@ export function droppedFiles(transfer: DataTransfer, pool: Pool): Promise<Entrie
     const roots = [...transfer.items].map((item) => {
         const entry = item.webkitGetAsEntry();
         const file = item.getAsFile();
-        // What does not come from a disk has no entry.
+        // Only files from a disk have an entry.
         return entry ? walk(entry) : Promise.resolve<[string, File][]>(file ? [[file.name, file]] : []);
     });
     return Promise.all(roots).then((found) => unpack(found.flat(), pool));
@@ -43,7 +50,7 @@ async function walk(entry: FileSystemEntry): Promise<[string, File][]> {
     const reader = (entry as FileSystemDirectoryEntry).createReader();
     const below: FileSystemEntry[] = [];
     for (;;) {
-        // Browsers give a folder's entries in portions.
+        // Browsers list a folder in portions.
         const some = await new Promise<FileSystemEntry[]>((resolve, reject) => reader.readEntries(resolve, reject));
         if (some.length === 0) break;
         below.push(...some);
@@ -56,7 +63,8 @@ async function unpack(files: [string, File][], pool: Pool): Promise<Entries> {
     for (const [path, file] of files) {
         if (hidden(path)) continue;
         if (path.toLowerCase().endsWith(".zip")) {
-            for (const [inside, entry] of await pool.run({ type: "unzip", zip: file })) if (!hidden(inside)) entries.set(inside, entry);
+            for (const [inside, entry] of await pool.run({ type: "unzip", zip: file }))
+                if (!hidden(inside)) entries.set(inside, entry);
         } else {
             entries.set(path, { kind: "blob", blob: file });
         }

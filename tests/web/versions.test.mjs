@@ -1,0 +1,149 @@
+// The service worker: use without a network, and how a new version of the page reaches people.
+import assert from "node:assert/strict";
+import { execFileSync } from "node:child_process";
+import { cpSync, mkdirSync, readFileSync, rmSync, symlinkSync, writeFileSync } from "node:fs";
+import { join } from "node:path";
+import { before, test } from "node:test";
+import { fileURLToPath } from "node:url";
+import { folder, scene } from "./captures.mjs";
+import { ended, launch, openPage, serve, text } from "./site.mjs";
+
+const root = fileURLToPath(new URL("../..", import.meta.url));
+const NAMES = ["Sample: 20 synthetic cameras", "Sample of the next version"];
+/** Frames per second of the samples, which have one frame. */
+const FPS = [10, 20];
+
+let builds;
+
+/** Builds the page, as it is and as a next version whose page, worker and sample differ. */
+before(() => {
+    const copy = folder();
+    mkdirSync(join(copy, "web"));
+    mkdirSync(join(copy, "wasm"));
+    symlinkSync(join(root, "wasm/pkg"), join(copy, "wasm/pkg"));
+    for (const path of ["index.html", "src", "public", "package.json", "tsconfig.json", "vite.config.ts"]) {
+        cpSync(join(root, "web", path), join(copy, "web", path), { recursive: true });
+    }
+    symlinkSync(join(root, "web/node_modules"), join(copy, "web/node_modules"));
+    const edit = (path, from, to) => {
+        const text = readFileSync(join(copy, "web", path), "utf8");
+        assert.ok(text.includes(from), `${path} does not contain ${from}`);
+        writeFileSync(join(copy, "web", path), text.replace(from, to));
+    };
+    const build = (out) => {
+        const vite = join(copy, "web/node_modules/.bin/vite");
+        execFileSync(vite, ["build", "--logLevel", "error", "--outDir", out], {
+            cwd: join(copy, "web"),
+            stdio: "pipe",
+        });
+        return out;
+    };
+    const setSample = (fps) => {
+        const sample = { ...scene, fps, frames: scene.frames.slice(0, 1) };
+        writeFileSync(join(copy, "web/public/sample/scene.json"), JSON.stringify(sample));
+    };
+    setSample(FPS[0]);
+    const first = build(join(copy, "first"));
+    edit("src/page/sources.ts", NAMES[0], NAMES[1]);
+    edit("src/workers/worker.ts", 'type: "done"', 'type: "done", version: 2');
+    setSample(FPS[1]);
+    builds = [first, build(join(copy, "next"))];
+});
+
+/** A site in a folder whose content can be replaced, and a browser. */
+async function publish(t) {
+    const site = folder();
+    const put = (build) => {
+        rmSync(site, { recursive: true });
+        cpSync(build, site, { recursive: true });
+    };
+    put(builds[0]);
+    const server = await serve({ "/some/where/": site });
+    const browser = await launch();
+    t.after(async () => {
+        await browser.close();
+        await server.close();
+    });
+    return { put, server, browser, address: `${server.address}/some/where/` };
+}
+
+/** Waits until an asynchronous check in the page holds, which Playwright's `waitForFunction` cannot do. */
+async function until(page, check) {
+    for (const end = performance.now() + 60_000; !(await page.evaluate(check)); await page.waitForTimeout(100)) {
+        assert.ok(performance.now() < end, `never true: ${check}`);
+    }
+}
+
+/** Waits until the version that a page shows is the active one, and no other is on its way. */
+const kept = (page) =>
+    until(page, async () => {
+        const { active, waiting, installing } = await navigator.serviceWorker.ready;
+        const script = performance.getEntriesByType("resource").find(({ name }) => /assets\/page-/.test(name)).name;
+        const cached = (await caches.match(script)) !== undefined;
+        return active.state === "activated" && !waiting && !installing && cached;
+    });
+
+const name = (page) => text(page, "name");
+
+/** Frames per second of the sample that the page's own workers read. */
+const sampleFps = (page) =>
+    page.evaluate(async () => {
+        const entries = performance.getEntriesByType("resource").filter(({ name }) => name.includes("scene.json"));
+        return (await (await fetch(entries.at(-1).name)).json()).fps;
+    });
+
+test("a reload shows a new version, which then works without a network", async (t) => {
+    const { put, server, browser, address } = await publish(t);
+    const { page, problems } = await openPage(browser, address);
+    await ended(page);
+    await kept(page);
+    assert.equal(await name(page), NAMES[0]);
+
+    put(builds[1]);
+    await page.reload();
+    await ended(page);
+    assert.equal(await name(page), NAMES[1]);
+    assert.equal(await sampleFps(page), FPS[1]);
+    await kept(page);
+
+    await server.close();
+    await page.context().setOffline(true);
+    await page.reload();
+    await ended(page);
+    assert.equal(await name(page), NAMES[1]);
+    assert.equal(await sampleFps(page), FPS[1]);
+    assert.match(await text(page, "status"), /^1 of 1 frames/);
+    assert.deepEqual(
+        problems.filter((p) => !p.includes("ERR_INTERNET_DISCONNECTED")),
+        [],
+    );
+});
+
+test("a page that is open keeps its version until it is closed", async (t) => {
+    const { put, browser, address } = await publish(t);
+    const { page: old, problems } = await openPage(browser, address);
+    await ended(old);
+    await kept(old);
+
+    put(builds[1]);
+    const page = await old.context().newPage();
+    await page.goto(address);
+    await ended(page);
+    assert.equal(await name(page), NAMES[1]);
+    await until(page, async () => (await navigator.serviceWorker.ready).waiting?.state === "installed");
+
+    // This needs new workers and the sample, which the server does not have any more.
+    await old.click("#sample");
+    await old.waitForFunction(() => document.body.dataset.state === "running");
+    await ended(old);
+    assert.match(await text(old, "status"), /^1 of 1 frames/);
+    assert.equal(await name(old), NAMES[0]);
+    assert.equal(await sampleFps(old), FPS[0]);
+    assert.deepEqual(problems, []);
+
+    await old.close();
+    await page.reload();
+    await ended(page);
+    await kept(page);
+    assert.equal(await name(page), NAMES[1]);
+});

@@ -1,0 +1,46 @@
+//! A camera's picture and silhouette without lens distortion.
+
+use crate::error::Failed;
+use pcmvs_core::{View, silhouette::Silhouette};
+use wasm_bindgen::{Clamped, prelude::*};
+use web_sys::ImageData;
+
+/// A camera's picture and silhouette without lens distortion, for a canvas. Call `free()` when it is no longer needed.
+#[wasm_bindgen]
+#[derive(Debug)]
+pub struct Photograph {
+    view: View,
+}
+
+impl Photograph {
+    pub(crate) fn new(view: View) -> Self {
+        Self { view }
+    }
+
+    fn image(&self, rgba: &[u8]) -> Result<ImageData, Failed> {
+        let camera = &self.view.camera;
+        Ok(ImageData::new_with_u8_clamped_array_and_sh(Clamped(rgba), camera.width, camera.height)?)
+    }
+}
+
+#[wasm_bindgen]
+impl Photograph {
+    /// The opaque picture.
+    pub fn picture(&self) -> Result<ImageData, Failed> {
+        let rgba: Vec<u8> = self.view.rgb.chunks_exact(3).flat_map(|p| [p[0], p[1], p[2], 255]).collect();
+        self.image(&rgba)
+    }
+
+    /// The silhouette as an overlay in one colour, or undefined without a silhouette. It is opaque inside the silhouette
+    /// and where nothing is known, transparent outside, and in between on the contour.
+    pub fn silhouette(&self, red: u8, green: u8, blue: u8) -> Result<Option<ImageData>, Failed> {
+        let Some(silhouette) = &self.view.silhouette else { return Ok(None) };
+        let alpha = |distance: i16| match distance {
+            Silhouette::UNKNOWN => 255,
+            distance => ((f32::from(distance) / Silhouette::UNITS + 0.5).clamp(0.0, 1.0) * 255.0) as u8,
+        };
+        let distances = silhouette.distances().iter();
+        let rgba: Vec<u8> = distances.flat_map(|&distance| [red, green, blue, alpha(distance)]).collect();
+        self.image(&rgba).map(Some)
+    }
+}

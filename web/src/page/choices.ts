@@ -1,0 +1,82 @@
+// What can be chosen for a reconstruction: views, quality, silhouettes and the chroma key.
+
+import type { ChromaKey, Preset, Scene } from "pcmvs";
+import { type Choice, chosenCameras, type SilhouetteChoice, type ViewChoice, viewFiles } from "../run/views";
+import type { ShownRig } from "../viewer/strip";
+import { $, button, input, on, select } from "./dom";
+import { describe, showError } from "./messages";
+import { state } from "./state";
+import { strip } from "./view";
+
+/** The unit of the sliders for the smallest part and hole, as a share of the picture. */
+const AREA_UNIT = 1e-5;
+
+/** Fills in what can be chosen for a scene. */
+export function offerChoices(scene: Scene) {
+    const count = scene.cameras.length;
+    const options: [ViewChoice, string][] = [["all", `All ${count}`]];
+    if (count >= 6) options.push(["half", `Every second (${chosenCameras(scene, "half").length})`]);
+    if (count >= 8) options.push(["bino", `Pairs, BINO (${chosenCameras(scene, "bino").length})`]);
+    select("views").replaceChildren(...options.map(([value, text]) => new Option(text, value)));
+    const masked = scene.frames.some((frame) => frame.masks?.some((mask) => mask !== null));
+    const chroma = scene.background?.chroma_rgb;
+    select("silhouettes").value = masked ? "masks" : "chroma";
+    for (const option of select("silhouettes").options) option.disabled = option.value === "masks" && !masked;
+    if (chroma) input("key-colour").value = `#${chroma.map((v) => v.toString(16).padStart(2, "0")).join("")}`;
+    const { width, height } = scene.cameras[0];
+    const frames = scene.frames.length;
+    $("summary").textContent =
+        `${count} cameras of ${width} × ${height}, ${frames} ${frames === 1 ? "frame" : "frames"}${masked ? ", with masks" : ""}.`;
+    $("cameras-section").hidden = false;
+    button("run").disabled = false;
+    showKey();
+}
+
+export function chosen(): Choice {
+    const hex = input("key-colour").value;
+    const key: ChromaKey = {
+        rgb: [1, 3, 5].map((at) => Number.parseInt(hex.slice(at, at + 2), 16)) as [number, number, number],
+        tolerance: input("key-tolerance").valueAsNumber,
+        darkestShadow: input("key-shadow").valueAsNumber,
+        smallestPart: input("key-part").valueAsNumber * AREA_UNIT,
+        smallestHole: input("key-hole").valueAsNumber * AREA_UNIT,
+    };
+    return {
+        views: select("views").value as ViewChoice,
+        preset: select("preset").value as Preset,
+        silhouettes: select("silhouettes").value as SilhouetteChoice,
+        key,
+    };
+}
+
+/** The chosen cameras, with their pictures of the frame that is shown. */
+export function shownRig(): ShownRig | null {
+    if (!state.capture?.source) return null;
+    const { scene, entries } = state.capture.source;
+    const { views, silhouettes, key } = chosen();
+    const cameras = chosenCameras(scene, views);
+    const frame = scene.frames[state.capture.clip.position];
+    return {
+        cameras: cameras.map((i) => scene.cameras[i]),
+        files: (camera) => viewFiles(frame, entries, cameras[camera], silhouettes, key),
+        tinted: silhouettes === "chroma",
+    };
+}
+
+const showKey = () => {
+    $("key").hidden = select("silhouettes").value !== "chroma";
+};
+/** Makes the pictures of the cameras again. */
+export const refreshPictures = () => void strip.refresh(shownRig());
+
+export function listenToChoices() {
+    on("views", "change", () => strip.load(shownRig()));
+    on("silhouettes", "change", () => {
+        showKey();
+        refreshPictures();
+    });
+    for (const id of ["key-colour", "key-tolerance", "key-shadow", "key-part", "key-hole"]) {
+        on(id, "input", refreshPictures);
+    }
+    strip.onproblem = (failure) => showError(describe(failure, shownRig()?.cameras ?? []));
+}

@@ -1,0 +1,18 @@
+// The page: connects its controls and opens the sample.
+
+import { listenToChoices } from "./choices";
+import { listenToDownloads } from "./downloads";
+import { listenToKeys } from "./keys";
+import { listenToLook } from "./look";
+import { listenToRuns } from "./runs";
+import { listenToSources, openSample } from "./sources";
+import { listenToTransport } from "./transport";
+
+listenToSources();
+listenToChoices();
+listenToRuns();
+listenToLook();
+listenToTransport();
+listenToDownloads();
+listenToKeys();
+openSample();

@@ -1,0 +1,51 @@
+// Where captures come from: the sample, the file pickers, and dropped files.
+
+import { sample, sidePool, sketch } from "../early";
+import { $, input, on } from "./dom";
+import { droppedFiles, pickedFiles, sampleFiles } from "./files";
+import { attempt } from "./messages";
+import { open } from "./opening";
+
+const SAMPLE_NAME = "Sample: 20 synthetic cameras";
+
+/** Opens the sample, which is being fetched since before the page was loaded. */
+export const openSample = () => void attempt(() => open(SAMPLE_NAME, sample, true, sketch));
+
+export function listenToSources() {
+    on("sample", "click", () => void attempt(() => open(SAMPLE_NAME, sampleFiles(), true)));
+    on("pick-folder", "click", () => input("folder-input").click());
+    on("pick-files", "click", () => input("file-input").click());
+    for (const id of ["folder-input", "file-input"]) on(id, "change", () => openPicked(input(id).files));
+    listenToDrops();
+}
+
+function openPicked(files: FileList | null) {
+    if (!files?.length) return;
+    const name = files[0].webkitRelativePath.split("/")[0] || files[0].name;
+    void attempt(() => open(name, pickedFiles(files, sidePool), false));
+}
+
+function listenToDrops() {
+    // Entering an element inside the window comes before leaving the one around it.
+    let depth = 0;
+    const setDepth = (to: number) => {
+        depth = Math.max(0, to);
+        $("drop").hidden = depth === 0;
+    };
+    window.addEventListener("dragenter", (event) => {
+        event.preventDefault();
+        setDepth(depth + 1);
+    });
+    window.addEventListener("dragleave", () => setDepth(depth - 1));
+    window.addEventListener("dragover", (event) => event.preventDefault());
+    window.addEventListener("drop", (event) => {
+        event.preventDefault();
+        setDepth(0);
+        const transfer = event.dataTransfer;
+        if (!transfer?.items.length) return;
+        const name = transfer.items[0].webkitGetAsEntry()?.name ?? "Capture";
+        // Files can be taken only while the event is handled.
+        const found = droppedFiles(transfer, sidePool);
+        void attempt(() => open(name, found, false));
+    });
+}

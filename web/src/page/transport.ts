@@ -1,0 +1,88 @@
+// Playing: the buttons below the view, the timeline and its marks.
+
+import type { Preset } from "pcmvs";
+import type { Clip } from "../clip/clip";
+import { chosen, refreshPictures } from "./choices";
+import { $, button, input, on, select } from "./dom";
+import { state } from "./state";
+
+const EXPORTS = ["export-glb", "export-ply", "export-png", "export-zip"];
+/** A clip starts to play when it has this many finished frames. */
+const ENOUGH_TO_PLAY = 2;
+
+/** Makes one mark per frame. */
+export function setUpTimeline(clip: Clip) {
+    $("cells").replaceChildren(...clip.frames.map(() => document.createElement("i")));
+    input("scrub").max = String(clip.frames.length - 1);
+}
+
+export function markFrame(position: number, made: "made" | "failed") {
+    const cell = $("cells").children[position] as HTMLElement | undefined;
+    if (cell) cell.dataset.state = made;
+}
+
+/** Fills a frame's mark by the done share, 0 to 1. */
+export function fillFrame(position: number, done: number) {
+    const cell = $("cells").children[position] as HTMLElement;
+    cell.style.setProperty("--done", `${Math.round(done * 100)}%`);
+}
+
+export function drawTransport(clip: Clip) {
+    const { position, frames } = clip;
+    const target: Preset | null = state.capture?.source ? chosen().preset : null;
+    for (const [i, cell] of [...$("cells").children].entries()) {
+        cell.classList.toggle("here", i === position);
+        if (frames[i].glb && (frames[i].preset === target || target === null)) markFrame(i, "made");
+    }
+    input("scrub").value = String(position);
+    input("scrub").setAttribute("aria-valuetext", `frame ${position + 1} of ${frames.length}`);
+    $("counter").textContent = `${position + 1} / ${frames.length}`;
+    button("play").setAttribute("aria-pressed", String(clip.playing));
+    button("play").setAttribute("aria-label", clip.playing ? "Pause" : "Play");
+    button("loop").setAttribute("aria-pressed", String(clip.looping));
+    for (const id of EXPORTS) button(id).disabled = clip.current.glb === null;
+    document.body.dataset.preset = clip.current.preset ?? "";
+    const finished = frames.filter((frame) => frame.glb && frame.preset === target).length;
+    if (!clip.playing && !state.userPaused && state.pool && finished === ENOUGH_TO_PLAY) clip.play(true);
+}
+
+export function togglePlay() {
+    if (!state.capture) return;
+    const { clip } = state.capture;
+    state.userPaused = clip.playing;
+    clip.play(!clip.playing);
+}
+
+export function step(direction: 1 | -1) {
+    if (!state.capture) return;
+    state.userPaused = true;
+    state.capture.clip.play(false);
+    state.capture.clip.step(direction);
+    refreshPictures();
+}
+
+function scrub() {
+    if (!state.capture) return;
+    // Read first, because pausing redraws the slider at the old position.
+    const position = input("scrub").valueAsNumber;
+    state.userPaused = true;
+    state.capture.clip.play(false);
+    void state.capture.clip.show(position);
+}
+
+export function listenToTransport() {
+    on("play", "click", togglePlay);
+    on("back", "click", () => step(-1));
+    on("forward", "click", () => step(1));
+    on("scrub", "input", scrub);
+    on("scrub", "change", refreshPictures);
+    on("speed", "change", () => {
+        if (state.capture) state.capture.clip.speed = Number(select("speed").value);
+    });
+    on("loop", "click", () => {
+        if (!state.capture) return;
+        const { clip } = state.capture;
+        clip.looping = !clip.looping;
+        drawTransport(clip);
+    });
+}

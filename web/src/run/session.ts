@@ -1,0 +1,136 @@
+// A run: all frames of a capture through the workers, the first frame from coarse to fine.
+
+import type { Camera, Scene, Stage } from "pcmvs";
+import type { Clip } from "../clip/clip";
+import { JobError, type Pool } from "../workers/pool";
+import type { Entries, Failure, FrameResult, QualityLevel } from "../workers/protocol";
+import { type Choice, chosenCameras, viewFiles } from "./views";
+
+/** Number of frames whose stage outputs are kept, because they are large. */
+const STAGES_KEPT = 8;
+/** Share of each stage in a frame's time. It only serves to estimate the time left. */
+const STAGE_SHARES: Record<Stage, number> = {
+    views: 0.06,
+    hull: 0.14,
+    contours: 0.04,
+    coarse: 0.2,
+    detect: 0.36,
+    merge: 0.03,
+    mesh: 0.12,
+    colour: 0.05,
+};
+const STAGES = Object.keys(STAGE_SHARES) as Stage[];
+/** The same for the levels of a frame, by their number. */
+const LEVEL_SHARES = [[], [1], [0.2, 0.8], [0.05, 0.25, 0.7]];
+
+export interface Status {
+    /** Position of the frame in the clip. */
+    frame: number;
+    stage: Stage | null;
+    preset: QualityLevel | null;
+    /** Done share of this frame, 0 to 1. */
+    done: number;
+    /** Done share of all frames, 0 to 1. */
+    fraction: number;
+    /** Seconds; null before they can be estimated. */
+    left: number | null;
+}
+
+export class Session {
+    private readonly fractions: number[];
+    private readonly start = performance.now();
+    /** The cameras of the run. A failure's camera is an index into them. */
+    readonly cameras: Camera[];
+    private readonly chosen: number[];
+    private readonly first = Promise.withResolvers<void>();
+    /** Resolves when the first frame is finished or has failed. */
+    readonly finished = this.first.promise;
+
+    /** `sketch` is a sketch of the first frame, if one has been started already. */
+    constructor(
+        private readonly scene: Scene,
+        private readonly entries: Entries,
+        private readonly choice: Choice,
+        private readonly clip: Clip,
+        private readonly sketch?: Promise<FrameResult>,
+    ) {
+        this.fractions = scene.frames.map(() => 0);
+        this.chosen = chosenCameras(scene, choice.views);
+        this.cameras = this.chosen.map((i) => scene.cameras[i]);
+    }
+
+    /** Makes all frames. A frame that fails is reported and does not stop the others. */
+    async run(pool: Pool, report: (status: Status) => void, fail: (failure: Failure, frame: number) => void) {
+        const frames = this.scene.frames.map(async (_, position) => {
+            try {
+                // The first frame runs alone, so that it is shown soon: drawing needs a processor, too.
+                if (position > 0) await this.finished;
+                await this.make(pool, position, report);
+            } catch (error) {
+                this.first.resolve();
+                this.fractions[position] = 1;
+                const internal: Failure = { code: "internal", message: String(error) };
+                fail(error instanceof JobError ? error.failure : internal, position);
+            }
+        });
+        await Promise.all(frames);
+    }
+
+    private async make(pool: Pool, position: number, report: (status: Status) => void) {
+        const all = this.levels(position);
+        const sketched = this.sketch !== undefined && position === 0;
+        // A sketch that fails is left out: a better mesh follows soon.
+        if (sketched) {
+            await this.sketch?.then(
+                (made) => pool.cancelled || this.show(position, made),
+                () => {},
+            );
+        }
+        const { silhouettes, key } = this.choice;
+        const frame = this.scene.frames[position];
+        const job = {
+            type: "frame" as const,
+            cameras: this.cameras,
+            views: this.chosen.map((camera) => viewFiles(frame, this.entries, camera, silhouettes, key)),
+            up: this.scene.up,
+            levels: sketched ? all.slice(1) : all,
+            stages: position < STAGES_KEPT,
+        };
+        await pool.run(job, {
+            progress: (preset, stage, done, total) => {
+                this.advance(position, all, preset, stage, done / Math.max(total, 1));
+                report(this.status(position, preset, stage));
+            },
+            result: (made) => this.show(position, made),
+        });
+        this.first.resolve();
+        this.fractions[position] = 1;
+        report(this.status(position, null, null));
+    }
+
+    /** The first frame is shown at coarser levels on the way. */
+    private levels(position: number): QualityLevel[] {
+        const { preset } = this.choice;
+        if (position > 0) return [preset];
+        return preset === "hull" || preset === "preview" ? ["sketch", preset] : ["sketch", "preview", preset];
+    }
+
+    private show(position: number, { glb, ...made }: FrameResult) {
+        this.clip.set(position, { ...made, glb: new Blob([glb], { type: "model/gltf-binary" }) });
+    }
+
+    private advance(position: number, levels: QualityLevel[], level: QualityLevel, stage: Stage, done: number) {
+        const before = STAGES.slice(0, STAGES.indexOf(stage)).reduce((sum, s) => sum + STAGE_SHARES[s], 0);
+        const inside = before + STAGE_SHARES[stage] * done;
+        const [shares, at] = [LEVEL_SHARES[levels.length], levels.indexOf(level)];
+        const sum = shares.slice(0, at).reduce((a, b) => a + b, 0) + shares[at] * inside;
+        this.fractions[position] = Math.max(this.fractions[position], Math.min(sum, 1));
+    }
+
+    private status(frame: number, preset: QualityLevel | null, stage: Stage | null): Status {
+        const fraction = this.fractions.reduce((a, b) => a + b, 0) / this.fractions.length;
+        const seconds = (performance.now() - this.start) / 1000;
+        const left = seconds > 2 && fraction > 0.06 ? (seconds * (1 - fraction)) / fraction : null;
+        return { frame, stage, preset, done: this.fractions[frame], fraction, left };
+    }
+}

@@ -1,0 +1,39 @@
+// The service worker: keeps a version of the page for use without a network.
+//
+// The addresses of all files except index.html change with their content (see vite.config.ts). index.html therefore
+// decides which version a page belongs to, and no page mixes two versions:
+// - index.html comes from the network if there is one, so that a reload shows the newest version;
+// - all other files come from this version's cache, or from the network if they belong to another version.
+// A new version is fetched as a whole in the background. It replaces the old one as soon as no page needs the old one.
+
+import { clientsClaim } from "workbox-core";
+import { getCacheKeyForURL, type PrecacheEntry, PrecacheFallbackPlugin, precacheAndRoute } from "workbox-precaching";
+import { NavigationRoute, registerRoute } from "workbox-routing";
+import { NetworkOnly } from "workbox-strategies";
+
+declare const self: ServiceWorkerGlobalScope & { __WB_MANIFEST: PrecacheEntry[] };
+
+/** Seconds after which a network counts as absent. */
+const TIMEOUT = 5;
+
+const newest = new NetworkOnly({
+    networkTimeoutSeconds: TIMEOUT,
+    plugins: [new PrecacheFallbackPlugin({ fallbackURL: "index.html" })],
+});
+// The first route that matches is taken.
+registerRoute(new NavigationRoute(newest));
+precacheAndRoute(self.__WB_MANIFEST);
+clientsClaim();
+
+// A page sends the address of its script. If it is the only page and this version has its script, nothing needs the old
+// version any more. Otherwise this version waits until all pages are closed, as service workers do.
+self.addEventListener("message", (event) => {
+    const takeOver = async () => {
+        const pages = await self.clients.matchAll({ type: "window", includeUncontrolled: true });
+        if (pages.length === 1 && getCacheKeyForURL(event.data)) await self.skipWaiting();
+    };
+    event.waitUntil(takeOver());
+});
+
+// Versions up to 0.1.1 kept the page in a cache of this name.
+self.addEventListener("activate", (event) => event.waitUntil(caches.delete("pcmvs")));

@@ -1,0 +1,72 @@
+// The reconstructed surface, or a stage's output in its place.
+import { BufferAttribute, BufferGeometry, Group, LineSegments, type Material, Mesh, Points } from "three";
+import type { StageCloud, StageMesh } from "../workers/protocol";
+import { POINTS, type Shading, SURFACE_MATERIALS, tagColours } from "./colours";
+import { edges } from "./edges";
+
+export class Surface {
+    readonly root = new Group();
+    private readonly mesh = new Mesh<BufferGeometry, Material>(new BufferGeometry(), SURFACE_MATERIALS.colour);
+    /** The mesh's edges, shown instead of it as a wireframe. */
+    private readonly wires = new LineSegments<BufferGeometry, Material>(new BufferGeometry(), SURFACE_MATERIALS.colour);
+    private wireframe = false;
+    private stage: Mesh | Points | null = null;
+
+    constructor() {
+        this.root.add(this.mesh, this.wires);
+        this.choose();
+    }
+
+    /** Shows a mesh. The caller keeps the geometry and disposes of it. */
+    show(geometry: BufferGeometry) {
+        this.mesh.geometry = geometry;
+        this.choose();
+    }
+
+    clear() {
+        this.mesh.geometry = new BufferGeometry();
+        this.showStage(null);
+    }
+
+    /** Shows a stage's output instead of the mesh, or with null the mesh again. */
+    showStage(output: StageCloud | StageMesh | null, origin: number[] = [0, 0, 0], ranks = false) {
+        if (this.stage) {
+            this.root.remove(this.stage);
+            this.stage.geometry.dispose();
+        }
+        this.stage = null;
+        if (output) {
+            const geometry = new BufferGeometry().setAttribute("position", new BufferAttribute(output.positions, 3));
+            if (output.kind === "mesh") {
+                geometry.setAttribute("normal", new BufferAttribute(output.normals, 3));
+                geometry.setIndex(new BufferAttribute(output.triangles, 1));
+                this.stage = new Mesh(geometry, SURFACE_MATERIALS.clay);
+            } else {
+                geometry.setAttribute("color", new BufferAttribute(tagColours(output.tags, ranks), 3, true));
+                this.stage = new Points(geometry, POINTS);
+            }
+            // Without culling no bounding sphere needs to be computed.
+            this.stage.frustumCulled = false;
+            this.stage.position.fromArray(origin);
+            this.root.add(this.stage);
+        }
+        this.choose();
+    }
+
+    setShading(shading: Shading) {
+        this.mesh.material = this.wires.material = SURFACE_MATERIALS[shading];
+    }
+
+    setWireframe(on: boolean) {
+        this.wireframe = on;
+        this.choose();
+    }
+
+    /** Makes the mesh visible, its edges, or neither of them. */
+    private choose() {
+        const shown = this.stage === null && this.mesh.geometry.hasAttribute("position");
+        this.mesh.visible = shown && !this.wireframe;
+        this.wires.visible = shown && this.wireframe;
+        if (this.wires.visible) this.wires.geometry = edges(this.mesh.geometry);
+    }
+}

@@ -1,0 +1,301 @@
+// The three-dimensional view: what is in it, from where it is seen, and when it is drawn.
+import type { Camera } from "pcmvs";
+import {
+    AmbientLight,
+    type Camera as AnyCamera,
+    Box3,
+    BufferAttribute,
+    BufferGeometry,
+    DirectionalLight,
+    DoubleSide,
+    Group,
+    LineSegments,
+    Mesh,
+    MeshBasicMaterial,
+    PerspectiveCamera,
+    PlaneGeometry,
+    Points,
+    PolarGridHelper,
+    Raycaster,
+    Scene,
+    Texture,
+    Vector2,
+    Vector3,
+    WebGLRenderer,
+} from "three";
+import type { StageCloud, StageMesh } from "../workers/protocol";
+import { cameraToWorld, fit, projection, upright } from "./cameras";
+import { BLANK, FRUSTUM_LINES, POINTS, type Shading, SURFACE_MATERIALS } from "./colours";
+import { Frusta } from "./frusta";
+import { Navigation } from "./navigation";
+import { Surface } from "./surface";
+
+/** A pointer that moves less than this many CSS pixels between down and up is a click. */
+const CLICK = 4;
+
+export class Viewer {
+    private readonly renderer: WebGLRenderer;
+    private readonly scene = new Scene();
+    /** Turned so that the scene's upward direction is +y, as in three.js. */
+    private readonly world = new Group();
+    private readonly navigation: Navigation;
+    /** The camera of the rig that is looked through. */
+    private readonly through = new PerspectiveCamera();
+    private readonly surface = new Surface();
+    private readonly frusta = new Frusta();
+    private readonly grid = new PolarGridHelper(1, 12, 4, 96);
+    private bounds: Box3 | null = null;
+    private cameras: Camera[] = [];
+    private looking: number | null = null;
+    /** A drawing has been asked for. Nothing is drawn before the shaders are compiled. */
+    private wanted = true;
+    private waiting: (() => void)[] = [];
+    /** A frustum was clicked. */
+    onpick: (camera: number) => void = () => {};
+    /** The place of a photograph in the window has changed. */
+    onlayout: () => void = () => {};
+
+    constructor(private readonly canvas: HTMLCanvasElement) {
+        this.renderer = new WebGLRenderer({
+            canvas,
+            antialias: true,
+            alpha: true,
+            powerPreference: "high-performance",
+        });
+        // Asking for shader errors waits for the driver's compiler.
+        this.renderer.debug.checkShaderErrors = import.meta.env.DEV;
+        this.renderer.setPixelRatio(Math.min(devicePixelRatio, 2));
+        POINTS.size = 2 * this.renderer.getPixelRatio();
+        this.navigation = new Navigation(canvas, () => this.draw());
+        this.through.matrixAutoUpdate = false;
+        const key = new DirectionalLight(0xffffff, 2.2);
+        key.position.set(1, 2, 1.5);
+        this.navigation.camera.add(key);
+        this.scene.add(this.world, this.navigation.camera, new AmbientLight(0xffffff, 0.9), this.grid);
+        this.world.add(this.surface.root, this.frusta.root, this.through);
+        this.grid.visible = this.frusta.root.visible = false;
+        for (const material of [this.grid.material].flat())
+            Object.assign(material, { transparent: true, opacity: 0.28 });
+        new ResizeObserver(() => this.resize()).observe(canvas.parentElement as HTMLElement);
+        this.resize();
+        this.listenForPicks();
+        void this.compile().then(() => {
+            this.wanted = false;
+            this.draw();
+        });
+    }
+
+    /** Compiles all shaders in the background, because the first use of one that is not ready blocks this thread. */
+    private async compile() {
+        // In a task of its own, because the constructor's is long enough.
+        await new Promise((resolve) => setTimeout(resolve));
+        const floats = () => new BufferAttribute(new Float32Array(9), 3);
+        const geometry = new BufferGeometry()
+            .setAttribute("position", floats())
+            .setAttribute("normal", floats())
+            .setAttribute("color", floats());
+        const all = new Group();
+        for (const material of Object.values(SURFACE_MATERIALS)) all.add(new Mesh(geometry, material));
+        const plate = new PlaneGeometry();
+        const textured = new MeshBasicMaterial({ map: new Texture(), side: DoubleSide });
+        all.add(
+            new Points(geometry, POINTS),
+            new LineSegments(plate, FRUSTUM_LINES),
+            new Mesh(plate, BLANK),
+            new Mesh(plate, textured),
+            new LineSegments(this.grid.geometry, this.grid.material),
+        );
+        const { renderer, scene } = this;
+        // Without this extension three.js cannot ask for readiness, and compileAsync only warns.
+        if (renderer.extensions.has("KHR_parallel_shader_compile")) {
+            await renderer.compileAsync(all, this.navigation.camera, scene);
+        } else renderer.compile(all, this.navigation.camera, scene);
+    }
+
+    /** Resolves when the next picture has been drawn. */
+    drawn(): Promise<void> {
+        return new Promise((resolve) => {
+            this.waiting.push(resolve);
+            this.draw();
+        });
+    }
+
+    /** Draws with the next animation frame. */
+    draw() {
+        if (this.wanted) return;
+        this.wanted = true;
+        requestAnimationFrame(() => {
+            this.wanted = false;
+            this.navigation.update();
+            this.render();
+            for (const resolve of this.waiting.splice(0)) resolve();
+        });
+    }
+
+    /** The current view as a PNG. */
+    still(): Promise<Blob> {
+        this.render();
+        return new Promise((resolve, reject) =>
+            this.canvas.toBlob(
+                (blob) => (blob ? resolve(blob) : reject(new Error("the picture cannot be made"))),
+                "image/png",
+            ),
+        );
+    }
+
+    /** Sets the scene's upward direction. The next mesh is framed anew. */
+    setUp(up: number[] | undefined) {
+        this.world.quaternion.copy(upright(up));
+        this.bounds = null;
+        this.draw();
+    }
+
+    /** Shows a frame's mesh. The caller keeps the geometry and disposes of it. */
+    show(geometry: BufferGeometry) {
+        this.surface.show(geometry);
+        if (!this.bounds) {
+            this.world.updateMatrixWorld(true);
+            geometry.computeBoundingBox();
+            this.bounds = (geometry.boundingBox as Box3).clone().applyMatrix4(this.world.matrixWorld);
+            this.frame();
+        }
+        this.draw();
+    }
+
+    clear() {
+        this.grid.visible = false;
+        this.surface.clear();
+        this.bounds = null;
+        this.setCameras([]);
+        this.draw();
+    }
+
+    /** Shows a stage's output instead of the mesh, or with null the mesh again. */
+    showStage(output: StageCloud | StageMesh | null, origin?: number[], ranks = false) {
+        this.surface.showStage(output, origin, ranks);
+        this.draw();
+    }
+
+    setShading(shading: Shading) {
+        this.surface.setShading(shading);
+        this.draw();
+    }
+
+    setWireframe(on: boolean) {
+        this.surface.setWireframe(on);
+        this.draw();
+    }
+
+    setCameras(cameras: Camera[]) {
+        const centres = cameras.map((camera) => new Vector3().setFromMatrixPosition(cameraToWorld(camera)));
+        this.frusta.set(cameras, centres);
+        this.cameras = cameras;
+        this.lookThrough(null);
+        if (cameras.length > 0 && !this.bounds) {
+            // There is no mesh yet: look at the cameras.
+            this.world.updateMatrixWorld(true);
+            this.frame(new Box3().setFromPoints(centres).applyMatrix4(this.world.matrixWorld));
+        }
+        this.draw();
+    }
+
+    /** Puts a small picture on a camera's frustum. */
+    setThumbnail(camera: number, picture: HTMLCanvasElement) {
+        this.frusta.setPicture(camera, picture);
+        this.draw();
+    }
+
+    showCameras(on: boolean) {
+        this.frusta.root.visible = on;
+        this.draw();
+    }
+
+    /** Looks through a camera of the rig, or with null from outside again. */
+    lookThrough(camera: number | null) {
+        this.looking = camera;
+        this.navigation.enabled = camera === null;
+        this.resize();
+    }
+
+    /** Place of a camera's picture in the window, in CSS pixels. */
+    pictureRectangle(camera: number) {
+        const { clientWidth, clientHeight } = this.canvas;
+        const { width, height } = this.cameras[camera];
+        const { scale, left, top } = fit(this.cameras[camera], clientWidth, clientHeight);
+        return { left, top, width: scale * width, height: scale * height };
+    }
+
+    /** Turns around the object, radians. */
+    orbit(horizontal: number, vertical: number) {
+        this.navigation.orbit(horizontal, vertical);
+    }
+
+    zoom(factor: number) {
+        this.navigation.zoom(factor);
+    }
+
+    /** Steps back until the whole object is in the window. */
+    frame(box = this.bounds) {
+        if (!box) return;
+        // From near the first camera, which usually sees the front.
+        const front = new Vector3(0.4, 0, 1);
+        if (this.cameras.length > 0) {
+            front
+                .set(0, 0, 1)
+                .transformDirection(cameraToWorld(this.cameras[0]))
+                .transformDirection(this.world.matrixWorld);
+        }
+        const { center, radius } = this.navigation.frame(box, front);
+        this.grid.position.set(center.x, box.min.y, center.z);
+        this.grid.scale.setScalar(radius * 1.1);
+        this.grid.visible = box === this.bounds;
+        this.draw();
+    }
+
+    private render() {
+        const camera: AnyCamera = this.looking === null ? this.navigation.camera : this.through;
+        const { grid, frusta } = this;
+        const shown = [grid.visible, frusta.root.visible];
+        if (this.looking !== null) grid.visible = frusta.root.visible = false;
+        this.renderer.render(this.scene, camera);
+        [grid.visible, frusta.root.visible] = shown;
+    }
+
+    private resize() {
+        const { clientWidth: width, clientHeight: height } = this.canvas.parentElement as HTMLElement;
+        if (width === 0 || height === 0) return;
+        this.renderer.setSize(width, height, false);
+        this.navigation.setAspect(width / height);
+        if (this.looking !== null) this.standIn(this.cameras[this.looking], width, height);
+        this.onlayout();
+        this.draw();
+    }
+
+    /** Places the camera that is looked through. */
+    private standIn(camera: Camera, width: number, height: number) {
+        const pose = cameraToWorld(camera);
+        const target = this.navigation.target.clone().applyMatrix4(this.world.matrixWorld.clone().invert());
+        const distance = target.distanceTo(new Vector3().setFromMatrixPosition(pose));
+        this.through.matrix.copy(pose);
+        this.through.projectionMatrix.copy(projection(camera, width, height, distance / 50, distance * 10));
+        this.through.projectionMatrixInverse.copy(this.through.projectionMatrix).invert();
+    }
+
+    private listenForPicks() {
+        const raycaster = new Raycaster();
+        let down = new Vector2();
+        this.canvas.addEventListener("pointerdown", (event) => {
+            down = new Vector2(event.clientX, event.clientY);
+        });
+        this.canvas.addEventListener("pointerup", (event) => {
+            const moved = down.distanceTo(new Vector2(event.clientX, event.clientY));
+            if (!this.frusta.root.visible || this.looking !== null || moved > CLICK) return;
+            const box = this.canvas.getBoundingClientRect();
+            const x = ((event.clientX - box.left) / box.width) * 2 - 1;
+            const y = 1 - ((event.clientY - box.top) / box.height) * 2;
+            raycaster.setFromCamera(new Vector2(x, y), this.navigation.camera);
+            const camera = this.frusta.hit(raycaster);
+            if (camera !== null) this.onpick(camera);
+        });
+    }
+}

@@ -1,0 +1,43 @@
+// A camera's picture without lens distortion, and its silhouette.
+
+import type { Photograph } from "pcmvs";
+import { failureOf } from "./failure";
+import { setSilhouette, withFrame } from "./frame";
+import type { PhotographJob, PhotographResult } from "./protocol";
+import { readView } from "./reading";
+
+/** Colour of a silhouette over its picture: red, green, blue. */
+const TINT = [61, 220, 151] as const;
+
+export const photograph = (job: PhotographJob) =>
+    withFrame(job.cameras, async (frame): Promise<PhotographResult> => {
+        const { image, mask } = await readView(job.view);
+        frame.setImage(job.camera, image);
+        let problem: string | null = null;
+        let made = frame.photograph(job.camera);
+        try {
+            setSilhouette(frame, job.camera, job.view, mask);
+            const matted = frame.photograph(job.camera);
+            made.free();
+            made = matted;
+        } catch (error) {
+            // The picture can be shown even if its silhouette is wrong.
+            const failure = failureOf(error);
+            if (failure.code !== "silhouette") throw error;
+            problem = failure.message;
+        }
+        const [picture, silhouette] = await bitmaps(made, job.width);
+        return { picture, silhouette, problem };
+    });
+
+/** The picture and, if there is one, its silhouette as an overlay, scaled down to a width. Frees the photograph. */
+async function bitmaps(made: Photograph, maxWidth: number): Promise<[ImageBitmap, ImageBitmap | null]> {
+    const picture = made.picture();
+    const silhouette = made.silhouette(...TINT);
+    made.free();
+    const { width, height } = picture;
+    const resizeWidth = Math.min(width, maxWidth);
+    const resizeHeight = Math.max(1, Math.round((height * resizeWidth) / width));
+    const scaled = (image: ImageData) => createImageBitmap(image, { resizeWidth, resizeHeight, resizeQuality: "high" });
+    return Promise.all([scaled(picture), silhouette ? scaled(silhouette) : null]);
+}

@@ -1,0 +1,91 @@
+// Reconstructs a frame, level by level.
+
+import type { Cloud, Frame, Reconstruction, Rig, Stage } from "pcmvs";
+import { failureOf, isFatal } from "./failure";
+import { setSilhouette, withFrame } from "./frame";
+import type { FrameJob, FrameStages, QualityLevel, Reply, StageCloud } from "./protocol";
+import { readView } from "./reading";
+
+/** Cameras that a sketch needs at least. */
+const SKETCH_CAMERAS = 8;
+
+type Send = (message: Reply, transfer?: Transferable[]) => void;
+
+export const reconstruct = (job: FrameJob, send: Send) =>
+    withFrame(job.cameras, async (frame, rig) => {
+        const load = async (cameras: number[]) => {
+            const files = await Promise.all(cameras.map((i) => readView(job.views[i])));
+            for (const [n, { image, mask }] of files.entries()) {
+                frame.setImage(cameras[n], image);
+                setSilhouette(frame, cameras[n], job.views[cameras[n]], mask);
+            }
+        };
+        const all = job.views.map((_, i) => i);
+        // With many cameras a sketch uses every second one, and is shown before the other pictures are decoded.
+        const sketched = (i: number) => all.length < 2 * SKETCH_CAMERAS || i % 2 === 0;
+        const early = job.levels.includes("sketch") ? all.filter(sketched) : [];
+        let left = all.filter((i) => !early.includes(i));
+        await load(early);
+        for (const level of job.levels) {
+            if (level !== "sketch") {
+                await load(left);
+                left = [];
+            }
+            const start = performance.now();
+            const made = reconstructLevel(frame, level, send);
+            if (!made) continue;
+            const seconds = (performance.now() - start) / 1000;
+            const glb = made.glb(job.up) as Uint8Array<ArrayBuffer>;
+            const { triangles } = made;
+            const withStages = job.stages && level !== "hull" && level !== "sketch";
+            const stages = withStages ? stagesOf(made, rig) : null;
+            made.free();
+            const result = { preset: level, glb, triangles, seconds, stages };
+            send({ type: "result", result }, [glb.buffer, ...buffers(stages)]);
+        }
+    });
+
+function reconstructLevel(frame: Frame, preset: QualityLevel, send: Send): Reconstruction | null {
+    if (preset === "sketch") return sketch(frame);
+    const report = (stage: Stage, done: number, total: number) =>
+        send({ type: "progress", preset, stage, done, total });
+    return frame.reconstruct(preset, report);
+}
+
+/** A sketch, or null: half of the cameras may be too few where all of them are enough. */
+function sketch(frame: Frame): Reconstruction | null {
+    try {
+        return frame.sketch();
+    } catch (error) {
+        if (isFatal(failureOf(error))) throw error;
+        return null;
+    }
+}
+
+function stagesOf(made: Reconstruction, rig: Rig): FrameStages {
+    const mesh = made.mesh("hull");
+    const cloud = (points: Cloud, tags: Uint16Array): StageCloud => ({
+        kind: "cloud",
+        positions: points.positions,
+        tags,
+    });
+    const [detected, contours, merged] = [made.detected(), made.contours(), made.merged()];
+    const outputs: FrameStages["outputs"] = {
+        hull: { kind: "mesh", positions: mesh.positions, normals: mesh.normals, triangles: mesh.triangles },
+        detected: cloud(detected, detected.views),
+        contours: cloud(contours, Uint16Array.from(contours.ranks)),
+        merged: cloud(merged, merged.views),
+    };
+    for (const object of [mesh, detected, contours, merged]) object.free();
+    return { origin: [...rig.origin], outputs };
+}
+
+/** The memory that is transferred to the page instead of being copied. */
+function buffers(stages: FrameStages | null): Transferable[] {
+    const outputs = stages ? Object.values(stages.outputs) : [];
+    return outputs.flatMap((o) =>
+        o.kind === "cloud"
+            ? [o.positions.buffer, o.tags.buffer]
+            : [o.positions.buffer, o.normals.buffer, o.triangles.buffer],
+    );
+}

@@ -1,0 +1,61 @@
+// A worker: reads files, decodes, reconstructs. It does one job at a time; the page cancels a job by terminating it.
+
+import { ready } from "pcmvs";
+import { failureOf } from "./failure";
+import { memoryOf } from "./frame";
+import { open } from "./open";
+import { photograph } from "./photograph";
+import { writePly } from "./ply";
+import type { Job, Reply } from "./protocol";
+import { forgetFetched, loadZip, read } from "./reading";
+import { reconstruct } from "./reconstruct";
+
+const scope = self as unknown as DedicatedWorkerGlobalScope;
+const send = (message: Reply, transfer: Transferable[] = []) => scope.postMessage(message, transfer);
+
+scope.onmessage = async (event: MessageEvent<Job>) => {
+    const job = event.data;
+    try {
+        await ready;
+        const [value, transfer] = await run(job);
+        send({ type: "done", value }, transfer);
+    } catch (error) {
+        send({ type: "failed", failure: failureOf(error) });
+    } finally {
+        if (!(job.type === "frame" && job.levels.at(-1) === "sketch")) forgetFetched();
+    }
+};
+
+/** Does a job; returns its result and what of it is transferred instead of copied. */
+async function run(job: Job): Promise<[unknown, Transferable[]]> {
+    switch (job.type) {
+        case "open":
+            return [await open(job.entries), []];
+        case "memory":
+            return [memoryOf(job.cameras, job.preset), []];
+        case "frame":
+            await reconstruct(job, send);
+            return [null, []];
+        case "photograph": {
+            const result = await photograph(job);
+            return [result, result.silhouette ? [result.picture, result.silhouette] : [result.picture]];
+        }
+        case "read": {
+            const bytes = await read(job.entry);
+            return [bytes, [bytes.buffer]];
+        }
+        case "unzip":
+            return [await (await loadZip()).readZip(job.zip), []];
+        case "ply":
+            return [new Blob([writePly(job)], { type: "application/octet-stream" }), []];
+        case "zip":
+            return [await (await loadZip()).writeZip(job.files), []];
+        case "digest":
+            return [await Promise.all(job.blobs.map(sha256)), []];
+    }
+}
+
+async function sha256(blob: Blob): Promise<string> {
+    const hash = await crypto.subtle.digest("SHA-256", await blob.arrayBuffer());
+    return Array.from(new Uint8Array(hash), (byte) => byte.toString(16).padStart(2, "0")).join("");
+}
