@@ -12,6 +12,7 @@ use crate::{
     hull::HullParams,
     merge::{ConflictParams, DownsampleParams, MergingParams},
     mesh::{MeshingParams, SpaceConstraint, WeightParams},
+    silhouette::ContourParams,
 };
 
 /// All parameters of a reconstruction. A step that is an `Option` runs if it has parameters.
@@ -21,6 +22,8 @@ use crate::{
 pub struct Params {
     /// Which result is made.
     pub method: Method,
+    /// Contours from the photographs (§0). Without it mattes are taken as they are given, as in the paper.
+    pub contour: Option<ContourParams>,
     /// Visual hull (§0).
     pub hull: HullParams,
     /// A first, coarse search whose mesh guides the second. Without it the search runs through the hull, as in the paper.
@@ -101,6 +104,7 @@ impl Params {
         let weights = WeightParams { frontier: 16.0, substituted: 0.3, implicit: 0.1 };
         let default = Self {
             method: Method::Pcmvs,
+            contour: Some(ContourParams { reach_pixels: 4.5 }),
             hull: HullParams { voxel_pixels: 1.5 },
             coarse: Some(coarse),
             detection,
@@ -120,6 +124,7 @@ impl Params {
             Preset::Default => default,
             Preset::Hull => Self { method: Method::Hull, ..default },
             Preset::Paper => Self {
+                contour: None,
                 coarse: None,
                 detection: DetectionParams {
                     search: SearchParams {

@@ -10,7 +10,10 @@ use crate::{
 use js_sys::{Function, Uint8Array, Uint8ClampedArray};
 use pcmvs_core::{
     Camera, ChromaKey, Error, ImageRef, Mask, Params, PixelFormat, Preset, Progress, Serial, View, ViewInput,
-    colour::ColourParams, hull::HullParams, reconstruct, silhouette::Silhouette,
+    colour::ColourParams,
+    hull::HullParams,
+    reconstruct,
+    silhouette::{ContourParams, Silhouette},
 };
 use pcmvs_scene::Picture;
 use serde::Deserialize;
@@ -119,7 +122,8 @@ impl Frame {
     /// A camera's picture and silhouette without lens distortion, as the stages see them. Throws `PcmvsError`.
     pub fn photograph(&self, camera: usize) -> Result<Photograph, Failed> {
         let input = self.input(camera)?;
-        let view = View::new(&self.rig, camera, &input).map_err(|error| Failed::core(&error, None))?;
+        let view = View::new(&self.rig, camera, &input, Some(&ContourParams::default()))
+            .map_err(|error| Failed::core(&error, None))?;
         Ok(Photograph { view })
     }
 
