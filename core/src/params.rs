@@ -13,6 +13,7 @@ use crate::{
     hull::HullParams,
     merge::{ConflictParams, DownsampleParams, MergingParams},
     mesh::{MeshingParams, SpaceConstraint, WeightParams},
+    silhouette::ContourParams,
 };
 
 /// All parameters of a reconstruction. An optional step runs if its parameters are present.
@@ -22,6 +23,8 @@ use crate::{
 pub struct Params {
     /// The kind of result.
     pub method: Method,
+    /// Contours from the photographs (§0). Without it mattes are taken as they are given, as in the paper.
+    pub contour: Option<ContourParams>,
     /// Visual hull (§0).
     pub hull: HullParams,
     /// A coarse pass whose mesh guides detection. Without it, detection searches the whole hull as in the paper.
@@ -102,6 +105,7 @@ impl Params {
         let weights = WeightParams { frontier: 16.0, substituted: 0.3, implicit: 0.1 };
         let default = Self {
             method: Method::Pcmvs,
+            contour: Some(ContourParams { reach_pixels: 4.5 }),
             hull: HullParams { voxel_pixels: 1.5 },
             coarse: Some(coarse),
             detection,
@@ -121,6 +125,7 @@ impl Params {
             Preset::Default => default,
             Preset::Hull => Self { method: Method::Hull, ..default },
             Preset::Paper => Self {
+                contour: None,
                 coarse: None,
                 detection: DetectionParams {
                     search: SearchParams {

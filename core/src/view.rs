@@ -6,7 +6,7 @@ use crate::{
     hash::Hash64,
     image::{self, ImageRef},
     rig::Rig,
-    silhouette::{ChromaKey, Silhouette, SilhouetteScratch, chroma, clean_plate},
+    silhouette::{ChromaKey, ContourParams, Silhouette, SilhouetteScratch, chroma, clean_plate, refine::refine},
 };
 use alloc::{format, sync::Arc, vec::Vec};
 
@@ -94,12 +94,13 @@ impl View {
         hash
     }
 
-    /// Reads the picture and silhouette of the camera with the given index in the rig.
+    /// Reads the picture and silhouette of the camera with the given index in the rig. With `contour` the silhouette's
+    /// contour moves to where the photograph has it; without, the matte is taken as it is given.
     ///
     /// # Errors
     /// [`Error::NoSuchCamera`], [`Error::Image`] and [`Error::Silhouette`].
-    pub fn new(rig: &Rig, index: usize, input: &ViewInput) -> Result<Self> {
-        Self::with_buffers(rig, index, input, &mut ViewScratch::default(), Buffers::default())
+    pub fn new(rig: &Rig, index: usize, input: &ViewInput, contour: Option<&ContourParams>) -> Result<Self> {
+        Self::with_buffers(rig, index, input, contour, &mut ViewScratch::default(), Buffers::default())
     }
 
     /// [`Self::new`] with scratch buffers and the memory of an old view.
@@ -110,6 +111,7 @@ impl View {
         rig: &Rig,
         index: usize,
         input: &ViewInput,
+        contour: Option<&ContourParams>,
         scratch: &mut ViewScratch,
         buffers: Buffers,
     ) -> Result<Self> {
@@ -151,18 +153,22 @@ impl View {
         if let Some(undistortion) = undistortion {
             undistortion.rgb(picture, &mut rgb);
         }
-        let silhouette = match (&input.mask, undistortion) {
-            (Mask::Unknown, _) => None,
-            (_, None) => {
-                let (w, h) = (camera.width, camera.height);
-                Some(Silhouette::with_buffers(w, h, mask, |_| true, distance_scratch, distance).map_err(unusable)?)
-            }
-            (_, Some(undistortion)) => {
-                let (w, h) = (camera.width, camera.height);
-                undistortion.coverage(mask, coverage, known);
-                let known = |i: usize| known[i];
-                Some(Silhouette::with_buffers(w, h, coverage, known, distance_scratch, distance).map_err(unusable)?)
-            }
+        let silhouette = if let Mask::Unknown = input.mask {
+            None
+        } else {
+            let (w, h) = (camera.width, camera.height);
+            let coverage = match undistortion {
+                Some(undistortion) => {
+                    undistortion.coverage(mask, coverage, known);
+                    coverage
+                }
+                None => mask,
+            };
+            let known = |i: usize| undistortion.is_none() || known[i];
+            let refined = contour
+                .and_then(|params| refine(w as usize, h as usize, &rgb, coverage, known, params, distance_scratch));
+            let silhouette = Silhouette::with_buffers(w, h, coverage, known, distance_scratch, distance);
+            Some(silhouette.map_err(unusable)?.with_uncertainty(refined))
         };
         luma.clear();
         luma.extend(rgb.chunks_exact(3).map(|p| image::luma([p[0], p[1], p[2]])));

@@ -10,7 +10,9 @@ use crate::{
     sketch,
     types::{ChromaKeyObject, PresetName, ProgressFunction},
 };
-use pcmvs_core::{ChromaKey, Mask, Params, PixelFormat, Serial, View, ViewInput, reconstruct};
+use pcmvs_core::{
+    ChromaKey, Mask, Params, PixelFormat, Serial, View, ViewInput, reconstruct, silhouette::ContourParams,
+};
 use pcmvs_scene::Picture;
 use std::rc::Rc;
 use wasm_bindgen::prelude::*;
@@ -95,7 +97,7 @@ impl Frame {
 
     /// A camera's picture and silhouette without lens distortion, as the stages see them. Throws `PcmvsError`.
     pub fn photograph(&self, camera: usize) -> Result<Photograph, Failed> {
-        let view = View::new(&self.rig, camera, &self.input(camera)?);
+        let view = View::new(&self.rig, camera, &self.input(camera)?, Some(&ContourParams::default()));
         view.map(Photograph::new).map_err(|error| Failed::core(&error, None))
     }
 

@@ -12,6 +12,8 @@ const VOXEL_PIXELS: f32 = 4.0;
 /// A coarse visual hull, coloured by one view per vertex.
 pub fn params() -> Params {
     let mut params = Params::preset(Preset::Hull);
+    // Mattes as they are: a sketch must be quick.
+    params.contour = None;
     params.hull = HullParams { voxel_pixels: VOXEL_PIXELS };
     params.colour = ColourParams { gains: None, blended_views: 1 };
     params

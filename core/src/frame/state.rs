@@ -131,7 +131,8 @@ impl<R: Deref<Target = Rig>> Frame<R> {
         memory::check_rig(&self.rig, self.memory.limit())?;
         progress::step(progress, Stage::Views, camera as u32, self.cameras() as u32)?;
         let buffers = self.memory.buffers.take();
-        let make = |scratch: &mut _| View::with_buffers(&self.rig, camera, input, scratch, buffers);
+        let contour = self.params.contour.as_ref();
+        let make = |scratch: &mut _| View::with_buffers(&self.rig, camera, input, contour, scratch, buffers);
         let view = self.memory.view_scratch.with(make)?;
         *self.incoming[place].lock() = Some(view);
         Ok(())

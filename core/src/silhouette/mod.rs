@@ -5,9 +5,11 @@ pub(crate) mod clean_plate;
 mod colour;
 mod distance;
 mod matte;
+pub(crate) mod refine;
 
 pub use chroma::ChromaKey;
 pub(crate) use distance::SilhouetteScratch;
+pub use refine::{ContourParams, Uncertainty};
 
 use alloc::{format, string::String, vec::Vec};
 
@@ -22,6 +24,7 @@ pub struct Silhouette {
     /// Height in pixels.
     pub height: u32,
     distance: Vec<i16>,
+    uncertainty: Option<Uncertainty>,
 }
 
 impl Silhouette {
@@ -76,12 +79,23 @@ impl Silhouette {
                 black on the background, or null where there is none",
             ));
         }
-        Ok(Self { width, height, distance })
+        Ok(Self { width, height, distance, uncertainty: None })
     }
 
     /// Signed distance in 1/64 pixel at the centre of each pixel, row after row.
     pub fn distances(&self) -> &[i16] {
         &self.distance
+    }
+
+    /// The same with what is known of its contour's precision.
+    pub(crate) fn with_uncertainty(self, uncertainty: Option<Uncertainty>) -> Self {
+        Self { uncertainty, ..self }
+    }
+
+    /// Standard deviation of the contour across itself in pixels, at a point of it; none where it is not known, as for
+    /// a silhouette that was taken as it was given.
+    pub fn contour_sigma(&self, u: f32, v: f32) -> Option<f32> {
+        self.uncertainty.as_ref()?.sigma(u, v)
     }
 
     /// The memory of the distances, for reuse.

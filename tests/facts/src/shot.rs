@@ -47,7 +47,9 @@ impl Shot {
     /// Undistorted pictures and silhouettes.
     pub fn views(&self, rig: &Rig) -> Vec<View> {
         let inputs = self.inputs();
-        (0..inputs.len()).map(|i| View::new(rig, i, &inputs[i]).expect("the studio's pictures are sound")).collect()
+        (0..inputs.len())
+            .map(|i| View::new(rig, i, &inputs[i], None).expect("the studio's pictures are sound"))
+            .collect()
     }
 
     /// The same frame seen by some of the cameras, in the given order.

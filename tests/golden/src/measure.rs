@@ -6,7 +6,7 @@ use crate::{
 };
 use pcmvs_core::{
     Error, Mesh, Params, Point, Preset, Rig, Serial, Silent, Stage as Core, View, export::glb, hash::Hash64,
-    reconstruct,
+    reconstruct, silhouette::ContourParams,
 };
 
 /// A preset by name, if results are recorded for it.
@@ -25,11 +25,12 @@ pub fn preset(name: &str) -> Option<Preset> {
 pub fn measure(capture: &CaptureFile, preset: Preset, detail: Detail) -> Result<Record, Error> {
     let rig = Rig::new(&capture.cameras)?;
     let inputs = capture.inputs();
-    let result = reconstruct(&rig, &inputs, &Params::preset(preset), &Serial, &Silent)?;
+    let params = Params::preset(preset);
+    let result = reconstruct(&rig, &inputs, &params, &Serial, &Silent)?;
     let (stages, mesh) = (&result.intermediates, &result.mesh);
     let of_stage = |&(stage, hash): &(Core, u64)| {
         let arrays = match stage {
-            Core::Views => views(&rig, capture, detail)?,
+            Core::Views => views(&rig, capture, params.contour.as_ref(), detail)?,
             Core::Hull => surface(&stages.hull, detail),
             Core::Contours => cloud(stages.frontier.iter().chain(&stages.implicit), detail),
             Core::Coarse => surface(&stages.coarse, detail),
@@ -62,11 +63,16 @@ fn rgb([r, g, b]: [u8; 3]) -> u32 {
 }
 
 /// The undistorted pictures and the silhouettes, which the core does not keep.
-fn views(rig: &Rig, capture: &CaptureFile, detail: Detail) -> Result<Vec<Array>, Error> {
+fn views(
+    rig: &Rig,
+    capture: &CaptureFile,
+    contour: Option<&ContourParams>,
+    detail: Detail,
+) -> Result<Vec<Array>, Error> {
     let (mut pixels, mut distances) = (Vec::new(), Vec::new());
     let inputs = capture.inputs();
     for &given in rig.order() {
-        let view = View::new(rig, given as usize, &inputs[given as usize])?;
+        let view = View::new(rig, given as usize, &inputs[given as usize], contour)?;
         pixels.extend(view.rgb.chunks_exact(3).map(|p| rgb([p[0], p[1], p[2]])));
         let silhouette = view.silhouette.iter().flat_map(|s| s.distances());
         distances.extend(silhouette.map(|&d| u32::from(d as u16)));

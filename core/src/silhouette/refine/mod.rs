@@ -1,0 +1,112 @@
+//! The contour from the photograph. A matte gives the object's outline roughly, the picture gives it exactly.
+//!
+//! 1. Small holes and specks are kept or removed by their colours ([`islands`], [`likelihoods`]).
+//! 2. Where local colour models of both sides ([`colour_model`]) contradict the matte clearly, its contour moves by whole
+//!    pixels ([`labels`]). This handles mattes that are off by several pixels and fingers that grew together.
+//! 3. The contour is traced ([`trace`]). Along its normals the picture assigns a cost to every offset ([`profile`]), and
+//!    so does the matte, whose bias and precision are measured where the picture is clear ([`fusion`]). The most
+//!    probable offsets are a shortest path around each loop ([`path`]).
+//! 4. The moved loops are rasterised as coverage ([`fill`]). The standard deviation of every piece of the contour is kept
+//!    ([`uncertainty`]).
+//!
+//! Where both sides look alike, the matte's contour stays, corrected by the matte's bias.
+
+mod colour_model;
+mod fill;
+mod fusion;
+mod islands;
+mod labels;
+mod likelihoods;
+mod patch;
+mod path;
+mod profile;
+mod trace;
+mod uncertainty;
+
+#[cfg(test)]
+mod tests;
+
+pub use uncertainty::Uncertainty;
+
+use super::distance::{SilhouetteScratch, signed_distance};
+use alloc::vec::Vec;
+use colour_model::{ColourModel, Trust};
+use fusion::Fusion;
+use likelihoods::Likelihoods;
+use patch::Patch;
+use profile::Profiles;
+
+/// Pixels to learn colours from while the contour is known only roughly: preferably those deep on their side.
+const ROUGH: Trust = Trust { from: 0.5, growth: 2.5, full: 5.0, to: 14.0 };
+/// Pixels to learn colours from once the contour is known to about a pixel.
+const NEAR: Trust = Trust { from: 1.25, growth: 3.0, full: 3.0, to: 9.0 };
+/// Largest number of rounds in which the contour may move by the reach. Fewer than [`SETTLED`] pixels that moved by more
+/// than half of it end the rounds.
+const ROUNDS: usize = 6;
+const SETTLED: usize = 12;
+
+/// How the picture moves a matte's contour.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
+pub struct ContourParams {
+    /// Largest distance in pixels by which the contour moves at a time. Where it moved by more than half of that, the
+    /// search is repeated from there.
+    pub reach_pixels: f32,
+}
+
+impl Default for ContourParams {
+    fn default() -> Self {
+        Self { reach_pixels: 4.5 }
+    }
+}
+
+/// Moves the half-level contour of a matte's `coverage` to where the picture, packed sRGB, has it. Pixels that are not
+/// `known` stay. Returns how certain the contour is; nothing if there is none.
+pub(crate) fn refine(
+    width: usize,
+    height: usize,
+    rgb: &[u8],
+    coverage: &mut [u8],
+    known: impl Fn(usize) -> bool,
+    params: &ContourParams,
+    scratch: &mut SilhouetteScratch,
+) -> Option<Uncertainty> {
+    let patch = Patch::around(width, height, rgb, coverage)?;
+    let (w, h) = (patch.width, patch.height);
+    let mut matte = Vec::with_capacity(patch.len());
+    for y in 0..h {
+        matte.extend_from_slice(&coverage[patch.index(0, y)..][..w]);
+    }
+    let mut given = Vec::new();
+    signed_distance(w, h, &matte, |_| true, scratch, &mut given);
+    let colours = Likelihoods::count(&patch, &given);
+    if islands::settle(&patch, &given, &colours, &mut matte) {
+        signed_distance(w, h, &matte, |_| true, scratch, &mut given);
+    }
+
+    let mut near = given.clone();
+    for _ in 0..ROUNDS {
+        let model = ColourModel::learn(&patch, &near, &colours, ROUGH);
+        let far = labels::relabel(&patch, &near, &model, params.reach_pixels, &mut matte);
+        signed_distance(w, h, &matte, |_| true, scratch, &mut near);
+        if far < SETTLED {
+            break;
+        }
+    }
+
+    let model = ColourModel::learn(&patch, &near, &colours, NEAR);
+    let profiles = Profiles::new(&patch, &near, &model);
+    let fusion = Fusion::new(trace::trace(w, h, &near), &profiles, &given);
+    let (loops, variances) = fusion.most_probable();
+    let mut refined = Vec::new();
+    fill::fill(w, h, &loops, &mut refined);
+    for y in 0..h {
+        for x in 0..w {
+            let i = patch.index(x, y);
+            if known(i) {
+                coverage[i] = refined[y * w + x];
+            }
+        }
+    }
+    Some(Uncertainty::new(&patch, height, &loops, &variances))
+}

@@ -1,0 +1,71 @@
+//! Standard deviation along a refined contour.
+
+use super::patch::Patch;
+use crate::math::{min, sqrt};
+use alloc::{vec, vec::Vec};
+use glam::Vec2;
+
+/// Steps in a pixel of the stored standard deviations.
+const UNITS: f32 = 32.0;
+
+/// Standard deviation of a contour across itself, for every pixel that it passes.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct Uncertainty {
+    /// For each row of the picture where its pixels start in the lists below, then one end.
+    starts: Vec<u32>,
+    columns: Vec<u16>,
+    /// In 1/32 pixel, the largest of the pixel.
+    sigmas: Vec<u8>,
+}
+
+impl Uncertainty {
+    /// From a patch's loops and the variance of each of their points.
+    pub(super) fn new(patch: &Patch, height: usize, loops: &[Vec<Vec2>], variances: &[Vec<f32>]) -> Self {
+        let mut found: Vec<(u32, u16, u8)> = Vec::new();
+        for (points, variances) in loops.iter().zip(variances) {
+            for (p, &variance) in points.iter().zip(variances) {
+                let (x, y) = (libm::floorf(p.x + 0.5), libm::floorf(p.y + 0.5));
+                if x < 0.0 || y < 0.0 || x >= patch.width as f32 || y >= patch.height as f32 {
+                    continue;
+                }
+                let sigma = min(UNITS * sqrt(variance) + 0.5, 255.0) as u8;
+                found.push(((patch.top + y as usize) as u32, (patch.left + x as usize) as u16, sigma));
+            }
+        }
+        found.sort_unstable();
+        let mut out = Self { starts: vec![0; height + 1], columns: Vec::new(), sigmas: Vec::new() };
+        for (i, &(y, x, sigma)) in found.iter().enumerate() {
+            // Sorted: the last of a pixel's is its largest.
+            if found.get(i + 1).is_some_and(|&(ny, nx, _)| (ny, nx) == (y, x)) {
+                continue;
+            }
+            out.columns.push(x);
+            out.sigmas.push(sigma);
+            out.starts[y as usize + 1] = out.columns.len() as u32;
+        }
+        for y in 0..height {
+            out.starts[y + 1] = out.starts[y + 1].max(out.starts[y]);
+        }
+        out
+    }
+
+    /// Standard deviation in pixels of the contour at a point of it: the mean over the pixels next to it that the
+    /// contour passes; none if there are none.
+    pub fn sigma(&self, u: f32, v: f32) -> Option<f32> {
+        let (x, y) = (libm::floorf(u + 0.5) as i32, libm::floorf(v + 0.5) as i32);
+        let (mut sum, mut count) = (0u32, 0u32);
+        for row in y - 1..=y + 1 {
+            if row < 0 || row as usize + 1 >= self.starts.len() {
+                continue;
+            }
+            let range = self.starts[row as usize] as usize..self.starts[row as usize + 1] as usize;
+            let columns = &self.columns[range.clone()];
+            let first = columns.partition_point(|&c| i32::from(c) < x - 1);
+            for (k, _) in columns[first..].iter().enumerate().take_while(|&(_, &c)| i32::from(c) <= x + 1) {
+                sum += u32::from(self.sigmas[range.start + first + k]);
+                count += 1;
+            }
+        }
+        (count > 0).then(|| sum as f32 / (count as f32 * UNITS))
+    }
+}
