@@ -1,47 +1,76 @@
 /*
- * libpcmvs: multi-view stereo for free-viewpoint video. From the pictures of a ring of calibrated cameras, taken at
- * one instant, to a closed, coloured triangle mesh. The same bytes on every machine.
+ * libpcmvs: multi-view stereo for free-viewpoint video.
  *
- * This file is the reference manual. It is generated: do not edit it.
+ * The library takes the pictures that a ring of calibrated cameras took at one instant and reconstructs a closed,
+ * coloured triangle mesh. The result is the same, byte for byte, on every machine.
  *
- * A frame, in short:
+ * This file is the reference manual. It is generated from the sources: do not edit it.
  *
- *   pcmvs_rig *rig;                                     cameras, once
+ * Example:
+ *
+ *   pcmvs_rig *rig;                                     one rig for the cameras
  *   pcmvs_rig_new(&rig);
  *   pcmvs_rig_set_cameras(rig, cameras, camera_count);
- *   pcmvs_frame *frame;                                 used again for frame after frame
+ *   pcmvs_frame *frame;                                 one frame handle, used for frame after frame
  *   pcmvs_frame_new(rig, &frame);
  *   pcmvs_frame_reconstruct(frame, views, camera_count, NULL);
  *   pcmvs_frame_export_mesh(frame, PCMVS_MESH_KIND_FINAL, NULL, write_to_file, file);
  *   pcmvs_frame_free(frame);
  *   pcmvs_rig_free(rig);
  *
- * pcmvs_frame_reconstruct is the same as pcmvs_frame_begin, pcmvs_frame_view for every camera, pcmvs_frame_hull,
- * pcmvs_frame_contours, pcmvs_frame_coarse, pcmvs_frame_detect for every camera, pcmvs_frame_merge, pcmvs_frame_mesh
- * and pcmvs_frame_colour. A stage that fails or is cancelled leaves the frame as it was before that stage: it can be
- * run again, or another frame begun.
+ * Stages. A reconstruction runs in stages; pcmvs_stage_count and pcmvs_stage_at list them in the order in which they
+ * run. pcmvs_frame_reconstruct runs all of them. A host that wants to run them itself calls pcmvs_frame_begin,
+ * pcmvs_frame_view for every camera, pcmvs_frame_hull, pcmvs_frame_contours, pcmvs_frame_coarse, pcmvs_frame_detect for
+ * every camera, pcmvs_frame_merge, pcmvs_frame_mesh and pcmvs_frame_colour; the result is the same. Apart from
+ * pcmvs_frame_view and pcmvs_frame_detect, which do the work of one camera, each of these functions first runs the
+ * stages before its own that have not run yet. Therefore such a host keeps working when a later version inserts a
+ * stage, and it may leave out functions: after the views, pcmvs_frame_colour alone runs everything. pcmvs_frame_step
+ * runs any stage by its number. If a stage fails or is cancelled, the frame is as it was before that stage. The stage
+ * can be run again, or another frame begun.
  *
- * Status. Every call that can fail returns a pcmvs_status. On failure it has written nothing to the caller's memory.
- * What went wrong with which camera is told by pcmvs_frame_error and pcmvs_rig_error.
+ * Errors. Every function that can fail returns a pcmvs_status. A function that fails writes nothing to the caller's
+ * memory. After a failed call on a handle, pcmvs_frame_error or pcmvs_rig_error describes the failure: the frame, stage
+ * and camera where they are known, and what to do. This holds for functions that only read results, too. The description
+ * stays until another call on the handle fails. If several threads use the handle, it is that of the last failure on any
+ * of them. Calls without a valid handle (a NULL handle, pcmvs_..._init) return a status and nothing else.
  *
- * Pointers. NULL is an error for every pointer that is not said to be optional. Inputs are read during the call only.
+ * Warnings. pcmvs_frame_warning_count and pcmvs_frame_get_warning list what may make a result worse although no call
+ * failed.
  *
- * Ownership. Handles are freed by their own function, which takes NULL too. Pointers that the library gives out stay
- * the library's; their comments say how long they are valid. Nothing else has to be freed. Rigs and frames may be
- * freed in any order.
+ * Pointers. A pointer must not be NULL unless its function or member says so. Inputs are read only during the call.
  *
- * Structs. Those that callers fill in begin with struct_size; call their init function first and set members then.
- * Arrays of them hold elements of one size. Later versions add members at the end only, so programs built with an
- * older header run with a newer library. Reserved members are zero.
+ * Ownership. The caller owns handles and frees each with its own function, in any order. Pointers that the library
+ * returns point to memory of the library; their descriptions say how long they stay valid. Nothing else needs freeing.
  *
- * Threads. No globals: handles do not know of each other, and any number of them may be used at once. A rig may be
- * shared by threads once it has its cameras. On a frame pcmvs_frame_view and pcmvs_frame_detect may run on several
- * threads at a time, for different cameras, and so may functions that take a const pcmvs_frame *; a call that comes
- * while another one excludes it fails with PCMVS_STATUS_BUSY. Free a handle only when no other thread uses it.
+ * Memory. Results can be written to memory of the caller: pcmvs_frame_copy_... and ..._to_buffer fill its buffers, and
+ * ..._export_... pass a file's bytes to its callback. Working memory comes from the C library's malloc, calloc, realloc,
+ * posix_memalign and free, or from the functions given to pcmvs_set_allocator. A frame reuses the memory of the frame
+ * before it on the same handle. The option max_memory makes a frame fail before it allocates more than that. If an
+ * allocation fails nevertheless, the process is aborted, because Rust's containers cannot report it.
  *
- * Callbacks must not throw exceptions or jump out.
+ * Structs. A struct that the caller fills in begins with struct_size. Call its init function first, then set members.
+ * In an array of such structs, all elements have the same struct_size. Other structs are written by functions that take
+ * their size. Later versions of the library add members only at the end of a struct, so that a program that was built
+ * with an older header of the same ABI version keeps working. Members called reserved are zero. A reserved member of a
+ * struct that the caller fills in must stay zero.
  *
- * Coordinates: the scene's frame and unit are those of the cameras' R and t. Colours are sRGB.
+ * Versions. The ABI version is 0.y before version 1.0 and the major version afterwards. Within an ABI version functions
+ * and the values of enums are only added, and numbers never change. Enums are passed as uint32_t, because a newer library
+ * may use values that an older header does not list.
+ *
+ * Threads. Handles are independent of each other, and any number of them may be used at once. Threads may share a rig
+ * once its cameras are set. On one frame, pcmvs_frame_view and pcmvs_frame_detect may run on several threads at once for
+ * different cameras, and so may all functions that take a const pcmvs_frame *. Any other call needs the frame for
+ * itself. A call that cannot run because of another one fails with PCMVS_STATUS_BUSY instead of waiting. Free a handle
+ * only when no other thread uses it. The library never starts a thread. Its only global state is the allocator.
+ *
+ * Callbacks must not throw exceptions and must not jump out.
+ *
+ * Panics. A bug in the library is caught before it reaches the caller, and the call returns PCMVS_STATUS_PANIC. Only
+ * that handle becomes unusable. Rust prints a few lines about the place of the bug to stderr; the library prints nothing
+ * else. To suppress those lines it would have to change state that it shares with all Rust code in the process.
+ *
+ * Coordinates. The scene's frame and unit are those of the cameras' R and t. Colours are sRGB.
  */
 
 
@@ -55,44 +84,49 @@
 #define PCMVS_VERSION_MAJOR 0
 
 // Minor version of this header.
-#define PCMVS_VERSION_MINOR 1
+#define PCMVS_VERSION_MINOR 2
 
 // Patch version of this header.
 #define PCMVS_VERSION_PATCH 0
 
-// Version of this header as one number that grows: major * 1000000 + minor * 1000 + patch.
-#define PCMVS_VERSION 1000
+// Version of this header as one number: major * 1000000 + minor * 1000 + patch.
+#define PCMVS_VERSION 2000
 
-// Number of stages.
-#define PCMVS_STAGE_COUNT 8
+// Returned by `pcmvs_stage_at` beyond the last stage.
+#define PCMVS_NO_STAGE 4294967295
 
-// Bytes of an error's message, with its final zero.
+// Size of an error's or warning's message in bytes, with its final zero.
 #define PCMVS_MESSAGE_SIZE 480
 
-// Most cameras of a rig.
-#define PCMVS_MOST_CAMERAS 1024
+// Maximum number of cameras of a rig.
+#define PCMVS_MAX_CAMERAS 1024
 
-// Result of a call. Numbers never change; new ones are only added at the end, so a caller must take a number it does
-// not know for a failure.
+// Size of a warning's code in bytes, with its final zero.
+#define PCMVS_CODE_SIZE 32
+
+// Result of a call. Numbers never change, and new ones are added at the end only. Treat a number that you do not know
+// as a failure.
 enum pcmvs_status
 #if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
   : uint32_t
 #endif // defined(__cplusplus) || __STDC_VERSION__ >= 202311L
  {
-  // Done.
+  // Success.
   PCMVS_STATUS_OK = 0,
-  // A pointer that must not be NULL is.
+  // A pointer that must not be NULL is NULL.
   PCMVS_STATUS_NULL_POINTER = 1,
-  // A handle is of another kind, was freed (as far as its memory has not been reused), or never was one.
+  // The handle is of another kind, has been freed, or never was a handle. A freed handle is recognised only until
+  // its memory is reused.
   PCMVS_STATUS_INVALID_HANDLE = 2,
-  // A struct's `struct_size` is less than any version's, or the part that this library does not know is not zero:
-  // the caller asks for something that only a newer library can do.
+  // The `struct_size` or `size` of a struct is smaller than in every version, or a member that this library does not
+  // know is not zero, which means that the caller asks for something only a newer library can do.
   PCMVS_STATUS_INVALID_STRUCT = 3,
   // An argument is out of range.
   PCMVS_STATUS_INVALID_ARGUMENT = 4,
-  // The handle is in use by a call that excludes this one: on another thread, or in whose callback this one is made.
+  // The frame is in use by a call that excludes this one. That call runs on another thread, or this call was made
+  // from one of its callbacks.
   PCMVS_STATUS_BUSY = 5,
-  // The call needs a stage that has not run yet.
+  // The call needs a stage that has not run yet, or it comes too late.
   PCMVS_STATUS_WRONG_ORDER = 6,
   // The progress callback asked to stop.
   PCMVS_STATUS_CANCELLED = 7,
@@ -102,24 +136,24 @@ enum pcmvs_status
   PCMVS_STATUS_IMAGE = 9,
   // A silhouette cannot be used.
   PCMVS_STATUS_SILHOUETTE = 10,
-  // Two cameras stand at the same place and look the same way.
+  // Two cameras have the same position and direction.
   PCMVS_STATUS_DUPLICATE_CAMERA = 11,
-  // Fewer cameras, or fewer silhouettes, than the method needs.
+  // There are fewer cameras, or fewer silhouettes, than the method needs.
   PCMVS_STATUS_TOO_FEW_VIEWS = 12,
-  // The silhouettes do not meet in space.
+  // The silhouettes have no common volume.
   PCMVS_STATUS_EMPTY_HULL = 13,
-  // The points bound no surface.
+  // The points do not bound a surface.
   PCMVS_STATUS_NO_SURFACE = 14,
-  // More memory is needed than allowed.
+  // The frame needs more memory than `pcmvs_options.max_memory` allows.
   PCMVS_STATUS_OUT_OF_MEMORY = 15,
-  // The buffer is too small; ask for the size first.
+  // The buffer is too small. Ask for the size first.
   PCMVS_STATUS_BUFFER_TOO_SMALL = 16,
-  // The write callback refused.
+  // The write callback returned an error.
   PCMVS_STATUS_WRITE_FAILED = 17,
-  // A bug in the library. The handle only takes `pcmvs_..._error` and `pcmvs_..._free` from now on; other handles
+  // A bug in the library. From now on the handle accepts only `pcmvs_..._error` and `pcmvs_..._free`; other handles
   // are not affected.
   PCMVS_STATUS_PANIC = 18,
-  // Something that this version of the ABI has no number for; the message says what.
+  // A failure that this version of the ABI has no number for. The message describes it.
   PCMVS_STATUS_OTHER = 19,
 };
 #ifndef __cplusplus
@@ -130,27 +164,28 @@ typedef uint32_t pcmvs_status;
 #endif // __STDC_VERSION__ >= 202311L
 #endif // __cplusplus
 
-// Stages of a reconstruction in the order in which they run. Numbers never change.
+// Stages of a reconstruction. A stage keeps its number for ever, and the number does not say when the stage runs: ask
+// `pcmvs_stage_count` and `pcmvs_stage_at` for the order. A newer library may have stages that are not listed here.
 enum pcmvs_stage
 #if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
   : uint32_t
 #endif // defined(__cplusplus) || __STDC_VERSION__ >= 202311L
  {
-  // Undistortion and silhouettes, view by view.
+  // Undistorts the pictures and finds the silhouettes, view by view.
   PCMVS_STAGE_VIEWS = 0,
-  // Visual hull.
+  // Carves the visual hull.
   PCMVS_STAGE_HULL = 1,
-  // Points that the silhouettes alone give.
+  // Finds the points that follow from the silhouettes alone.
   PCMVS_STAGE_CONTOURS = 2,
-  // Detection and meshing at half the resolution, which guide the stages after it.
+  // Detects and meshes at reduced resolution to guide the stages after it.
   PCMVS_STAGE_COARSE = 3,
-  // Stereo, view by view.
+  // Detects points by stereo, view by view.
   PCMVS_STAGE_DETECT = 4,
-  // All points to one cloud.
+  // Merges all points into one cloud.
   PCMVS_STAGE_MERGE = 5,
-  // The cloud to a closed mesh.
+  // Turns the cloud into a closed mesh.
   PCMVS_STAGE_MESH = 6,
-  // Colours of the mesh.
+  // Colours the mesh.
   PCMVS_STAGE_COLOUR = 7,
 };
 #ifndef __cplusplus
@@ -161,25 +196,25 @@ typedef uint32_t pcmvs_stage;
 #endif // __STDC_VERSION__ >= 202311L
 #endif // __cplusplus
 
-// Layout of a picture's bytes. Numbers never change.
+// Pixel formats. Numbers never change.
 enum pcmvs_pixel_format
 #if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
   : uint32_t
 #endif // defined(__cplusplus) || __STDC_VERSION__ >= 202311L
  {
-  // One byte a pixel.
+  // One byte per pixel.
   PCMVS_PIXEL_FORMAT_GRAY8 = 0,
-  // Red, green, blue.
+  // Red, green, blue: three bytes per pixel.
   PCMVS_PIXEL_FORMAT_RGB8 = 1,
-  // Blue, green, red.
+  // Blue, green, red: three bytes per pixel.
   PCMVS_PIXEL_FORMAT_BGR8 = 2,
-  // Red, green, blue, ignored.
+  // Red, green, blue and a byte that is ignored.
   PCMVS_PIXEL_FORMAT_RGBA8 = 3,
-  // Blue, green, red, ignored.
+  // Blue, green, red and a byte that is ignored.
   PCMVS_PIXEL_FORMAT_BGRA8 = 4,
-  // A plane of luma, then a half-size plane of interleaved Cb, Cr (BT.601, video range).
+  // A plane of luma and a plane of interleaved Cb, Cr at half the width and height. BT.601, video range.
   PCMVS_PIXEL_FORMAT_NV12 = 5,
-  // Two bytes a pixel, in the machine's order; 65535 is white.
+  // Two bytes per pixel in the machine's byte order. 65535 is white.
   PCMVS_PIXEL_FORMAT_GRAY16 = 6,
 };
 #ifndef __cplusplus
@@ -196,13 +231,13 @@ enum pcmvs_preset
   : uint32_t
 #endif // defined(__cplusplus) || __STDC_VERSION__ >= 202311L
  {
-  // What measures best.
+  // The parameters with the best measured results.
   PCMVS_PRESET_DEFAULT = 0,
   // The method as published.
   PCMVS_PRESET_PAPER = 1,
-  // The visual hull alone.
+  // The visual hull without stereo.
   PCMVS_PRESET_HULL = 2,
-  // The fastest.
+  // The fastest preset.
   PCMVS_PRESET_PREVIEW = 3,
 };
 #ifndef __cplusplus
@@ -213,17 +248,17 @@ typedef uint32_t pcmvs_preset;
 #endif // __STDC_VERSION__ >= 202311L
 #endif // __cplusplus
 
-// Which of a frame's meshes. Numbers never change.
+// The meshes of a frame. Numbers never change.
 enum pcmvs_mesh_kind
 #if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
   : uint32_t
 #endif // defined(__cplusplus) || __STDC_VERSION__ >= 202311L
  {
-  // The result: closed, manifold, with colours once `pcmvs_frame_colour` has run.
+  // The result: closed and manifold, from `pcmvs_frame_mesh`. It has colours after `pcmvs_frame_colour`.
   PCMVS_MESH_KIND_FINAL = 0,
-  // The visual hull, after `pcmvs_frame_hull`.
+  // The visual hull, from `pcmvs_frame_hull`.
   PCMVS_MESH_KIND_HULL = 1,
-  // The coarse pass' mesh, after `pcmvs_frame_coarse`; empty where the preset has none.
+  // The mesh of the coarse pass, from `pcmvs_frame_coarse`. Empty if the preset has no coarse pass.
   PCMVS_MESH_KIND_COARSE = 2,
 };
 #ifndef __cplusplus
@@ -234,19 +269,20 @@ typedef uint32_t pcmvs_mesh_kind;
 #endif // __STDC_VERSION__ >= 202311L
 #endif // __cplusplus
 
-// What of a mesh is copied. Numbers never change.
+// Attributes of a mesh that can be copied. Numbers never change. Later versions may add attributes, for example texture
+// coordinates; a library that does not know an attribute fails with `PCMVS_STATUS_INVALID_ARGUMENT`.
 enum pcmvs_attribute
 #if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
   : uint32_t
 #endif // defined(__cplusplus) || __STDC_VERSION__ >= 202311L
  {
-  // Per vertex: x, y, z in the scene's frame, three floats.
+  // Per vertex: x, y, z in the scene's frame. Three floats.
   PCMVS_ATTRIBUTE_POSITION = 0,
-  // Per vertex: unit normal, outward, three floats.
+  // Per vertex: unit normal, pointing outwards. Three floats.
   PCMVS_ATTRIBUTE_NORMAL = 1,
-  // Per vertex: red, green, blue in sRGB, three bytes.
+  // Per vertex: red, green, blue in sRGB. Three bytes.
   PCMVS_ATTRIBUTE_COLOUR = 2,
-  // Per triangle: its corners' vertices, counter-clockwise seen from outside, three `uint32_t`.
+  // Per triangle: its three vertices, counter-clockwise seen from outside. Three `uint32_t`.
   PCMVS_ATTRIBUTE_TRIANGLE = 3,
 };
 #ifndef __cplusplus
@@ -257,19 +293,19 @@ typedef uint32_t pcmvs_attribute;
 #endif // __STDC_VERSION__ >= 202311L
 #endif // __cplusplus
 
-// Which of a frame's clouds. Numbers never change.
+// The point clouds of a frame. Numbers never change.
 enum pcmvs_cloud_kind
 #if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
   : uint32_t
 #endif // defined(__cplusplus) || __STDC_VERSION__ >= 202311L
  {
-  // On contour generators, after `pcmvs_frame_contours`.
+  // Frontier points, from `pcmvs_frame_contours`.
   PCMVS_CLOUD_KIND_FRONTIER = 0,
-  // On the hull where no camera looks, after `pcmvs_frame_contours`.
+  // Implicit points: points of the hull that no camera sees, from `pcmvs_frame_contours`.
   PCMVS_CLOUD_KIND_IMPLICIT = 1,
-  // One view's points, after `pcmvs_frame_merge`.
+  // The points of one view, from detection. Available after `pcmvs_frame_merge`.
   PCMVS_CLOUD_KIND_DETECTED = 2,
-  // All that reaches meshing, after `pcmvs_frame_merge`.
+  // The merged cloud, which becomes the mesh, from `pcmvs_frame_merge`.
   PCMVS_CLOUD_KIND_MERGED = 3,
 };
 #ifndef __cplusplus
@@ -280,19 +316,19 @@ typedef uint32_t pcmvs_cloud_kind;
 #endif // __STDC_VERSION__ >= 202311L
 #endif // __cplusplus
 
-// What makes a point trustworthy. Numbers never change.
+// Kinds of points, from the least to the most trustworthy. Numbers never change.
 enum pcmvs_rank
 #if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
   : uint32_t
 #endif // defined(__cplusplus) || __STDC_VERSION__ >= 202311L
  {
-  // On the hull where no camera looks.
+  // On the hull, seen by no camera.
   PCMVS_RANK_IMPLICIT = 0,
-  // Put on the hull because stereo failed.
+  // Placed on the hull where stereo failed.
   PCMVS_RANK_SUBSTITUTED = 1,
   // Found by stereo.
   PCMVS_RANK_DETECTED = 2,
-  // On a contour generator, certainly on the surface.
+  // A frontier point, which is certainly on the surface.
   PCMVS_RANK_FRONTIER = 3,
 };
 #ifndef __cplusplus
@@ -303,7 +339,7 @@ typedef uint32_t pcmvs_rank;
 #endif // __STDC_VERSION__ >= 202311L
 #endif // __cplusplus
 
-// Formats of files. Numbers never change.
+// File formats. Numbers never change.
 enum pcmvs_file_format
 #if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
   : uint32_t
@@ -322,215 +358,252 @@ typedef uint32_t pcmvs_file_format;
 #endif // __STDC_VERSION__ >= 202311L
 #endif // __cplusplus
 
-// One frame on its way from pictures to a mesh, and its results. Used again for frame after frame.
+// A frame: it takes one picture per camera and turns them into a mesh stage by stage. The handle holds the results and
+// can be used for any number of frames, one after the other.
 typedef struct pcmvs_frame pcmvs_frame;
 
-// A calibrated set of cameras and what follows from it. Shared between any number of frames and threads; may be freed
-// before its frames.
+// A set of calibrated cameras and the data computed from it. A rig may be shared by any number of frames and threads, and
+// may be freed before its frames.
 typedef struct pcmvs_rig pcmvs_rig;
 
-// A calibrated camera in OpenCV's convention. World to pixel is `x = K * distort(R X + t)`: x right, y down,
-// z forward; the first pixel's centre is at (0, 0). Matrices are row after row.
+// Allocates `size` bytes, at least 1, at an address that is a multiple of `alignment`, a power of two. Returns NULL if it
+// cannot; the process is then aborted.
+typedef void *(*pcmvs_allocate_fn)(void *user, size_t size, size_t alignment);
+
+// Resizes the block at `memory` from `old_size` to `size` bytes, at the same alignment, and returns its new address. The
+// contents are kept up to the smaller of the two sizes. Returns NULL if it cannot; the block then stays as it is.
+typedef void *(*pcmvs_reallocate_fn)(void *user, void *memory, size_t old_size, size_t size, size_t alignment);
+
+// Frees the block at `memory`. `size` and `alignment` are those of its last allocation or reallocation.
+typedef void (*pcmvs_deallocate_fn)(void *user, void *memory, size_t size, size_t alignment);
+
+// Functions that provide the library's memory. They are called on every thread that calls the library, possibly on several
+// at once. They must not call the library.
+typedef struct pcmvs_allocator {
+  // Set by `pcmvs_allocator_init`.
+  uint32_t struct_size;
+  // Zero.
+  uint32_t reserved;
+  // Passed to the functions.
+  void *user;
+  // Allocates memory.
+  pcmvs_allocate_fn allocate;
+  // Resizes memory. If it is NULL, the library allocates a new block and copies.
+  pcmvs_reallocate_fn reallocate;
+  // Frees memory.
+  pcmvs_deallocate_fn deallocate;
+} pcmvs_allocator;
+
+// A calibrated camera in OpenCV's convention. A point X of the scene projects to the pixel `K * distort(R X + t)`. In the
+// camera's frame x points right, y down and z forward. The centre of the first pixel is (0, 0). Matrices are stored row
+// by row.
 typedef struct pcmvs_camera {
   // Set by `pcmvs_camera_init`.
   uint32_t struct_size;
-  // Pixels in a row of the camera's pictures.
+  // Width of the camera's pictures in pixels.
   uint32_t width;
-  // Rows of the camera's pictures.
+  // Height of the camera's pictures in pixels.
   uint32_t height;
   // Zero.
   uint32_t reserved;
-  // Intrinsic matrix by rows; the last row is 0 0 1. Skew is allowed.
+  // Intrinsic matrix K in pixels. The last row is 0 0 1. Skew is allowed.
   double k[9];
-  // OpenCV's k1, k2, p1, p2, k3.
+  // Distortion coefficients k1, k2, p1, p2, k3 as in OpenCV.
   double distortion[5];
-  // Rotation by rows, world to camera.
+  // Rotation R from the scene's to the camera's frame.
   double r[9];
-  // Translation, world to camera, in the scene's unit.
+  // Translation t from the scene's to the camera's frame, in the scene's unit.
   double t[3];
 } pcmvs_camera;
 
-// Why the last call on a handle that failed did so.
+// Describes the last failed call on a handle.
 typedef struct pcmvs_error {
-  // What the call returned, a `pcmvs_status`; `PCMVS_STATUS_OK` if none has failed yet.
+  // What the call returned, a `pcmvs_status`. `PCMVS_STATUS_OK` if no call has failed yet.
   uint32_t status;
-  // The stage in which it failed, a `pcmvs_stage`; -1 if none.
+  // The stage that failed or whose result was asked for, a `pcmvs_stage`. -1 if the failure belongs to no stage.
   int32_t stage;
-  // Index of the camera that is to blame; -1 if none.
+  // Index of the camera to blame. -1 if it is not known or there is none.
   int32_t camera;
   // Zero.
   int32_t reserved;
-  // Number of the frame as in `pcmvs_options`; -1 for a rig.
+  // Number of the frame, as given in `pcmvs_options`. -1 for a rig.
   int64_t frame;
-  // What is wrong and what to do, in English, UTF-8, ended by a zero.
+  // What is wrong and what to do about it, in English. UTF-8 with a final zero.
   char message[PCMVS_MESSAGE_SIZE];
 } pcmvs_error;
 
-// A picture in the caller's memory. Read during the call only, never written.
+// A picture in the caller's memory. It is read only during the call and never written.
 typedef struct pcmvs_image {
   // Set by `pcmvs_image_init`.
   uint32_t struct_size;
   // A `pcmvs_pixel_format`.
   uint32_t format;
-  // Pixels in a row.
+  // Width in pixels.
   uint32_t width;
-  // Rows.
+  // Height in pixels.
   uint32_t height;
-  // First byte of the topmost row.
+  // First byte of the top row.
   const void *data;
-  // Bytes from a row to the one below it; negative if rows lie in memory from the bottom up. 0: no padding.
+  // Bytes from one row to the row below it. Negative if the rows are stored from the bottom up. 0 means packed rows.
   ptrdiff_t stride;
-  // NV12 only: first byte of the topmost row of the plane of Cb, Cr.
+  // NV12 only: first byte of the top row of the Cb, Cr plane.
   const void *chroma;
-  // NV12 only: bytes from a row of that plane to the one below it. 0: no padding.
+  // NV12 only: bytes from one row of the Cb, Cr plane to the row below it, as for `stride`.
   ptrdiff_t chroma_stride;
 } pcmvs_image;
 
-// How to tell an object from a backdrop of one colour, evenly lit or not.
+// Parameters that separate the object from a backdrop of one colour. The backdrop need not be evenly lit.
 typedef struct pcmvs_chroma_key {
   // Set by `pcmvs_chroma_key_init`.
   uint32_t struct_size;
-  // About the backdrop's colour: red, green, blue in sRGB, then zero.
+  // Approximate colour of the backdrop: red, green, blue in sRGB. The fourth byte is zero.
   uint8_t rgb[4];
-  // A pixel is backdrop if its colour is turned from the local backdrop's by less than this share (0 to 1) of the
-  // angle between the backdrop's colour and gray.
+  // Tolerance in hue, 0 to 1. A pixel belongs to the backdrop if the angle between its colour and the local backdrop's is
+  // smaller than this share of the angle between the backdrop's colour and grey.
   float tolerance;
-  // Shadows on the backdrop are recognised down to this share of its local brightness.
+  // Darkest shadow on the backdrop that is recognised, as a share of the local brightness.
   float darkest_shadow;
-  // Parts of the object smaller than this share of the picture are removed.
+  // Parts of the object that cover less than this share of the picture are removed.
   float smallest_part;
-  // Holes in the object smaller than this share of the picture are filled.
+  // Holes in the object that cover less than this share of the picture are filled.
   float smallest_hole;
 } pcmvs_chroma_key;
 
-// A camera's picture of one frame and where its silhouette comes from. At most one of `mask`, `clean_plate` and
-// `chroma_key` is given; with none of them the view carves nothing.
+// One camera's picture and the source of its silhouette. At most one of `mask`, `clean_plate` and `chroma_key` may be set.
+// If none is set, the view has no silhouette and does not carve the hull.
 typedef struct pcmvs_view {
   // Set by `pcmvs_view_init`.
   uint32_t struct_size;
   // Zero.
   uint32_t reserved;
-  // The picture, of the camera's calibrated size.
+  // The picture. It has the size for which the camera was calibrated.
   const struct pcmvs_image *image;
-  // A picture of the same size that is white on the object and black elsewhere, or NULL. Gray values are coverage:
-  // the contour runs where it is one half.
+  // A mask of the same size, white on the object and black elsewhere. Grey values are coverage; the contour is where the
+  // coverage is one half. May be NULL.
   const struct pcmvs_image *mask;
-  // The same camera's picture of the empty set, or NULL.
+  // A picture that the same camera took without the object. May be NULL.
   const struct pcmvs_image *clean_plate;
-  // The backdrop's colour, or NULL.
+  // Parameters of a backdrop of one colour. May be NULL.
   const struct pcmvs_chroma_key *chroma_key;
 } pcmvs_view;
 
-// Told how far a call is: `done` of `total` in `stage`. Stages come in order and `done` never falls within one.
-// Return 0 to go on, anything else to cancel: the call then ends with `PCMVS_STATUS_CANCELLED` as soon as it can, and
-// the callback is not called again. Called on the thread that made the call, never on another. It must not
-// throw, and calls on the same handle fail with `PCMVS_STATUS_BUSY`.
-typedef int (*pcmvs_progress_fn)(void *user, pcmvs_stage stage, uint32_t done, uint32_t total);
+// Receives progress: `done` of `total` steps of `stage`, a `pcmvs_stage`, are complete. Stages come in their order and
+// `done` never decreases within a stage. Return 0 to continue. Any other value cancels: the call then returns
+// `PCMVS_STATUS_CANCELLED` as soon as it can and does not call back again.
+//
+// Called only on the thread that made the call. It must not throw. Of the functions that take the frame, it may call
+// `pcmvs_frame_error`; others fail with `PCMVS_STATUS_BUSY` if the running call excludes them.
+typedef int (*pcmvs_progress_fn)(void *user, uint32_t stage, uint32_t done, uint32_t total);
 
-// A piece of work that the library hands out: call it with `job` and an index.
+// Runs one of the library's jobs. Call it with `job` and the job's index.
 typedef void (*pcmvs_job_fn)(void *job, uint32_t index);
 
-// Runs pieces of work on the host's threads: calls `run(job, i)` once for every `i` below `count`, on any thread and in
-// any order, and returns when all these calls have returned. Pieces left out are then run on the calling thread. The
-// result does not depend on threads. It must not throw.
+// Runs jobs on the caller's threads. It calls `run(job, i)` once for every `i` from 0 to `count - 1`, on any threads and
+// in any order, and returns when all of these calls have returned. The library runs jobs that were left out on the
+// calling thread. Results do not depend on the threads. It must not throw.
 typedef void (*pcmvs_parallel_fn)(void *user, uint32_t count, pcmvs_job_fn run, void *job);
 
-// How a frame is made. All zero but `struct_size` is the default.
+// Options for a frame. If every member but `struct_size` is zero, these are the defaults.
 typedef struct pcmvs_options {
   // Set by `pcmvs_options_init`.
   uint32_t struct_size;
   // A `pcmvs_preset`.
   uint32_t preset;
-  // Number of the frame, for error messages only.
+  // Number of the frame. It appears in errors and has no other effect.
   uint32_t frame;
-  // Distance of the final mesh's grid nodes in pixels of footprint; 0 is the preset's.
+  // Spacing of the grid on which the final mesh is computed, in pixels of footprint: 0.25 to 100, or 0 for the
+  // preset's own. A footprint is the size of a pixel at the object.
   float voxel_pixels;
-  // Called as the work advances, or NULL.
+  // Called as the work advances. May be NULL.
   pcmvs_progress_fn progress;
-  // Handed to `progress`.
+  // Passed to `progress`.
   void *progress_user;
-  // Runs pieces of work on the caller's threads, or NULL: everything runs on the calling thread.
+  // Runs jobs on the caller's threads. If it is NULL, all work runs on the calling thread.
   pcmvs_parallel_fn parallel;
-  // Handed to `parallel`.
+  // Passed to `parallel`.
   void *parallel_user;
+  // Largest amount of memory that the frame may need on one thread, in bytes, not counting the caller's pictures.
+  // 0 means no limit. A frame that needs more fails with `PCMVS_STATUS_OUT_OF_MEMORY` before it allocates the memory,
+  // and the message says how much it needs. With a limit, working memory is freed after each stage. Without one it is
+  // kept for the next frame, which is faster but can take up to twice as much.
+  uint64_t max_memory;
 } pcmvs_options;
 
-// A mesh in the frame's memory: packed arrays, valid until the next call on the frame that is not const.
+// A mesh in the frame's memory. The arrays are packed and stay valid until the next call on the frame that takes a
+// non-const `pcmvs_frame *`. Later versions may add members at the end, for example texture coordinates and textures.
 typedef struct pcmvs_mesh {
   // Number of vertices.
   uint32_t vertex_count;
   // Number of triangles.
   uint32_t triangle_count;
-  // x, y, z of each vertex; add `origin` for the scene's frame.
+  // x, y, z per vertex, relative to `origin`.
   const float *positions;
-  // Unit normal of each vertex, outward.
+  // Unit normal per vertex, pointing outwards.
   const float *normals;
-  // Red, green, blue of each vertex in sRGB; NULL without colours.
+  // Red, green, blue per vertex in sRGB. NULL if the mesh has no colours.
   const uint8_t *colours;
-  // Three vertices a triangle, counter-clockwise seen from outside.
+  // Three vertices per triangle, counter-clockwise seen from outside.
   const uint32_t *triangles;
-  // World position of the positions' origin.
+  // The origin of `positions` in the scene's frame.
   double origin[3];
 } pcmvs_mesh;
 
 // A point of a cloud.
 typedef struct pcmvs_point {
-  // x, y, z; add `pcmvs_rig_origin` for the scene's frame.
+  // x, y, z relative to `pcmvs_rig_origin`.
   float position[3];
-  // Unit normal, outward.
+  // Unit normal, pointing outwards.
   float normal[3];
-  // How well the neighbouring views agree, from 0 to their number.
+  // How well the neighbouring views agree, from 0 to the number of neighbours.
   float fidelity;
   // Weight in meshing.
   float weight;
-  // Index of the camera that sees it; -1 for implicit points.
+  // Index of the camera that sees the point. -1 for implicit points.
   int32_t camera;
   // A `pcmvs_rank`.
   uint32_t rank;
 } pcmvs_point;
 
-// A view's silhouette in the frame's memory, for the camera without lens distortion. Valid until the next call on the
-// frame that is not const.
+// A view's silhouette in the frame's memory, undistorted. Stays valid until the next call on the frame that takes a
+// non-const `pcmvs_frame *`.
 typedef struct pcmvs_silhouette {
-  // Pixels in a row.
+  // Width in pixels.
   uint32_t width;
-  // Rows.
+  // Height in pixels.
   uint32_t height;
-  // For each pixel its distance to the contour in 1/64 pixel, positive on the object; 32767 where nothing is known.
+  // Signed distance of each pixel to the contour in 1/64 pixel, positive inside the object, in packed rows from the
+  // top down. 32767 where undistortion has no source pixel.
   const int16_t *distances;
 } pcmvs_silhouette;
 
-// What a file holds.
+// Options for exporting a mesh.
 typedef struct pcmvs_export_options {
   // Set by `pcmvs_export_options_init`.
   uint32_t struct_size;
   // A `pcmvs_file_format`.
   uint32_t format;
-  // GLB only: 1 writes normals, 0 leaves them out. 1 by default.
+  // GLB only: 1 to write normals, 0 to leave them out. The default is 1.
   uint32_t normals;
-  // GLB only: 1 if `up` is given, else 0.
+  // GLB only: 1 if `up` is set, otherwise 0. The default is 0.
   uint32_t has_up;
-  // GLB only: the scene's upward direction, recorded for players; coordinates stay as they are.
+  // GLB only: the scene's upward direction, which is recorded for players. Coordinates are not changed.
   double up[3];
 } pcmvs_export_options;
 
-// Takes the next `size` bytes of a file. Return 0 to go on, anything else to fail with `PCMVS_STATUS_WRITE_FAILED`.
-// Called on the thread that made the call, once or more often. It must not throw.
+// Receives the next `size` bytes of a file. Return 0 to continue, or any other value to make the export fail with
+// `PCMVS_STATUS_WRITE_FAILED`. Called one or more times, on the thread that made the call. It must not throw. It may call
+// functions that take a `const pcmvs_frame *`; others fail with `PCMVS_STATUS_BUSY`.
 typedef int (*pcmvs_write_fn)(void *user, const void *data, size_t size);
 
-// What a frame took and counted.
-typedef struct pcmvs_report {
-  // Seconds of each stage, over all threads.
-  double seconds[PCMVS_STAGE_COUNT];
-  // A hash of each stage's result, the same on every machine.
-  uint64_t hashes[PCMVS_STAGE_COUNT];
+// What the stages of a frame counted.
+typedef struct pcmvs_counts {
   // Points found by stereo.
   uint32_t detected;
-  // Points put on the hull because stereo failed.
+  // Points placed on the hull where stereo failed.
   uint32_t substituted;
   // Points removed by the density constraint.
   uint32_t cleaned_density;
-  // Points removed by the flatness constraint.
+  // Points removed by the PCA constraint, which asks for a locally flat surface.
   uint32_t cleaned_pca;
   // Points removed by the normal constraint.
   uint32_t cleaned_normal;
@@ -538,136 +611,222 @@ typedef struct pcmvs_report {
   uint32_t frontier;
   // Implicit points.
   uint32_t implicit;
-  // Points dropped in merging for their normals.
+  // Points dropped in merging because of their normals.
   uint32_t dropped_normal;
-  // Points dropped in merging for better neighbours.
+  // Points dropped in merging in favour of a neighbour with higher fidelity.
   uint32_t dropped_fidelity;
-  // Conflicts removed in the cameras' views.
+  // Points removed because they conflict with another point in a camera's view.
   uint32_t conflicts_cameras;
-  // Conflicts removed in virtual views.
+  // Points removed because they conflict with another point in a virtual view.
   uint32_t conflicts_virtual;
-  // Implicit points removed because they hide a valid point.
+  // Implicit points removed because they occlude a valid point.
   uint32_t implicit_removed;
-  // Points that reached meshing.
+  // Points of the merged cloud.
   uint32_t merged;
-  // Stray components dropped from the mesh.
+  // Small components removed from the mesh.
   uint32_t components_dropped;
-  // Vertices of the mesh.
+  // Vertices of the final mesh.
   uint32_t vertices;
-  // Triangles of the mesh.
+  // Triangles of the final mesh.
   uint32_t faces;
-} pcmvs_report;
+} pcmvs_counts;
 
-// All of them, each at the place of its number.
-#define pcmvs_status_ALL { pcmvs_status_Ok, pcmvs_status_NullPointer, pcmvs_status_InvalidHandle, pcmvs_status_InvalidStruct, pcmvs_status_InvalidArgument, pcmvs_status_Busy, pcmvs_status_WrongOrder, pcmvs_status_Cancelled, pcmvs_status_Camera, pcmvs_status_Image, pcmvs_status_Silhouette, pcmvs_status_DuplicateCamera, pcmvs_status_TooFewViews, pcmvs_status_EmptyHull, pcmvs_status_NoSurface, pcmvs_status_OutOfMemory, pcmvs_status_BufferTooSmall, pcmvs_status_WriteFailed, pcmvs_status_Panic, pcmvs_status_Other, }
+// What one stage took and made.
+typedef struct pcmvs_stage_report {
+  // Wall-clock seconds of all calls that did the stage's work, added up. 0 if the preset leaves the stage out.
+  double seconds;
+  // A hash of the stage's result. It is the same on every machine and with any number of threads.
+  uint64_t hash;
+} pcmvs_stage_report;
+
+// Diagnostics of one camera's view. Members of stages that have not run are zero. Later versions may add members at the
+// end.
+typedef struct pcmvs_view_report {
+  // 1 if the view has a silhouette and therefore carves the hull, otherwise 0.
+  uint32_t carves;
+  // Share of the picture that is inside the silhouette, 0 to 1. 0 without a silhouette.
+  float inside;
+  // Points of the view that stereo found and cleaning kept.
+  uint32_t detected;
+  // Points of the view that were placed on the hull where stereo failed, and that cleaning kept.
+  uint32_t substituted;
+  // Factors applied to the picture's red, green and blue when the mesh was coloured.
+  float gains[3];
+  // Zero.
+  uint32_t reserved;
+} pcmvs_view_report;
+
+// Something in a frame that may make its result worse although no call failed.
+typedef struct pcmvs_warning {
+  // Index of the camera that the warning is about. -1 if it is not about one camera.
+  int32_t camera;
+  // Zero.
+  uint32_t reserved;
+  // The kind of warning, such as "no-silhouette" or "no-stereo-points". A code never changes; later versions may add
+  // codes. ASCII with a final zero.
+  char code[PCMVS_CODE_SIZE];
+  // What is wrong and what to do about it, in English. UTF-8 with a final zero.
+  char message[PCMVS_MESSAGE_SIZE];
+} pcmvs_warning;
 
 #ifdef __cplusplus
 extern "C" {
 #endif // __cplusplus
 
-// Version of the library that is running, composed like `PCMVS_VERSION`. May be newer than the header's.
+// Returns the version of the running library in the form of `PCMVS_VERSION`. It may be newer than the header.
 uint32_t pcmvs_version(void);
 
-// Version of the library that is running, as "0.1.0". Static; never freed.
+// Returns the version of the running library as text, such as "0.2.0". The string is static.
 const char *pcmvs_version_string(void);
 
-// Name of a status for logs, in English, "unknown" for numbers of other versions. Static; never freed.
+// Returns the English name of a status for logs, or "unknown" for a number of another version. The string is static.
 const char *pcmvs_status_name(uint32_t status);
 
-// Name of a stage as in reports ("views", "hull", ...), "unknown" for numbers of other versions. Static; never freed.
+// Returns the number of stages that this library runs for a frame.
+uint32_t pcmvs_stage_count(void);
+
+// Returns the stage that runs at a place of the order, from 0 to `pcmvs_stage_count() - 1`, and `PCMVS_NO_STAGE`
+// beyond that.
+uint32_t pcmvs_stage_at(uint32_t index);
+
+// Returns the name of a stage as in reports ("views", "hull" and so on), or "unknown" for a number that this library
+// does not know. The string is static.
 const char *pcmvs_stage_name(uint32_t stage);
 
-// Sets a camera to identity matrices without distortion. `size` is `sizeof *camera`.
+// Initialises an allocator without functions. `size` is `sizeof *allocator`.
+pcmvs_status pcmvs_allocator_init(struct pcmvs_allocator *allocator, size_t size);
+
+// Makes the library take all of its memory from the caller's functions, in the whole process and until it ends. Call it
+// before every function other than `pcmvs_..._init`, `pcmvs_version...`, `pcmvs_status_name` and `pcmvs_stage_...`: once
+// the library has allocated memory or has an allocator, it fails with `PCMVS_STATUS_WRONG_ORDER`. Any other call, and any
+// call that fails, may allocate. `allocator` is read only during the call; `user` must stay valid while the process uses
+// the library.
+pcmvs_status pcmvs_set_allocator(const struct pcmvs_allocator *allocator);
+
+// Initialises a camera with identity matrices and no distortion. `size` is `sizeof *camera`.
 pcmvs_status pcmvs_camera_init(struct pcmvs_camera *camera, size_t size);
 
-// Makes a rig without cameras. Free it with `pcmvs_rig_free`.
+// Creates a rig without cameras. Free it with `pcmvs_rig_free`.
 pcmvs_status pcmvs_rig_new(struct pcmvs_rig **rig);
 
-// Frees a rig. NULL does nothing.
+// Frees a rig. NULL is ignored.
 pcmvs_status pcmvs_rig_free(struct pcmvs_rig *rig);
 
-// Gives a rig its cameras: at least three, whose order is that of the views of every frame. Prepares all that frames
-// share. On failure the rig keeps the cameras it had. Frames made before keep their cameras.
+// Sets the cameras of a rig, 3 to `PCMVS_MAX_CAMERAS`, and computes everything that its frames share. The views of every
+// frame are numbered in the order of `cameras`. On failure the rig keeps the cameras it had. Existing frames keep the
+// cameras with which they were created.
 pcmvs_status pcmvs_rig_set_cameras(struct pcmvs_rig *rig,
                                    const struct pcmvs_camera *cameras,
                                    size_t count);
 
-// Number of cameras; 0 before they are set.
+// Fixes the gains of a rig's cameras: the factors applied to red, green and blue when a mesh is coloured. `gains` holds
+// three floats per camera, `count` is the number of cameras. Without fixed gains every frame estimates its own, and
+// colours may vary slightly from frame to frame. `pcmvs_frame_copy_gains` returns the gains of a frame.
+// `pcmvs_rig_set_cameras` removes fixed gains. Existing frames keep the gains that the rig had when they were created.
+pcmvs_status pcmvs_rig_set_gains(struct pcmvs_rig *rig,
+                                 const float *gains,
+                                 size_t count);
+
+// Returns the number of cameras, which is 0 before they are set.
 pcmvs_status pcmvs_rig_camera_count(const struct pcmvs_rig *rig, uint32_t *count);
 
-// World position (x, y, z) that is the origin of the positions in `pcmvs_mesh` and `pcmvs_point`.
-pcmvs_status pcmvs_rig_origin(const struct pcmvs_rig *rig, double *xyz);
+// Returns the origin of the positions in `pcmvs_mesh` and `pcmvs_point`: x, y, z in the scene's frame. `xyz` has room for
+// three doubles.
+pcmvs_status pcmvs_rig_origin(const struct pcmvs_rig *rig,
+                              double *xyz);
 
-// Why the last failed call on this rig failed. `size` is `sizeof *error`.
-pcmvs_status pcmvs_rig_error(const struct pcmvs_rig *rig, struct pcmvs_error *error, size_t size);
+// Describes the last failed call on a rig, including `pcmvs_frame_new`. If this function itself fails, the description
+// stays as it is. `size` is `sizeof *error`.
+pcmvs_status pcmvs_rig_error(const struct pcmvs_rig *rig,
+                             struct pcmvs_error *error,
+                             size_t size);
 
-// Sets a picture to RGB without padding, its size and data to nothing. `size` is `sizeof *image`.
+// Initialises a picture: RGB, packed rows, no size and no data. `size` is `sizeof *image`.
 pcmvs_status pcmvs_image_init(struct pcmvs_image *image, size_t size);
 
-// Sets a chroma key to the usual green. `size` is `sizeof *key`.
+// Initialises a chroma key for a green backdrop. `size` is `sizeof *key`.
 pcmvs_status pcmvs_chroma_key_init(struct pcmvs_chroma_key *key, size_t size);
 
-// Sets a view to nothing. `size` is `sizeof *view`.
+// Initialises a view without a picture. `size` is `sizeof *view`.
 pcmvs_status pcmvs_view_init(struct pcmvs_view *view, size_t size);
 
-// Sets options to their defaults. `size` is `sizeof *options`.
+// Initialises options with their defaults. `size` is `sizeof *options`.
 pcmvs_status pcmvs_options_init(struct pcmvs_options *options, size_t size);
 
-// Makes a frame of a rig that has its cameras. Free it with `pcmvs_frame_free`.
+// Creates a frame for a rig whose cameras have been set. Free it with `pcmvs_frame_free`. If this fails,
+// `pcmvs_rig_error` says why.
 pcmvs_status pcmvs_frame_new(const struct pcmvs_rig *rig, struct pcmvs_frame **frame);
 
-// Frees a frame and all that points into it. NULL does nothing. Fails with `PCMVS_STATUS_BUSY` while a call is running.
+// Frees a frame and everything that pointers obtained from it point to. NULL is ignored. Fails with `PCMVS_STATUS_BUSY`
+// while a call on the frame is running.
 pcmvs_status pcmvs_frame_free(struct pcmvs_frame *frame);
 
-// The whole job in one call: begins a frame and runs all its stages. `views` holds `count` views, one a camera, in the
-// rig's order. `options` may be NULL. On failure no result is there, and the handle can be used again.
+// Begins a frame and runs all of its stages. `views` holds one view per camera, in the order in which the cameras were
+// given to `pcmvs_rig_set_cameras`, and `count` must be the number of cameras. `options` may be NULL. On failure the
+// frame has no results; the handle can be used again.
 pcmvs_status pcmvs_frame_reconstruct(struct pcmvs_frame *frame,
                                      const struct pcmvs_view *views,
                                      size_t count,
                                      const struct pcmvs_options *options);
 
-// Begins a frame to be made stage by stage, and drops the one before. `options` may be NULL.
-pcmvs_status pcmvs_frame_begin(struct pcmvs_frame *frame, const struct pcmvs_options *options);
+// Begins a frame that is to be made stage by stage, and discards the results of the one before. `options` may be NULL.
+pcmvs_status pcmvs_frame_begin(struct pcmvs_frame *frame,
+                               const struct pcmvs_options *options);
 
-// Reads a camera's picture and silhouette. Any number of threads may do this for views of their own.
-pcmvs_status pcmvs_frame_view(struct pcmvs_frame *frame, uint32_t camera, const struct pcmvs_view *view);
+// Reads the picture and silhouette of one camera. A second call for the same camera replaces them, until the stage
+// `PCMVS_STAGE_VIEWS` is complete. May be called on several threads at once, for different cameras.
+pcmvs_status pcmvs_frame_view(struct pcmvs_frame *frame,
+                              uint32_t camera,
+                              const struct pcmvs_view *view);
 
-// Carves the visual hull, once every camera has its view.
+// Runs one stage, a `pcmvs_stage`. The stages before it that have not run yet run first; detection then covers the views
+// for which `pcmvs_frame_detect` has not been called. Only the views must be there: every camera needs its
+// `pcmvs_frame_view`. Running a stage again discards the results of the stages after it.
+pcmvs_status pcmvs_frame_step(struct pcmvs_frame *frame,
+                              uint32_t stage);
+
+// Carves the visual hull. The same as `pcmvs_frame_step` with `PCMVS_STAGE_HULL`.
 pcmvs_status pcmvs_frame_hull(struct pcmvs_frame *frame);
 
-// Finds the points that the silhouettes alone give.
+// Finds the points that follow from the silhouettes alone. The same as `pcmvs_frame_step` with `PCMVS_STAGE_CONTOURS`.
 pcmvs_status pcmvs_frame_contours(struct pcmvs_frame *frame);
 
-// Detects and meshes at half the resolution.
+// Detects and meshes at reduced resolution, then runs every further stage that comes before detection. After it,
+// `pcmvs_frame_detect` can be called.
 pcmvs_status pcmvs_frame_coarse(struct pcmvs_frame *frame);
 
-// Detects the points of one view by stereo with its neighbours. Any number of threads may do this for views of their
-// own; the result does not depend on threads or order.
+// Detects the points of one camera's view by stereo with its neighbours. Fails with `PCMVS_STATUS_WRONG_ORDER` until all
+// stages before detection are complete, which `pcmvs_frame_coarse` ensures. May be called on several threads at once,
+// for different cameras; the result does not depend on threads or order.
 pcmvs_status pcmvs_frame_detect(struct pcmvs_frame *frame,
                                 uint32_t camera);
 
-// Merges all points to one cloud, once every view has been detected.
+// Merges all points into one cloud. The same as `pcmvs_frame_step` with `PCMVS_STAGE_MERGE`.
 pcmvs_status pcmvs_frame_merge(struct pcmvs_frame *frame);
 
-// Makes a closed mesh of the merged cloud.
+// Turns the merged cloud into a closed mesh. The same as `pcmvs_frame_step` with `PCMVS_STAGE_MESH`.
 pcmvs_status pcmvs_frame_mesh(struct pcmvs_frame *frame);
 
-// Colours the mesh.
+// Colours the mesh, then runs every stage after that. After it the frame is complete.
 pcmvs_status pcmvs_frame_colour(struct pcmvs_frame *frame);
 
-// Why the last failed call on this frame failed; calls that only read results keep no detail. `size` is
-// `sizeof *error`.
-pcmvs_status pcmvs_frame_error(const struct pcmvs_frame *frame, struct pcmvs_error *error, size_t size);
+// Describes the last failed call on a frame, including calls that only read results. If this function itself fails,
+// the description stays as it is. `size` is `sizeof *error`.
+pcmvs_status pcmvs_frame_error(const struct pcmvs_frame *frame,
+                               struct pcmvs_error *error,
+                               size_t size);
 
-// Looks at a mesh (`kind` is a `pcmvs_mesh_kind`) where it lies. `size` is `sizeof *mesh`.
+// Returns pointers to a mesh in the frame's memory, without copying it. `kind` is a `pcmvs_mesh_kind`. `size` is
+// `sizeof *mesh`.
 pcmvs_status pcmvs_frame_get_mesh(const struct pcmvs_frame *frame,
                                   uint32_t kind,
                                   struct pcmvs_mesh *mesh,
                                   size_t size);
 
-// Copies one attribute of a mesh, a `pcmvs_attribute`, to the caller's memory. `buffer` has room for `capacity`
-// elements that lie `stride` bytes apart (0: no padding); what lies between them is left alone. `count`, if not NULL,
-// gets the number of elements. With a NULL `buffer` and a `capacity` of 0 only the number is told.
+// Copies one attribute of a mesh to the caller's memory. `kind` is a `pcmvs_mesh_kind`, `attribute` a `pcmvs_attribute`.
+// `buffer` has room for `capacity` elements, which start `stride` bytes apart; a `stride` of 0 means that they are packed.
+// The bytes between elements are not written. `count` receives the number of elements and may be NULL. With a NULL
+// `buffer` and a `capacity` of 0 the function only writes `count`.
 pcmvs_status pcmvs_frame_copy_mesh(const struct pcmvs_frame *frame,
                                    uint32_t kind,
                                    uint32_t attribute,
@@ -676,8 +835,9 @@ pcmvs_status pcmvs_frame_copy_mesh(const struct pcmvs_frame *frame,
                                    size_t stride,
                                    size_t *count);
 
-// Copies a cloud, a `pcmvs_cloud_kind`, to the caller's memory; `camera` chooses among the detected ones. `buffer`,
-// `capacity`, `stride` and `count` as for `pcmvs_frame_copy_mesh`. Presets without a stage have no points of it.
+// Copies a cloud to the caller's memory. `kind` is a `pcmvs_cloud_kind`; `camera` selects one of the detected clouds and
+// is ignored otherwise. `buffer`, `capacity`, `stride` and `count` are as in `pcmvs_frame_copy_mesh`. A cloud whose stage
+// the preset leaves out is empty.
 pcmvs_status pcmvs_frame_copy_cloud(const struct pcmvs_frame *frame,
                                     uint32_t kind,
                                     uint32_t camera,
@@ -686,26 +846,26 @@ pcmvs_status pcmvs_frame_copy_cloud(const struct pcmvs_frame *frame,
                                     size_t stride,
                                     size_t *count);
 
-// Looks at a view's silhouette where it lies, after `pcmvs_frame_hull`. Fails with `PCMVS_STATUS_WRONG_ORDER` for a
-// view that was given none. `size` is `sizeof *silhouette`.
+// Returns a pointer to a view's silhouette in the frame's memory, once `PCMVS_STAGE_VIEWS` is complete. Fails with
+// `PCMVS_STATUS_WRONG_ORDER` if the view has no silhouette. `size` is `sizeof *silhouette`.
 pcmvs_status pcmvs_frame_get_silhouette(const struct pcmvs_frame *frame,
                                         uint32_t camera,
                                         struct pcmvs_silhouette *silhouette,
                                         size_t size);
 
-// Sets export options to their defaults: GLB with normals. `size` is `sizeof *options`.
+// Initialises export options with their defaults: GLB with normals. `size` is `sizeof *options`.
 pcmvs_status pcmvs_export_options_init(struct pcmvs_export_options *options, size_t size);
 
-// Hands a mesh (`kind` is a `pcmvs_mesh_kind`) as a file's bytes to a callback. `options` may be NULL.
+// Writes a mesh as a file to a callback. `kind` is a `pcmvs_mesh_kind`. `options` may be NULL. `user` is passed to `write`.
 pcmvs_status pcmvs_frame_export_mesh(const struct pcmvs_frame *frame,
                                      uint32_t kind,
                                      const struct pcmvs_export_options *options,
                                      pcmvs_write_fn write,
                                      void *user);
 
-// Writes a mesh as a file's bytes to a buffer of `capacity` bytes; `size`, if not NULL, gets their number. With a NULL
-// `buffer` and a `capacity` of 0 only the number is told, which costs as much as writing: `pcmvs_frame_export_mesh`
-// needs no second call. `options` may be NULL.
+// Writes a mesh as a file to a buffer of `capacity` bytes. `size` receives the file's size in bytes and may be NULL. With
+// a NULL `buffer` and a `capacity` of 0 the function only writes `size`. That takes as long as writing the file;
+// `pcmvs_frame_export_mesh` needs one call only. `options` may be NULL.
 pcmvs_status pcmvs_frame_export_mesh_to_buffer(const struct pcmvs_frame *frame,
                                                uint32_t kind,
                                                const struct pcmvs_export_options *options,
@@ -713,17 +873,50 @@ pcmvs_status pcmvs_frame_export_mesh_to_buffer(const struct pcmvs_frame *frame,
                                                size_t capacity,
                                                size_t *size);
 
-// Hands a cloud (as for `pcmvs_frame_copy_cloud`) as a PLY file's bytes to a callback.
+// Writes a cloud as a PLY file to a callback. `kind` and `camera` are as in `pcmvs_frame_copy_cloud`. `user` is passed to
+// `write`.
 pcmvs_status pcmvs_frame_export_cloud(const struct pcmvs_frame *frame,
                                       uint32_t kind,
                                       uint32_t camera,
                                       pcmvs_write_fn write,
                                       void *user);
 
-// Tells what the frame took and counted, when all its stages have run. `size` is `sizeof *report`.
-pcmvs_status pcmvs_frame_get_report(const struct pcmvs_frame *frame,
-                                    struct pcmvs_report *report,
+// Returns what the stages of a frame counted, once `pcmvs_frame_colour` has run. `size` is `sizeof *counts`.
+pcmvs_status pcmvs_frame_get_counts(const struct pcmvs_frame *frame,
+                                    struct pcmvs_counts *counts,
                                     size_t size);
+
+// Returns what a stage, a `pcmvs_stage`, took and made. Fails with `PCMVS_STATUS_WRONG_ORDER` if the stage is not
+// complete. `size` is `sizeof *report`.
+pcmvs_status pcmvs_frame_get_stage_report(const struct pcmvs_frame *frame,
+                                          uint32_t stage,
+                                          struct pcmvs_stage_report *report,
+                                          size_t size);
+
+// Returns diagnostics of one camera's view, once `PCMVS_STAGE_VIEWS` is complete. `size` is `sizeof *report`.
+pcmvs_status pcmvs_frame_get_view_report(const struct pcmvs_frame *frame,
+                                         uint32_t camera,
+                                         struct pcmvs_view_report *report,
+                                         size_t size);
+
+// Copies the gains with which a frame was coloured, once `pcmvs_frame_colour` has run: three floats per camera, as in
+// `pcmvs_rig_set_gains`. `capacity` and `count` are in cameras; `buffer`, `capacity`, `stride` and `count` are as in
+// `pcmvs_frame_copy_mesh`.
+pcmvs_status pcmvs_frame_copy_gains(const struct pcmvs_frame *frame,
+                                    float *buffer,
+                                    size_t capacity,
+                                    size_t stride,
+                                    size_t *count);
+
+// Returns the number of warnings about the stages that are complete.
+pcmvs_status pcmvs_frame_warning_count(const struct pcmvs_frame *frame, uint32_t *count);
+
+// Returns a warning. `index` is less than `pcmvs_frame_warning_count`; warnings come in the order of the stages, then of
+// the cameras. `size` is `sizeof *warning`.
+pcmvs_status pcmvs_frame_get_warning(const struct pcmvs_frame *frame,
+                                     uint32_t index,
+                                     struct pcmvs_warning *warning,
+                                     size_t size);
 
 #ifdef __cplusplus
 }  // extern "C"
