@@ -2,7 +2,7 @@
 
 mod common;
 
-use common::{C99, CPP17, Link, Sample, build, has, libraries, output, root, run};
+use common::{C99, CPP17, Link, Sample, build, has, libraries, missing, output, root, run};
 use std::{ffi::OsString, fs, process::Command, sync::atomic::AtomicBool};
 
 #[test]
@@ -120,7 +120,7 @@ fn opencv_and_python_make_the_same_bytes() {
 
     let opencv = Command::new("pkg-config").args(["--cflags", "opencv4"]).output();
     let Some(opencv) = opencv.ok().filter(|o| o.status.success()) else {
-        assert!(std::env::var_os("PCMVS_ALL_TOOLS").is_none(), "OpenCV is not installed");
+        missing("OpenCV");
         return;
     };
     // The calibration as cv::FileStorage writes it.

@@ -64,7 +64,7 @@ int main(int argc, char **argv) {
         check(false, "there is no mesh yet");
     } catch (const pcmvs::Error &error) {
         check(error.stage() == PCMVS_STAGE_MESH && error.frame() == 5, "a failed read has its stage and frame");
-        check(std::string(error.what()).find("has not run yet") != std::string::npos, "and its reason");
+        check(std::string(error.what()).find("`mesh`, which has not") != std::string::npos, "and its reason");
     }
     try {
         const pcmvs::Rig none;
