@@ -1,7 +1,7 @@
 //! `cargo xtask test`: all checks, quick ones first.
 
 use crate::{
-    Result, abi_check, captured, golden, no_std, oldest_compiler, players,
+    Result, abi_check, captured, cycles, golden, no_std, oldest_compiler, players,
     process::{cargo, program, root, run as run_program, target},
     publish,
     setup::Need,
@@ -42,6 +42,7 @@ pub fn run(all: bool, install: bool) -> Result<()> {
         run_program(&mut cargo("clippy --quiet --workspace --all-targets --all-features -- -D warnings")).map(passed)
     })?;
     steps.step_with(&[web::LINTERS], "JavaScript and TypeScript", || web::lints().map(passed))?;
+    steps.step("module cycles", || cycles::check().map(Outcome::Passed))?;
     steps.step_with(&no_std::NEEDS, "core without std", || no_std::check().map(Outcome::Passed))?;
     steps.step_with(&oldest_compiler::NEEDS, "oldest compiler", oldest_compiler::check)?;
     steps.step("tests", || tests().map(Outcome::Passed))?;
