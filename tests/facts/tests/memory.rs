@@ -3,7 +3,7 @@
 
 use facts::Shot;
 use pcmvs_core::{
-    Error, Frame, Memory, Mesh, Params, Preset, Progress, Serial, Silent, Stage, hull::VisualHull, memory,
+    Error, Frame, Memory, Mesh, Params, Preset, Progress, Serial, Silent, Stage, View, hull::VisualHull, memory,
 };
 use std::{
     alloc::{GlobalAlloc, Layout, System},
@@ -70,11 +70,13 @@ fn a_frame_takes_what_the_formula_says() {
         let cameras = Ring { count, ..Ring::default() }.sized(width, height).cameras();
         let shot = Shot::new(Subject::Figure, &cameras, &Faults::default());
         let rig = shot.rig();
-        let views = shot.views(&rig);
+        let inputs = shot.inputs();
         for preset in [Preset::Default, Preset::Paper, Preset::Hull, Preset::Preview] {
             let params = Params::preset(preset);
             let mut hull = Mesh::default();
             let taken = most(|| hull = shot.reconstruct(&params).expect("nothing is wrong").intermediates.hull);
+            let view = |i: usize| View::new(&rig, i, &inputs[i], params.contour.as_ref()).expect("nothing is wrong");
+            let views: Vec<View> = (0..inputs.len()).map(view).collect();
             let carved = VisualHull::new(&views, &params.hull, &Silent).expect("there is a hull");
             let needed = memory::needed(&views, &carved, &hull, &params);
             assert!(taken <= needed, "{preset:?}, {count} x {width}: {taken} bytes allocated, {needed} predicted");
