@@ -172,6 +172,11 @@ test("seen through a camera, the mesh covers the photograph's silhouette", async
     await page.click("#strip button:nth-child(4)");
     await page.waitForSelector("#photo:not([hidden])");
     await page.fill("#blend", "0");
+    const opaque = await page.locator("#photo").evaluate((photo) => {
+        const { data } = photo.getContext("2d").getImageData(0, 0, photo.width, photo.height);
+        return data.every((value, i) => i % 4 < 3 || value === 255);
+    });
+    assert.ok(opaque, "the photograph is not a whole picture");
     const still = await download(page, "export-png");
     const mask = readFileSync(join(sample, scene.frames[0].masks[3])).toString("base64");
     const box = await page

@@ -1,8 +1,9 @@
 //! A camera's picture and silhouette without lens distortion.
 
 use crate::error::Failed;
+use js_sys::Uint8ClampedArray;
 use pcmvs_core::{View, silhouette::Silhouette};
-use wasm_bindgen::{Clamped, prelude::*};
+use wasm_bindgen::prelude::*;
 use web_sys::ImageData;
 
 /// A camera's picture and silhouette without lens distortion, for a canvas. Call `free()` when it is no longer needed.
@@ -19,7 +20,9 @@ impl Photograph {
 
     fn image(&self, rgba: &[u8]) -> Result<ImageData, Failed> {
         let camera = &self.view.camera;
-        Ok(ImageData::new_with_u8_clamped_array_and_sh(Clamped(rgba), camera.width, camera.height)?)
+        // A copy, because image data keeps the array that it is given, and the instance's memory is used again.
+        let copy = Uint8ClampedArray::new_from_slice(rgba);
+        Ok(ImageData::new_with_js_u8_clamped_array_and_sh(&copy, camera.width, camera.height)?)
     }
 }
 
