@@ -126,6 +126,8 @@ pub mod silhouette;
 mod simd;
 mod stage;
 pub mod surface;
+#[cfg(test)]
+mod testing;
 mod undistort;
 pub mod view;
 pub mod workspace;

@@ -171,3 +171,6 @@ pub(crate) fn cover([a, b, c]: [Vec3; 3], width: usize, height: usize, mut f: im
         }
     }
 }
+
+#[cfg(test)]
+mod tests;

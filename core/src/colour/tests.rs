@@ -1,3 +1,5 @@
+mod gains;
+
 use super::*;
 use crate::{Camera, Pinhole, Silent, error::Error, silhouette::Silhouette};
 use alloc::sync::Arc;

@@ -1,5 +1,9 @@
 //! Compares the sweep with the definition of ZNCC, and AVX2 code with baseline code.
 
+mod clean;
+mod substitute;
+mod vote;
+
 use super::{
     clean::{CleanParams, FitAt, Fits, Points},
     depth::DepthMap,

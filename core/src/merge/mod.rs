@@ -66,3 +66,6 @@ pub fn merge(
     counts.merged = cloud.len() as u32;
     Ok(cloud)
 }
+
+#[cfg(test)]
+mod tests;

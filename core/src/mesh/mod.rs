@@ -106,3 +106,6 @@ pub fn mesh(
     }
     Ok(Meshed { mesh, components_dropped })
 }
+
+#[cfg(test)]
+mod tests;

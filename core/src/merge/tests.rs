@@ -1,0 +1,5 @@
+//! Facts of §5.
+
+mod conflict;
+mod downsample;
+mod neighbour_grid;

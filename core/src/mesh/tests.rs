@@ -1,0 +1,3 @@
+//! Facts of §6 that need no solver.
+
+mod weight;
