@@ -1,7 +1,7 @@
 //! Which side of the contour the pixels near a matte's edge belong to.
 
 use super::{colour_model::ColourModel, patch::Patch};
-use crate::silhouette::Silhouette;
+use crate::silhouette::distance::UNITS;
 use alloc::{vec, vec::Vec};
 
 /// Limit of one pixel's evidence. Evidence is the logarithm of a likelihood ratio, positive for the object.
@@ -18,7 +18,7 @@ const MIN_EVIDENCE: f32 = 1.5;
 /// appear. Returns the number of moved pixels in the outer half of the reach.
 pub(super) fn relabel(patch: &Patch, distance: &[i16], model: &ColourModel, reach: f32, coverage: &mut [u8]) -> usize {
     let (w, h) = (patch.width, patch.height);
-    let pixels = |i: usize| f32::from(distance[i]) / Silhouette::UNITS;
+    let pixels = |i: usize| f32::from(distance[i]) / UNITS;
     let mut evidence = vec![0.0f32; patch.len()];
     let mut alphas = vec![0u8; patch.len()];
     for y in 0..h {

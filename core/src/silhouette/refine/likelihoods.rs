@@ -1,7 +1,7 @@
 //! Colour histograms of object and background over the whole picture.
 
 use super::patch::Patch;
-use crate::silhouette::Silhouette;
+use crate::silhouette::distance::UNITS;
 use alloc::{vec, vec::Vec};
 
 /// Bits of a channel that bins leave out, and bins along each axis.
@@ -23,7 +23,7 @@ pub(super) struct Likelihoods {
 impl Likelihoods {
     /// Counts the colours of both sides of a matte's contour.
     pub fn count(patch: &Patch, distance: &[i16]) -> Self {
-        let margin = (MARGIN * Silhouette::UNITS) as u16;
+        let margin = (MARGIN * UNITS) as u16;
         let mut counts = [vec![0u32; BINS * BINS * BINS], vec![0u32; BINS * BINS * BINS]];
         for y in 0..patch.height {
             for x in 0..patch.width {

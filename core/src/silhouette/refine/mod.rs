@@ -45,6 +45,10 @@ const NEAR: Trust = Trust { from: 1.25, growth: 3.0, full: 3.0, to: 9.0 };
 const ROUNDS: usize = 6;
 const SETTLED: usize = 12;
 
+/// A matte with more points of contour than one in this many pixels is noise. It is left as it is, which also limits the
+/// memory that refinement takes.
+const MIN_PIXELS_PER_POINT: usize = 5;
+
 /// How the picture moves a matte's contour.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
@@ -61,7 +65,7 @@ impl Default for ContourParams {
 }
 
 /// Moves the half-level contour of a matte's `coverage` to where the picture, packed sRGB, has it. Pixels that are not
-/// `known` stay. Returns how certain the contour is; nothing if there is none.
+/// `known` stay. Returns how certain the contour is. Without a contour, or with one that is noise, nothing changes.
 pub(crate) fn refine(
     width: usize,
     height: usize,
@@ -96,7 +100,11 @@ pub(crate) fn refine(
 
     let model = ColourModel::learn(&patch, &near, &colours, NEAR);
     let profiles = Profiles::new(&patch, &near, &model);
-    let fusion = Fusion::new(trace::trace(w, h, &near), &profiles, &given);
+    let loops = trace::trace(w, h, &near);
+    if loops.iter().map(Vec::len).sum::<usize>() > patch.len() / MIN_PIXELS_PER_POINT {
+        return None;
+    }
+    let fusion = Fusion::new(loops, &profiles, &given);
     let (loops, variances) = fusion.most_probable();
     let mut refined = Vec::new();
     fill::fill(w, h, &loops, &mut refined);

@@ -1,7 +1,7 @@
 //! Evidence of the picture for the contour's place: costs of offsets along its normal.
 
 use super::{colour_model::ColourModel, patch::Patch};
-use crate::{math::min, silhouette::Silhouette};
+use crate::{math::min, silhouette::distance::UNITS};
 use alloc::{vec, vec::Vec};
 use glam::Vec2;
 
@@ -47,7 +47,7 @@ pub(super) struct Profiles<'a> {
 impl<'a> Profiles<'a> {
     pub fn new(patch: &Patch, distance: &'a [i16], model: &ColourModel) -> Self {
         let (w, h) = (patch.width, patch.height);
-        let limit = ((SAMPLES / 2) as f32 * SAMPLE_STEP + 2.5) * Silhouette::UNITS;
+        let limit = ((SAMPLES / 2) as f32 * SAMPLE_STEP + 2.5) * UNITS;
         let (mut alpha, mut precision) = (vec![0.0f32; patch.len()], vec![0.0f32; patch.len()]);
         for y in 0..h {
             for x in 0..w {
@@ -86,13 +86,13 @@ impl<'a> Profiles<'a> {
             alpha += weight * self.alpha[i];
             distance += weight * f32::from(self.distance[i]);
         }
-        Some((alpha, distance / Silhouette::UNITS))
+        Some((alpha, distance / UNITS))
     }
 
     /// Another signed distance, in pixels, at a point of the patch.
     pub fn interpolate(&self, distance: &[i16], p: Vec2) -> Option<f32> {
         let sum: f32 = self.corners(p)?.into_iter().map(|(i, weight)| weight * f32::from(distance[i])).sum();
-        Some(sum / Silhouette::UNITS)
+        Some(sum / UNITS)
     }
 
     /// For each offset along the outward normal, minus the logarithm of the likelihood that the contour lies there.

@@ -227,3 +227,12 @@ fn what_is_unknown_is_left_alone_and_nothing_gives_nothing() {
     moved(&rgb, &mut full, |_| true);
     assert!(full.iter().all(|&c| c == 255));
 }
+
+#[test]
+fn a_matte_of_noise_is_left_alone() {
+    let rgb = picture(BLACK, |_, _| BLACK, 4.0);
+    let given = plane(|x, y| if (x as usize / 2 + y as usize / 2).is_multiple_of(2) { 255 } else { 0 });
+    let mut coverage = given.clone();
+    assert_eq!(moved(&rgb, &mut coverage, |_| true), None);
+    assert_eq!(coverage, given);
+}
