@@ -52,9 +52,11 @@ impl<R: Deref<Target = Rig> + Sync> Frame<R> {
         }
     }
 
-    /// Whether a stage has anything to do with this frame's parameters.
-    fn needs(&self, stage: Stage) -> bool {
+    /// Whether [`Frame::step`] reports the start and the end of a stage: not of those that have nothing to do with this
+    /// frame's parameters, nor of [`Stage::Views`], whose work is in [`Frame::view`].
+    fn is_reported(&self, stage: Stage) -> bool {
         match stage {
+            Stage::Views => false,
             Stage::Contours | Stage::Detect | Stage::Merge => self.params.method == Method::Pcmvs,
             Stage::Coarse => self.params.method == Method::Pcmvs && self.params.coarse.is_some(),
             _ => true,
@@ -98,12 +100,12 @@ impl<R: Deref<Target = Rig> + Sync> Frame<R> {
             self.require(previous)?;
         }
         self.reached = previous;
-        let needed = self.needs(stage);
-        if needed {
+        let reported = self.is_reported(stage);
+        if reported {
             progress.on_stage_start(stage);
         }
         let result = self.run(stage, executor, progress);
-        if needed {
+        if reported {
             progress.on_stage_end(stage);
         }
         if result.is_err() && position(stage) <= position(Stage::Hull) {

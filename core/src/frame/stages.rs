@@ -34,7 +34,6 @@ impl<R: Deref<Target = Rig> + Sync> Frame<R> {
             drop_small_components(&mut mesh, self.params.meshing.smallest_component, workspace);
         memory::check(&self.views, &hull, &mesh, &self.params, limit)?;
         (self.hull, self.intermediates.hull) = (Some(hull), mesh);
-        self.memory.views_are_made();
         Ok(())
     }
 

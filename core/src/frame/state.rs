@@ -206,6 +206,7 @@ impl<R: Deref<Target = Rig>> Frame<R> {
             return Err(Error::WrongOrder { camera: Some(camera), problem });
         }
         self.views = self.incoming.iter_mut().filter_map(|slot| slot.get_mut().take()).collect();
+        self.memory.views_are_made();
         Ok(())
     }
 

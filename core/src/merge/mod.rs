@@ -34,6 +34,7 @@ pub fn merge(
     counts: &mut Counts,
 ) -> Result<PointCloud> {
     let Context { views, hull, progress, .. } = context;
+    progress::step(progress, Stage::Merge, 0, 1)?;
     let footprint = hull.footprint();
     let mut cloud = match &params.downsample {
         Some(p) => downsample::downsample(
