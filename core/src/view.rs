@@ -6,7 +6,10 @@ use crate::{
     hash::Hash64,
     image::{self, ImageRef},
     rig::Rig,
-    silhouette::{ChromaKey, ContourParams, Silhouette, SilhouetteScratch, chroma, clean_plate, refine::refine},
+    silhouette::{
+        ChromaKey, ContourParams, Silhouette, Uncertainty, chroma, clean_plate,
+        refine::{RefineScratch, refine},
+    },
 };
 use alloc::{format, sync::Arc, vec::Vec};
 
@@ -58,7 +61,7 @@ pub struct ViewScratch {
     /// The undistorted mask, and which of its pixels have a source.
     coverage: Vec<u8>,
     known: Vec<bool>,
-    distance: SilhouetteScratch,
+    contour: RefineScratch,
 }
 
 /// Hash of views, which depends on their order.
@@ -72,13 +75,14 @@ pub struct Buffers {
     rgb: Vec<u8>,
     luma: Vec<u8>,
     distance: Vec<i16>,
+    uncertainty: Uncertainty,
 }
 
 impl From<View> for Buffers {
     fn from(old: View) -> Self {
         let silhouette = old.silhouette.and_then(Arc::into_inner);
-        let distance = silhouette.map(Silhouette::into_distances).unwrap_or_default();
-        Self { rgb: old.rgb, luma: old.luma, distance }
+        let (distance, uncertainty) = silhouette.map(Silhouette::into_buffers).unwrap_or_default();
+        Self { rgb: old.rgb, luma: old.luma, distance, uncertainty }
     }
 }
 
@@ -117,8 +121,8 @@ impl View {
     ) -> Result<Self> {
         let missing = Error::NoSuchCamera { camera: index as u32, cameras: rig.cameras().len() as u32 };
         let place = rig.place(index).ok_or(missing)?;
-        let Buffers { mut rgb, mut luma, distance } = buffers;
-        let ViewScratch { picture, mask, coverage, known, distance: distance_scratch } = scratch;
+        let Buffers { mut rgb, mut luma, distance, uncertainty } = buffers;
+        let ViewScratch { picture, mask, coverage, known, contour: contour_scratch } = scratch;
         let camera = &rig.cameras()[index];
         let fail = |problem| Error::Image { camera: index as u32, problem };
         input.image.check().map_err(fail)?;
@@ -166,8 +170,8 @@ impl View {
             };
             let known = |i: usize| undistortion.is_none() || known[i];
             let refined = contour
-                .and_then(|params| refine(w as usize, h as usize, &rgb, coverage, known, params, distance_scratch));
-            let silhouette = Silhouette::with_buffers(w, h, coverage, known, distance_scratch, distance);
+                .and_then(|params| refine(w as usize, &rgb, coverage, known, params, contour_scratch, uncertainty));
+            let silhouette = Silhouette::with_buffers(w, h, coverage, known, &mut contour_scratch.distance, distance);
             Some(silhouette.map_err(unusable)?.with_uncertainty(refined))
         };
         luma.clear();

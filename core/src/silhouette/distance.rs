@@ -5,7 +5,7 @@
 //! there, the contour points lie between pixels and the sweeps run along both axes.
 
 use crate::math::{min, sqrt};
-use alloc::{vec, vec::Vec};
+use alloc::vec::Vec;
 
 /// Weights of the binomial filter (σ = 0.7 pixel) that smooths the pixel staircase of a binary mask's contour. A wider
 /// filter is not more accurate on straight contours, and it shortens fingers. With this one, bars of two and three
@@ -30,8 +30,8 @@ pub(super) fn signed_distance(
     scratch: &mut SilhouetteScratch,
     out: &mut Vec<i16>,
 ) {
-    let SilhouetteScratch { half, smooth: smoothed, columns, rows } = scratch;
-    smooth(width, height, coverage, half, smoothed);
+    let SilhouetteScratch { padded, half, smooth: smoothed, columns, rows } = scratch;
+    smooth(width, height, coverage, padded, half, smoothed);
     columns.clear(height, width);
     seed(width, height, smoothed, known, columns);
     // The direction to the nearest contour point is within 45° of down, up, left or right. Therefore four sweeps find
@@ -51,6 +51,8 @@ pub(super) fn signed_distance(
 /// Buffers that are reused for all views.
 #[derive(Debug, Default)]
 pub(crate) struct SilhouetteScratch {
+    /// One row of coverage with its ends repeated.
+    padded: Vec<u16>,
     /// Coverage smoothed along the rows only.
     half: Vec<u16>,
     smooth: Vec<u16>,
@@ -59,9 +61,16 @@ pub(crate) struct SilhouetteScratch {
 }
 
 /// Coverage in 1/4080, smoothed by the binomial filter. The outermost pixels are repeated beyond the picture's edge.
-fn smooth(width: usize, height: usize, coverage: &[u8], rows: &mut Vec<u16>, out: &mut Vec<u16>) {
+fn smooth(
+    width: usize,
+    height: usize,
+    coverage: &[u8],
+    padded: &mut Vec<u16>,
+    rows: &mut Vec<u16>,
+    out: &mut Vec<u16>,
+) {
     rows.resize(width * height, 0);
-    let mut padded = vec![0u16; width + 2];
+    padded.resize(width + 2, 0);
     for (row, out) in coverage.chunks_exact(width).zip(rows.chunks_exact_mut(width)) {
         padded[0] = u16::from(row[0]);
         padded[width + 1] = u16::from(row[width - 1]);

@@ -98,9 +98,9 @@ impl Silhouette {
         self.uncertainty.as_ref()?.sigma(u, v)
     }
 
-    /// The memory of the distances, for reuse.
-    pub(crate) fn into_distances(self) -> Vec<i16> {
-        self.distance
+    /// The memory of the distances and of the contour's precision, for reuse.
+    pub(crate) fn into_buffers(self) -> (Vec<i16>, Uncertainty) {
+        (self.distance, self.uncertainty.unwrap_or_default())
     }
 
     /// Signed distance in pixels, interpolated bilinearly, positive inside. `None` where it is unknown.

@@ -5,8 +5,8 @@
 //! α = Δᵀ Σ⁻¹ (I - B) / J, J = Δᵀ Σ⁻¹ Δ, its variance is 1/J, and J (α - 1/2) is the logarithm of the likelihood ratio.
 //! Directions in which the colours vary anyway, as brightness does on a lit screen, count little by themselves.
 
-use super::{likelihoods::Likelihoods, patch::Patch};
-use alloc::{vec, vec::Vec};
+use super::{likelihoods::Likelihoods, patch::Patch, refill};
+use alloc::vec::Vec;
 
 /// Edge of the cells in pixels.
 const CELL: usize = 4;
@@ -26,6 +26,9 @@ const FOREIGN_WEIGHT: f32 = 0.02;
 const FLOOR: f32 = 9.0;
 /// Number of sums: weight, three of colours, six of their products.
 const SUMS: usize = 10;
+
+/// Room for the weights by distance, in steps of 1/4 pixel.
+const WEIGHTS: usize = 64;
 
 type Sums = [f32; SUMS];
 
@@ -64,21 +67,62 @@ pub(super) struct ColourModel {
     columns: usize,
     rows: usize,
     cells: Vec<Discriminant>,
+    /// Sums of background and object in every cell, and whether the cell has pixels near the contour.
+    sides: [Vec<Sums>; 2],
+    near: Vec<bool>,
 }
 
 impl ColourModel {
     /// Learns the colours of both sides of a contour, given by the signed distance to it in 1/64 pixel.
-    pub fn learn(patch: &Patch, distance: &[i16], colours: &Likelihoods, trust: Trust) -> Self {
+    pub fn learn(&mut self, patch: &Patch, distance: &[i16], colours: &Likelihoods, trust: Trust) {
         let (columns, rows) = (patch.width.div_ceil(CELL), patch.height.div_ceil(CELL));
-        let mut sides = [vec![[0.0; SUMS]; columns * rows], vec![[0.0; SUMS]; columns * rows]];
-        let needed = sums(patch, distance, colours, trust, columns, &mut sides);
+        (self.columns, self.rows) = (columns, rows);
+        self.sides.iter_mut().for_each(|side| refill(side, columns * rows, [0.0; SUMS]));
+        refill(&mut self.near, columns * rows, false);
+        refill(&mut self.cells, columns * rows, Discriminant::default());
+        self.add_up(patch, distance, colours, trust);
+        let Self { cells, sides, near, .. } = self;
         let side = |k: usize, i: usize| {
             let near = gather(&sides[k], columns, rows, i, &WINDOW);
             if near[0] >= ENOUGH { near } else { gather(&sides[k], columns, rows, i, &WIDE) }
         };
-        let cell = |i: usize| if needed[i] { discriminant(&side(0, i), &side(1, i)) } else { Discriminant::default() };
-        let cells = (0..columns * rows).map(cell).collect();
-        Self { columns, rows, cells }
+        // Pixels between two cells take their discriminant from both.
+        let needed = |i: usize| {
+            let (x, y) = (i % columns, i / columns);
+            (y.saturating_sub(1)..(y + 2).min(rows))
+                .any(|ny| (x.saturating_sub(1)..(x + 2).min(columns)).any(|nx| near[ny * columns + nx]))
+        };
+        for (i, cell) in cells.iter_mut().enumerate().filter(|&(i, _)| needed(i)) {
+            *cell = discriminant(&side(0, i), &side(1, i));
+        }
+    }
+
+    /// Adds up each side's weighted colours in every cell, and marks the cells with pixels near the contour.
+    fn add_up(&mut self, patch: &Patch, distance: &[i16], colours: &Likelihoods, trust: Trust) {
+        // Weight by distance in steps of 1/4 pixel.
+        let mut weights = [0.0f32; WEIGHTS];
+        let weights = &mut weights[..(trust.to * 4.0) as usize + 1];
+        for (i, weight) in weights.iter_mut().enumerate() {
+            let d = 0.25 * i as f32;
+            if d >= trust.from {
+                *weight = libm::powf(trust.growth, d.min(trust.full) - trust.full);
+            }
+        }
+        for y in 0..patch.height {
+            for x in 0..patch.width {
+                let d = distance[y * patch.width + x];
+                let Some(&weight) = weights.get(usize::from(d.unsigned_abs()) / 16) else { continue };
+                let cell = y / CELL * self.columns + x / CELL;
+                self.near[cell] |= d.unsigned_abs() < NEAR;
+                let ratio = colours.ratio(patch.bytes(x, y));
+                let foreign = if d > 0 { ratio < -FOREIGN } else { ratio > FOREIGN };
+                let weight = if foreign { FOREIGN_WEIGHT * weight } else { weight };
+                let [r, g, b] = patch.colour(x, y);
+                let terms = [1.0, r, g, b, r * r, r * g, r * b, g * g, g * b, b * b];
+                let sums = &mut self.sides[usize::from(d > 0)][cell];
+                (0..SUMS).for_each(|s| sums[s] += weight * terms[s]);
+            }
+        }
     }
 
     /// The discriminant at a pixel, between those of the cells around it; precision 0 where nothing is known.
@@ -114,52 +158,6 @@ impl ColourModel {
         }
         mean
     }
-}
-
-/// Adds up each side's weighted colours in every cell. Returns which cells pixels near the contour take their
-/// discriminant from.
-fn sums(
-    patch: &Patch,
-    distance: &[i16],
-    colours: &Likelihoods,
-    trust: Trust,
-    columns: usize,
-    out: &mut [Vec<Sums>; 2],
-) -> Vec<bool> {
-    // Weight by distance in steps of 1/4 pixel.
-    let mut weights = vec![0.0f32; (trust.to * 4.0) as usize + 1];
-    for (i, weight) in weights.iter_mut().enumerate() {
-        let d = 0.25 * i as f32;
-        if d >= trust.from {
-            *weight = libm::powf(trust.growth, d.min(trust.full) - trust.full);
-        }
-    }
-    let mut needed = vec![false; out[0].len()];
-    let rows = needed.len() / columns;
-    for y in 0..patch.height {
-        for x in 0..patch.width {
-            let d = distance[y * patch.width + x];
-            let Some(&weight) = weights.get(usize::from(d.unsigned_abs()) / 16) else { continue };
-            let (cx, cy) = (x / CELL, y / CELL);
-            if d.unsigned_abs() < NEAR && !needed[cy * columns + cx] {
-                needed[cy * columns + cx] = true;
-            }
-            let ratio = colours.ratio(patch.bytes(x, y));
-            let weight =
-                if if d > 0 { ratio < -FOREIGN } else { ratio > FOREIGN } { FOREIGN_WEIGHT * weight } else { weight };
-            let [r, g, b] = patch.colour(x, y);
-            let terms = [1.0, r, g, b, r * r, r * g, r * b, g * g, g * b, b * b];
-            let cell = &mut out[usize::from(d > 0)][cy * columns + cx];
-            (0..SUMS).for_each(|s| cell[s] += weight * terms[s]);
-        }
-    }
-    // Between two cells both count.
-    let any = |i: usize| {
-        let (x, y) = (i % columns, i / columns);
-        (y.saturating_sub(1)..(y + 2).min(rows))
-            .any(|ny| (x.saturating_sub(1)..(x + 2).min(columns)).any(|nx| needed[ny * columns + nx]))
-    };
-    (0..needed.len()).map(any).collect()
 }
 
 /// Weighted sums over the cells around one.

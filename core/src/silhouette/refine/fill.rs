@@ -1,19 +1,22 @@
 //! Coverage of closed loops: the exact area of each pixel inside.
 
-use alloc::{vec, vec::Vec};
+use super::{refill, trace::Loops};
+use alloc::vec::Vec;
 use glam::Vec2;
 
 /// Coverage in 0..=255 of the area on the right-hand side of closed loops. A pixel is a square around its integer
 /// coordinates. What lies beyond the picture is clamped to its edge. A loop that was turned inside out covers nothing.
-pub(super) fn fill(width: usize, height: usize, loops: &[Vec<Vec2>], out: &mut Vec<u8>) {
+/// `differences` is a buffer, `out` is overwritten.
+pub(super) fn fill(width: usize, height: usize, loops: &Loops, differences: &mut Vec<f32>, out: &mut Vec<u8>) {
     // In each row an edge adds the height that it crosses to all pixels on its right. These are the differences between
     // neighbouring pixels.
     let stride = width + 2;
-    let mut differences = vec![0.0f32; stride * height];
-    for points in loops {
+    refill(differences, stride * height, 0.0);
+    for range in loops.ranges() {
+        let points = &loops.points[range];
         for (i, &b) in points.iter().enumerate() {
             let a = points[if i == 0 { points.len() - 1 } else { i - 1 }];
-            edge(width, height, stride, a, b, &mut differences);
+            edge(width, height, stride, a, b, differences);
         }
     }
     out.clear();
@@ -78,9 +81,14 @@ mod tests {
     const SIZE: usize = 24;
 
     /// Sum of the coverage in pixels.
-    fn area(loops: &[Vec<Vec2>]) -> f32 {
+    fn area(polygons: &[Vec<Vec2>]) -> f32 {
+        let mut loops = Loops::default();
+        for points in polygons {
+            loops.points.extend(points);
+            loops.ends.push(loops.points.len());
+        }
         let mut coverage = Vec::new();
-        fill(SIZE, SIZE, loops, &mut coverage);
+        fill(SIZE, SIZE, &loops, &mut Vec::new(), &mut coverage);
         coverage.iter().map(|&c| f32::from(c) / 255.0).sum()
     }
 

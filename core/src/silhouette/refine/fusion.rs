@@ -3,9 +3,11 @@
 use super::{
     path::{self, Offset},
     profile::{Costs, OFFSETS, Profiles, offset},
+    refill,
+    trace::Loops,
 };
 use crate::math::min;
-use alloc::{vec, vec::Vec};
+use alloc::vec::Vec;
 use glam::Vec2;
 
 /// Weights of the average of costs along the contour: neighbouring points have nearly the same offset.
@@ -37,49 +39,70 @@ struct Belief {
     max_cost: f32,
 }
 
-/// The contour's loops, and for each of their points the costs of offsets along its normal.
+/// What is known of the offset of each point of the contour's loops, along its normal.
+#[derive(Debug, Default)]
 pub(super) struct Fusion {
-    loops: Vec<Loop>,
-}
-
-struct Loop {
-    points: Vec<Vec2>,
     normals: Vec<Vec2>,
+    /// Costs of offsets by the picture.
     costs: Vec<Costs>,
     /// Offset of the matte's contour from each point; none beyond the patch's edge, where points do not move.
     matte: Vec<Option<f32>>,
+    /// Variance of each point in pixel², once the loops are at their most probable places.
+    pub variances: Vec<f32>,
+    errors: Vec<f32>,
+    path: Path,
+}
+
+/// One loop's most probable offsets.
+#[derive(Debug, Default)]
+struct Path {
+    ways: path::Ways,
+    offsets: Vec<Offset>,
 }
 
 impl Fusion {
-    /// Collects costs along loops. `given` is the signed distance to the matte's contour.
-    pub fn new(loops: Vec<Vec<Vec2>>, profiles: &Profiles, given: &[i16]) -> Self {
-        let make = |points: Vec<Vec2>| {
-            let normals = normals(&points);
-            let costs: Vec<Costs> = points.iter().zip(&normals).map(|(&p, &n)| profiles.costs(p, n)).collect();
-            let matte = points.iter().map(|&p| profiles.interpolate(given, p)).collect();
-            Loop { costs: along(&costs), points, normals, matte }
-        };
-        Self { loops: loops.into_iter().map(make).collect() }
+    /// Moves loops to their most probable places. `given` is the signed distance to the matte's contour.
+    pub fn settle(&mut self, loops: &mut Loops, profiles: &Profiles, given: &[i16]) {
+        self.collect(loops, profiles, given);
+        let belief = self.belief(loops);
+        let Self { normals, costs, matte, variances, path, .. } = self;
+        refill(variances, costs.len(), 0.0);
+        let Loops { points, ends } = loops;
+        let mut start = 0;
+        for &end in &*ends {
+            path.find(&costs[start..end], &matte[start..end], &belief);
+            for (i, offset) in (start..end).zip(&path.offsets) {
+                if matte[i].is_some() {
+                    points[i] += normals[i] * offset.value;
+                }
+                variances[i] = variance(offset, &costs[i]);
+            }
+            start = end;
+        }
     }
 
-    /// The loops at their most probable places, and the variance of each of their points in pixel².
-    pub fn most_probable(&self) -> (Vec<Vec<Vec2>>, Vec<Vec<f32>>) {
-        let belief = self.belief();
-        let (mut moved, mut variances) = (Vec::new(), Vec::new());
-        for part in &self.loops {
-            let offsets = part.offsets(&belief);
-            let step = |i: usize| part.points[i] + part.normals[i] * offsets[i].value;
-            moved.push((0..part.points.len()).map(|i| part.matte[i].map_or(part.points[i], |_| step(i))).collect());
-            variances.push(offsets.iter().zip(&part.costs).map(|(o, costs)| variance(o, costs)).collect());
+    /// Collects costs along loops.
+    fn collect(&mut self, loops: &Loops, profiles: &Profiles, given: &[i16]) {
+        let Self { normals, costs, matte, .. } = self;
+        let count = loops.points.len();
+        refill(normals, count, Vec2::ZERO);
+        refill(costs, count, [0.0; OFFSETS]);
+        matte.clear();
+        matte.extend(loops.points.iter().map(|&p| profiles.interpolate(given, p)));
+        for range in loops.ranges() {
+            let (points, normals) = (&loops.points[range.clone()], &mut normals[range.clone()]);
+            find_normals(points, normals);
+            along(|i| profiles.costs(points[i], normals[i]), &mut costs[range]);
         }
-        (moved, variances)
     }
 
     /// Median and spread of the matte's errors where the picture is clear.
-    fn belief(&self) -> Belief {
-        let mut errors: Vec<f32> = Vec::new();
-        for part in &self.loops {
-            for (offset, matte) in part.offsets(&FREE).iter().zip(&part.matte) {
+    fn belief(&mut self, loops: &Loops) -> Belief {
+        let Self { costs, matte, errors, path, .. } = self;
+        errors.clear();
+        for range in loops.ranges() {
+            path.find(&costs[range.clone()], &matte[range.clone()], &FREE);
+            for (offset, matte) in path.offsets.iter().zip(&matte[range]) {
                 if let Some(matte) = matte
                     && offset.precision > CLEAR
                 {
@@ -90,10 +113,10 @@ impl Fusion {
         if errors.len() < MIN_CLEAR {
             return Belief { bias: 0.0, precision: 1.0 / (UNKNOWN_SPREAD * UNKNOWN_SPREAD), max_cost: MAX_COST };
         }
-        let bias = median(&mut errors);
+        let bias = median(errors);
         errors.iter_mut().for_each(|e| *e = (*e - bias).abs());
         // Of a normal distribution the median error is 0.674 σ.
-        let spread = median(&mut errors) / 0.674;
+        let spread = median(errors) / 0.674;
         let variance = spread * spread - PICTURE_SPREAD * PICTURE_SPREAD;
         let precision = 1.0 / variance.max(MIN_SPREAD * MIN_SPREAD);
         // A small bias may be the picture's own, a large one is the matte's.
@@ -102,17 +125,19 @@ impl Fusion {
     }
 }
 
-impl Loop {
-    fn offsets(&self, belief: &Belief) -> Vec<Offset> {
-        let mut costs = self.costs.clone();
-        for (costs, matte) in costs.iter_mut().zip(&self.matte) {
-            let expected = matte.unwrap_or(0.0) + belief.bias;
+impl Path {
+    /// Finds the offsets of a loop from the picture's costs and the belief in the matte.
+    fn find(&mut self, costs: &[Costs], matte: &[Option<f32>], belief: &Belief) {
+        let both = |i: usize| {
+            let mut costs = costs[i];
+            let expected = matte[i].unwrap_or(0.0) + belief.bias;
             for (state, cost) in costs.iter_mut().enumerate() {
                 let error = offset(state) - expected;
                 *cost += min(0.5 * error * error * belief.precision, belief.max_cost);
             }
-        }
-        path::offsets(&costs)
+            costs
+        };
+        path::offsets(costs.len(), both, &mut self.ways, &mut self.offsets);
     }
 }
 
@@ -128,26 +153,29 @@ fn median(values: &mut [f32]) -> f32 {
 }
 
 /// Outward unit normals of a closed loop that has the object on its right-hand side.
-fn normals(points: &[Vec2]) -> Vec<Vec2> {
+fn find_normals(points: &[Vec2], out: &mut [Vec2]) {
     let n = points.len();
     let at = |i: usize| points[i % n];
-    let normal = |i: usize| {
+    for (i, out) in out.iter_mut().enumerate() {
         let along = at(i + 2) - at(i + 2 * n - 2) + (at(i + 1) - at(i + n - 1)) * 2.0;
-        Vec2::new(along.y, -along.x).normalize_or_zero()
-    };
-    (0..n).map(normal).collect()
+        *out = Vec2::new(along.y, -along.x).normalize_or_zero();
+    }
 }
 
-/// Averages costs along a closed loop.
-fn along(costs: &[Costs]) -> Vec<Costs> {
-    let (n, reach) = (costs.len(), ALONG.len() / 2);
+/// Averages costs along a closed loop. Each point's own costs are computed when they are first needed, so that only
+/// those of a few points are held.
+fn along(costs: impl Fn(usize) -> Costs, out: &mut [Costs]) {
+    let (n, reach) = (out.len(), ALONG.len() / 2);
     let total: f32 = ALONG.iter().sum();
-    let mut out = vec![[0.0; OFFSETS]; n];
+    let place = |i: usize| (i + reach * n - reach) % n;
+    let mut window: [Costs; ALONG.len()] = core::array::from_fn(|k| costs(place(k)));
     for (i, out) in out.iter_mut().enumerate() {
-        for (k, weight) in ALONG.into_iter().enumerate() {
-            let from = &costs[(i + k + reach * n - reach) % n];
+        if i > 0 {
+            window.rotate_left(1);
+            window[ALONG.len() - 1] = costs(place(i + ALONG.len() - 1));
+        }
+        for (weight, from) in ALONG.into_iter().zip(&window) {
             (0..OFFSETS).for_each(|state| out[state] += weight / total * from[state]);
         }
     }
-    out
 }

@@ -1,8 +1,8 @@
 //! Which side of the contour the pixels near a matte's edge belong to.
 
-use super::{colour_model::ColourModel, patch::Patch};
+use super::{colour_model::ColourModel, patch::Patch, refill};
 use crate::silhouette::distance::UNITS;
-use alloc::{vec, vec::Vec};
+use alloc::{collections::VecDeque, vec::Vec};
 
 /// Limit of one pixel's evidence. Evidence is the logarithm of a likelihood ratio, positive for the object.
 const MAX_EVIDENCE: f32 = 6.0;
@@ -13,14 +13,33 @@ const MAX_PRIOR: f32 = 3.0;
 /// Evidence that overrules a matte.
 const MIN_EVIDENCE: f32 = 1.5;
 
+/// Buffers of [`relabel`].
+#[derive(Debug)]
+pub(super) struct Buffers<'a> {
+    /// Evidence, and its smoothing along the rows only.
+    pub planes: &'a mut [Vec<f32>; 2],
+    /// The object's share in each pixel.
+    pub alphas: &'a mut Vec<u8>,
+    pub moved: &'a mut Vec<bool>,
+    pub open: &'a mut VecDeque<u32>,
+}
+
 /// Moves the contour of a matte over pixels whose colours, and whose neighbours' colours, belong to the other side. Such
 /// pixels lie within `reach` pixels of the contour, and touch it or other pixels that moved: no new holes or specks
 /// appear. Returns the number of moved pixels in the outer half of the reach.
-pub(super) fn relabel(patch: &Patch, distance: &[i16], model: &ColourModel, reach: f32, coverage: &mut [u8]) -> usize {
+pub(super) fn relabel(
+    patch: &Patch,
+    distance: &[i16],
+    model: &ColourModel,
+    reach: f32,
+    coverage: &mut [u8],
+    buffers: Buffers,
+) -> usize {
+    let Buffers { planes: [evidence, half], alphas, moved, open } = buffers;
     let (w, h) = (patch.width, patch.height);
     let pixels = |i: usize| f32::from(distance[i]) / UNITS;
-    let mut evidence = vec![0.0f32; patch.len()];
-    let mut alphas = vec![0u8; patch.len()];
+    refill(evidence, patch.len(), 0.0);
+    refill(alphas, patch.len(), 0);
     for y in 0..h {
         for x in 0..w {
             let i = y * w + x;
@@ -38,14 +57,13 @@ pub(super) fn relabel(patch: &Patch, distance: &[i16], model: &ColourModel, reac
             alphas[i] = (alpha.clamp(0.0, 1.0) * 255.0 + 0.5) as u8;
         }
     }
-    let evidence = binomial(w, h, &evidence);
+    binomial(w, h, evidence, half);
     let overruled = |i: usize| {
         let against = if distance[i] > 0 { -evidence[i] } else { evidence[i] };
         against > MIN_EVIDENCE && pixels(i).abs() <= reach
     };
     // The pixels next to the contour first, then their neighbours.
-    let mut open: Vec<u32> = Vec::new();
-    let mut moved = vec![false; patch.len()];
+    refill(moved, patch.len(), false);
     for y in 1..h.saturating_sub(1) {
         for x in 1..w.saturating_sub(1) {
             let i = y * w + x;
@@ -53,12 +71,12 @@ pub(super) fn relabel(patch: &Patch, distance: &[i16], model: &ColourModel, reac
             let at_contour = [i - 1, i + 1, i - w, i + w].into_iter().any(|j| (distance[j] > 0) != inside);
             if at_contour && overruled(i) {
                 moved[i] = true;
-                open.push(i as u32);
+                open.push_back(i as u32);
             }
         }
     }
     let mut far = 0;
-    while let Some(i) = open.pop() {
+    while let Some(i) = open.pop_front() {
         let i = i as usize;
         let inside = distance[i] > 0;
         coverage[i] = if inside { alphas[i].min(127) } else { alphas[i].max(128) };
@@ -68,26 +86,26 @@ pub(super) fn relabel(patch: &Patch, distance: &[i16], model: &ColourModel, reac
         for (within, j) in near {
             if within && !moved[j] && (distance[j] > 0) == inside && overruled(j) {
                 moved[j] = true;
-                open.push(j as u32);
+                open.push_back(j as u32);
             }
         }
     }
     far
 }
 
-/// Smooths by 1 2 1 along both axes; the outermost pixels repeat beyond the edge.
-fn binomial(width: usize, height: usize, plane: &[f32]) -> Vec<f32> {
-    let mut half = vec![0.0; plane.len()];
+/// Smooths by 1 2 1 along both axes; the outermost pixels repeat beyond the edge. `half` is a buffer.
+fn binomial(width: usize, height: usize, plane: &mut [f32], half: &mut Vec<f32>) {
+    refill(half, plane.len(), 0.0);
     for (row, out) in plane.chunks_exact(width).zip(half.chunks_exact_mut(width)) {
         for x in 0..width {
             out[x] = 0.25 * (row[x.saturating_sub(1)] + 2.0 * row[x] + row[(x + 1).min(width - 1)]);
         }
     }
-    let mut out = Vec::with_capacity(plane.len());
-    for y in 0..height {
+    for (y, out) in plane.chunks_exact_mut(width).enumerate() {
         let [above, row, below] =
             [y.saturating_sub(1), y, (y + 1).min(height - 1)].map(|y| &half[y * width..][..width]);
-        out.extend((0..width).map(|x| 0.25 * (above[x] + 2.0 * row[x] + below[x])));
+        for (x, out) in out.iter_mut().enumerate() {
+            *out = 0.25 * (above[x] + 2.0 * row[x] + below[x]);
+        }
     }
-    out
 }

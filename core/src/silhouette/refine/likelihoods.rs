@@ -1,8 +1,8 @@
 //! Colour histograms of object and background over the whole picture.
 
-use super::patch::Patch;
+use super::{patch::Patch, refill};
 use crate::silhouette::distance::UNITS;
-use alloc::{vec, vec::Vec};
+use alloc::vec::Vec;
 
 /// Bits of a channel that bins leave out, and bins along each axis.
 const SHIFT: u32 = 4;
@@ -15,16 +15,19 @@ const MARGIN: f32 = 3.0;
 const MAX_RATIO: f32 = 4.0;
 
 /// Logarithms of likelihood ratios by colour, positive where a colour is more frequent on the object.
-#[derive(Debug)]
+#[derive(Debug, Default)]
 pub(super) struct Likelihoods {
+    /// Pixels of background and object in every bin.
+    counts: [Vec<u32>; 2],
     ratios: Vec<f32>,
 }
 
 impl Likelihoods {
     /// Counts the colours of both sides of a matte's contour.
-    pub fn count(patch: &Patch, distance: &[i16]) -> Self {
+    pub fn count(&mut self, patch: &Patch, distance: &[i16]) {
         let margin = (MARGIN * UNITS) as u16;
-        let mut counts = [vec![0u32; BINS * BINS * BINS], vec![0u32; BINS * BINS * BINS]];
+        let Self { counts, ratios } = self;
+        counts.iter_mut().for_each(|side| refill(side, BINS * BINS * BINS, 0));
         for y in 0..patch.height {
             for x in 0..patch.width {
                 let d = distance[y * patch.width + x];
@@ -35,7 +38,7 @@ impl Likelihoods {
         }
         let [background, object] = counts;
         let total = |counts: &[u32]| counts.iter().sum::<u32>().max(1) as f32;
-        let (b, p) = (total(&background), total(&object));
+        let (b, p) = (total(background), total(object));
         let least = PRIOR / b.min(p);
         let share = |count: u32, total: f32| count as f32 / total + least;
         let ratio = |(&background, &object): (&u32, &u32)| {
@@ -44,7 +47,8 @@ impl Likelihoods {
             }
             libm::logf(share(object, p) / share(background, b)).clamp(-MAX_RATIO, MAX_RATIO)
         };
-        Self { ratios: background.iter().zip(&object).map(ratio).collect() }
+        ratios.clear();
+        ratios.extend(background.iter().zip(&*object).map(ratio));
     }
 
     /// Logarithm of the likelihood ratio of a pixel's colour.

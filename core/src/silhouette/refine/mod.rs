@@ -29,12 +29,15 @@ mod tests;
 pub use uncertainty::Uncertainty;
 
 use super::distance::{SilhouetteScratch, signed_distance};
-use alloc::vec::Vec;
+use alloc::{collections::VecDeque, vec::Vec};
 use colour_model::{ColourModel, Trust};
 use fusion::Fusion;
+use islands::Parts;
 use likelihoods::Likelihoods;
 use patch::Patch;
 use profile::Profiles;
+use trace::Loops;
+use uncertainty::Passed;
 
 /// Pixels to learn colours from while the contour is known only roughly: preferably those deep on their side.
 const ROUGH: Trust = Trust { from: 0.5, growth: 2.5, full: 5.0, to: 14.0 };
@@ -64,57 +67,92 @@ impl Default for ContourParams {
     }
 }
 
+/// Buffers for refining one contour after another. Steps that do not overlap share them.
+#[derive(Debug, Default)]
+pub(crate) struct RefineScratch {
+    /// Buffers of the distance.
+    pub distance: SilhouetteScratch,
+    /// The patch's coverage: the matte with its changes so far, at last the refined one.
+    coverage: Vec<u8>,
+    /// Signed distance to the matte's contour, and to the contour so far.
+    given: Vec<i16>,
+    near: Vec<i16>,
+    colours: Likelihoods,
+    parts: Parts,
+    open: VecDeque<u32>,
+    model: ColourModel,
+    planes: [Vec<f32>; 2],
+    alphas: Vec<u8>,
+    moved: Vec<bool>,
+    trace: trace::Buffers,
+    loops: Loops,
+    fusion: Fusion,
+    passed: Vec<Passed>,
+}
+
+/// Makes a buffer `len` copies of a value. One that is too small is freed first, and its successor is not larger than
+/// needed.
+fn refill<T: Clone>(buffer: &mut Vec<T>, len: usize, value: T) {
+    buffer.clear();
+    if buffer.capacity() < len {
+        *buffer = Vec::new();
+        buffer.reserve_exact(len);
+    }
+    buffer.resize(len, value);
+}
+
 /// Moves the half-level contour of a matte's `coverage` to where the picture, packed sRGB, has it. Pixels that are not
-/// `known` stay. Returns how certain the contour is. Without a contour, or with one that is noise, nothing changes.
+/// `known` stay. Returns how certain the contour is, in the memory of `old`. Without a contour, or with one that is noise,
+/// nothing changes.
 pub(crate) fn refine(
     width: usize,
-    height: usize,
     rgb: &[u8],
     coverage: &mut [u8],
     known: impl Fn(usize) -> bool,
     params: &ContourParams,
-    scratch: &mut SilhouetteScratch,
+    scratch: &mut RefineScratch,
+    old: Uncertainty,
 ) -> Option<Uncertainty> {
+    let height = coverage.len() / width;
     let patch = Patch::around(width, height, rgb, coverage)?;
     let (w, h) = (patch.width, patch.height);
-    let mut matte = Vec::with_capacity(patch.len());
+    let RefineScratch { distance, coverage: matte, given, near, colours, parts, open, model, planes, .. } = scratch;
+    let RefineScratch { alphas, moved, trace, loops, fusion, passed, .. } = scratch;
+    matte.clear();
     for y in 0..h {
         matte.extend_from_slice(&coverage[patch.index(0, y)..][..w]);
     }
-    let mut given = Vec::new();
-    signed_distance(w, h, &matte, |_| true, scratch, &mut given);
-    let colours = Likelihoods::count(&patch, &given);
-    if islands::settle(&patch, &given, &colours, &mut matte) {
-        signed_distance(w, h, &matte, |_| true, scratch, &mut given);
+    signed_distance(w, h, matte, |_| true, distance, given);
+    colours.count(&patch, given);
+    if islands::settle(&patch, given, colours, matte, parts, open) {
+        signed_distance(w, h, matte, |_| true, distance, given);
     }
 
-    let mut near = given.clone();
+    near.clone_from(given);
     for _ in 0..ROUNDS {
-        let model = ColourModel::learn(&patch, &near, &colours, ROUGH);
-        let far = labels::relabel(&patch, &near, &model, params.reach_pixels, &mut matte);
-        signed_distance(w, h, &matte, |_| true, scratch, &mut near);
+        model.learn(&patch, near, colours, ROUGH);
+        let buffers = labels::Buffers { planes, alphas, moved, open };
+        let far = labels::relabel(&patch, near, model, params.reach_pixels, matte, buffers);
+        signed_distance(w, h, matte, |_| true, distance, near);
         if far < SETTLED {
             break;
         }
     }
 
-    let model = ColourModel::learn(&patch, &near, &colours, NEAR);
-    let profiles = Profiles::new(&patch, &near, &model);
-    let loops = trace::trace(w, h, &near);
-    if loops.iter().map(Vec::len).sum::<usize>() > patch.len() / MIN_PIXELS_PER_POINT {
+    model.learn(&patch, near, colours, NEAR);
+    trace::trace(w, h, near, trace, loops);
+    if loops.points.len() > patch.len() / MIN_PIXELS_PER_POINT {
         return None;
     }
-    let fusion = Fusion::new(loops, &profiles, &given);
-    let (loops, variances) = fusion.most_probable();
-    let mut refined = Vec::new();
-    fill::fill(w, h, &loops, &mut refined);
+    fusion.settle(loops, &Profiles::new(&patch, near, model, planes), given);
+    fill::fill(w, h, loops, &mut planes[0], matte);
     for y in 0..h {
         for x in 0..w {
             let i = patch.index(x, y);
             if known(i) {
-                coverage[i] = refined[y * w + x];
+                coverage[i] = matte[y * w + x];
             }
         }
     }
-    Some(Uncertainty::new(&patch, height, &loops, &variances))
+    Some(Uncertainty::new(&patch, height, loops, &fusion.variances, old, passed))
 }

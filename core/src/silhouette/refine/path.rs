@@ -1,7 +1,10 @@
 //! The most probable offsets along a closed loop.
 
-use super::profile::{Costs, OFFSET_STEP, OFFSETS, offset};
-use alloc::{vec, vec::Vec};
+use super::{
+    profile::{Costs, OFFSET_STEP, OFFSETS, offset},
+    refill,
+};
+use alloc::vec::Vec;
 
 /// Cost of a change of offset from one point to the next, per step of the offset.
 const CHANGE: f32 = 0.3;
@@ -16,12 +19,15 @@ pub(super) struct Offset {
     pub precision: f32,
 }
 
-/// Offsets of least total cost, refined between states by a parabola.
-pub(super) fn offsets(costs: &[Costs]) -> Vec<Offset> {
-    let n = costs.len();
+/// For each point of a loop, and those by which its ends overlap, the best state before each state.
+pub(super) type Ways = Vec<[u8; OFFSETS]>;
+
+/// Offsets of smallest total cost of a loop of `n` points, refined between states by a parabola. `ways` is a buffer, `out`
+/// is overwritten.
+pub(super) fn offsets(n: usize, costs: impl Fn(usize) -> Costs, ways: &mut Ways, out: &mut Vec<Offset>) {
     let overlap = OVERLAP.min(n);
     let total = n + 2 * overlap;
-    let mut from = vec![[0u8; OFFSETS]; total];
+    refill(ways, total, [0; OFFSETS]);
     let mut sums = [0.0f32; OFFSETS];
     for k in 0..total {
         // Best way from the last point: itself, or through the neighbouring states.
@@ -36,20 +42,19 @@ pub(super) fn offsets(costs: &[Costs]) -> Vec<Offset> {
                 (sums[s], way[s]) = (sums[s + 1] + CHANGE, way[s + 1]);
             }
         }
-        let point = &costs[(k + n - overlap) % n];
+        let point = costs((k + n - overlap) % n);
         let least = sums.iter().copied().fold(f32::INFINITY, f32::min);
         (0..OFFSETS).for_each(|s| sums[s] += point[s] - least);
-        from[k] = way;
+        ways[k] = way;
     }
     let mut state = (0..OFFSETS).min_by(|&a, &b| sums[a].total_cmp(&sums[b])).unwrap_or(OFFSETS / 2);
-    let mut out = vec![Offset::default(); n];
+    refill(out, n, Offset::default());
     for k in (0..total).rev() {
         if (overlap..n + overlap).contains(&k) {
-            out[k - overlap] = between(&costs[k - overlap], state);
+            out[k - overlap] = between(&costs(k - overlap), state);
         }
-        state = from[k][state] as usize;
+        state = ways[k][state] as usize;
     }
-    out
 }
 
 /// Curvature of costs at an offset: 1/σ² in 1/pixel².
@@ -84,7 +89,9 @@ mod tests {
                 })
             })
             .collect();
-        for (i, found) in offsets(&costs).iter().enumerate() {
+        let mut found = Vec::new();
+        offsets(costs.len(), |i| costs[i], &mut Vec::new(), &mut found);
+        for (i, found) in found.iter().enumerate() {
             let allowed = if (58..72).contains(&i) || i % 40 == 7 { 0.6 } else { 0.05 };
             assert!((found.value - truth(i)).abs() < allowed, "{i}: {} instead of {}", found.value, truth(i));
             let precise = (found.precision - 16.0).abs() < 0.5;

@@ -1,8 +1,8 @@
 //! Evidence of the picture for the contour's place: costs of offsets along its normal.
 
-use super::{colour_model::ColourModel, patch::Patch};
+use super::{colour_model::ColourModel, patch::Patch, refill};
 use crate::{math::min, silhouette::distance::UNITS};
-use alloc::{vec, vec::Vec};
+use alloc::vec::Vec;
 use glam::Vec2;
 
 /// Number of offsets: 0, ±1/4, … ±4 pixels.
@@ -38,17 +38,19 @@ pub(super) struct Profiles<'a> {
     width: usize,
     height: usize,
     distance: &'a [i16],
-    alpha: Vec<f32>,
-    precision: Vec<f32>,
+    alpha: &'a [f32],
+    precision: &'a [f32],
     /// Share of the object expected at a sample, by its distance from the contour in 1/4 pixel.
     edge: [f32; 2 * 48 + 1],
 }
 
 impl<'a> Profiles<'a> {
-    pub fn new(patch: &Patch, distance: &'a [i16], model: &ColourModel) -> Self {
+    /// `planes` are buffers for each pixel's share and its precision.
+    pub fn new(patch: &Patch, distance: &'a [i16], model: &ColourModel, planes: &'a mut [Vec<f32>; 2]) -> Self {
         let (w, h) = (patch.width, patch.height);
         let limit = ((SAMPLES / 2) as f32 * SAMPLE_STEP + 2.5) * UNITS;
-        let (mut alpha, mut precision) = (vec![0.0f32; patch.len()], vec![0.0f32; patch.len()]);
+        planes.iter_mut().for_each(|plane| refill(plane, patch.len(), 0.0));
+        let [alpha, precision] = planes;
         for y in 0..h {
             for x in 0..w {
                 let i = y * w + x;

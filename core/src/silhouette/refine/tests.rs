@@ -53,7 +53,8 @@ fn picture(object: [f32; 3], background: impl Fn(f32, f32) -> [f32; 3], noise: f
 }
 
 fn moved(rgb: &[u8], coverage: &mut [u8], known: impl Fn(usize) -> bool) -> Option<Uncertainty> {
-    refine(W, H, rgb, coverage, known, &ContourParams::default(), &mut SilhouetteScratch::default())
+    let scratch = &mut RefineScratch::default();
+    refine(W, rgb, coverage, known, &ContourParams::default(), scratch, Uncertainty::default())
 }
 
 struct Refined {

@@ -1,6 +1,8 @@
 //! The zero line of a signed distance as closed loops.
 
-use alloc::{vec, vec::Vec};
+use super::refill;
+use alloc::vec::Vec;
+use core::{iter::once, ops::Range};
 use glam::Vec2;
 
 /// Distance between the points of a loop in pixels.
@@ -9,24 +11,50 @@ pub(super) const STEP: f32 = 0.8;
 /// Steps up, right, down and left.
 const STEPS: [[i32; 2]; 4] = [[0, -1], [1, 0], [0, 1], [-1, 0]];
 
+/// Closed loops of points.
+#[derive(Debug, Default)]
+pub(super) struct Loops {
+    /// The points of all loops.
+    pub points: Vec<Vec2>,
+    /// Where each loop ends in `points`.
+    pub ends: Vec<usize>,
+}
+
+impl Loops {
+    /// The places of each loop's points.
+    pub fn ranges(&self) -> impl Iterator<Item = Range<usize>> {
+        let starts = once(0).chain(self.ends.iter().copied());
+        starts.zip(&self.ends).map(|(start, &end)| start..end)
+    }
+}
+
+/// Buffers of [`trace`].
+#[derive(Debug, Default)]
+pub(super) struct Buffers {
+    visited: Vec<bool>,
+    /// Where one loop crosses the edges between pixels.
+    crossings: Vec<Vec2>,
+}
+
 /// Closed loops of points about [`STEP`] pixels apart, with the object on the right-hand side. Beyond the patch there is
 /// nothing: where the object is cut off by its edge a loop runs a little outside.
-pub(super) fn trace(width: usize, height: usize, distance: &[i16]) -> Vec<Vec<Vec2>> {
+pub(super) fn trace(width: usize, height: usize, distance: &[i16], buffers: &mut Buffers, loops: &mut Loops) {
     let (w, h) = (width as i32, height as i32);
     let value = |p: [i32; 2]| {
         let within = p[0] >= 0 && p[1] >= 0 && p[0] < w && p[1] < h;
         if within { distance[(p[1] * w + p[0]) as usize] } else { i16::MIN }
     };
-    let mut visited = vec![false; (width + 1) * height];
-    let mut loops = Vec::new();
-    let mut points = Vec::new();
+    let Buffers { visited, crossings } = buffers;
+    refill(visited, (width + 1) * height, false);
+    loops.points.clear();
+    loops.ends.clear();
     for y in 0..h {
         for x in -1..w {
             // Every loop somewhere goes up between a pixel outside and one inside on its right.
             if value([x, y]) > 0 || value([x + 1, y]) <= 0 || visited[(y * (w + 1) + x + 1) as usize] {
                 continue;
             }
-            points.clear();
+            crossings.clear();
             let (mut outer, mut inner, mut heading) = ([x, y], [x + 1, y], 0);
             loop {
                 if heading == 0 {
@@ -36,7 +64,7 @@ pub(super) fn trace(width: usize, height: usize, distance: &[i16]) -> Vec<Vec<Ve
                     }
                     *seen = true;
                 }
-                points.push(crossing(outer, inner, value(outer), value(inner)));
+                crossings.push(crossing(outer, inner, value(outer), value(inner)));
                 let ahead = |p: [i32; 2]| [p[0] + STEPS[heading][0], p[1] + STEPS[heading][1]];
                 let (next_outer, next_inner) = (ahead(outer), ahead(inner));
                 if value(next_inner) <= 0 {
@@ -49,10 +77,10 @@ pub(super) fn trace(width: usize, height: usize, distance: &[i16]) -> Vec<Vec<Ve
                     heading = (heading + 3) % 4;
                 }
             }
-            loops.push(resample(&points));
+            resample(crossings, &mut loops.points);
+            loops.ends.push(loops.points.len());
         }
     }
-    loops
 }
 
 /// Where the zero line crosses the edge between two pixels. Beyond the patch it keeps clear of its pixels' corners.
@@ -62,13 +90,12 @@ fn crossing(outer: [i32; 2], inner: [i32; 2], a: i16, b: i16) -> Vec2 {
     vector(outer) + (vector(inner) - vector(outer)) * t
 }
 
-/// A closed polygon's points at equal distances along it.
-fn resample(points: &[Vec2]) -> Vec<Vec2> {
+/// Appends points at equal distances along a closed polygon.
+fn resample(points: &[Vec2], out: &mut Vec<Vec2>) {
     let n = points.len();
     let length: f32 = (0..n).map(|i| points[i].distance(points[(i + 1) % n])).sum();
     let count = ((length / STEP + 0.5) as usize).max(3);
     let step = length / count as f32;
-    let mut out = Vec::with_capacity(count);
     let (mut i, mut start) = (0, 0.0);
     for k in 0..count {
         let at = k as f32 * step;
@@ -83,7 +110,6 @@ fn resample(points: &[Vec2]) -> Vec<Vec2> {
             i += 1;
         }
     }
-    out
 }
 
 #[cfg(test)]
@@ -96,9 +122,11 @@ mod tests {
         let centre = Vec2::new(29.3, 30.6);
         let at = |i: usize| Vec2::new((i % SIZE) as f32, (i / SIZE) as f32).distance(centre);
         let distance: Vec<i16> = (0..SIZE * SIZE).map(|i| (64.0 * (5.0 - libm::fabsf(at(i) - 15.0))) as i16).collect();
-        let loops = trace(SIZE, SIZE, &distance);
-        assert_eq!(loops.len(), 2);
-        for (points, radius) in loops.iter().zip([20.0, 10.0]) {
+        let mut loops = Loops::default();
+        trace(SIZE, SIZE, &distance, &mut Buffers::default(), &mut loops);
+        assert_eq!(loops.ends.len(), 2);
+        for (range, radius) in loops.ranges().zip([20.0, 10.0]) {
+            let points = &loops.points[range];
             let length = 2.0 * core::f32::consts::PI * radius;
             assert!((points.len() as f32 * STEP - length).abs() < 0.05 * length, "{} points", points.len());
             for (i, p) in points.iter().enumerate() {

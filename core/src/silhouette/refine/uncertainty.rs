@@ -1,12 +1,14 @@
 //! Standard deviation along a refined contour.
 
-use super::patch::Patch;
+use super::{patch::Patch, refill, trace::Loops};
 use crate::math::{min, sqrt};
-use alloc::{vec, vec::Vec};
-use glam::Vec2;
+use alloc::vec::Vec;
 
 /// Steps in a pixel of the stored standard deviations.
 const UNITS: f32 = 32.0;
+
+/// Row, column and standard deviation of a pixel that the contour passes.
+pub(super) type Passed = (u32, u16, u8);
 
 /// Standard deviation of a contour across itself, for every pixel that it passes.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
@@ -19,34 +21,42 @@ pub struct Uncertainty {
 }
 
 impl Uncertainty {
-    /// From a patch's loops and the variance of each of their points.
-    pub(super) fn new(patch: &Patch, height: usize, loops: &[Vec<Vec2>], variances: &[Vec<f32>]) -> Self {
-        let mut found: Vec<(u32, u16, u8)> = Vec::new();
-        for (points, variances) in loops.iter().zip(variances) {
-            for (p, &variance) in points.iter().zip(variances) {
-                let (x, y) = (libm::floorf(p.x + 0.5), libm::floorf(p.y + 0.5));
-                if x < 0.0 || y < 0.0 || x >= patch.width as f32 || y >= patch.height as f32 {
-                    continue;
-                }
-                let sigma = min(UNITS * sqrt(variance) + 0.5, 255.0) as u8;
-                found.push(((patch.top + y as usize) as u32, (patch.left + x as usize) as u16, sigma));
+    /// From a patch's loops and the variance of each of their points. Uses the memory of `old`; `found` is a buffer.
+    pub(super) fn new(
+        patch: &Patch,
+        height: usize,
+        loops: &Loops,
+        variances: &[f32],
+        old: Self,
+        found: &mut Vec<Passed>,
+    ) -> Self {
+        found.clear();
+        for (p, &variance) in loops.points.iter().zip(variances) {
+            let (x, y) = (libm::floorf(p.x + 0.5), libm::floorf(p.y + 0.5));
+            if x < 0.0 || y < 0.0 || x >= patch.width as f32 || y >= patch.height as f32 {
+                continue;
             }
+            let sigma = min(UNITS * sqrt(variance) + 0.5, 255.0) as u8;
+            found.push(((patch.top + y as usize) as u32, (patch.left + x as usize) as u16, sigma));
         }
         found.sort_unstable();
-        let mut out = Self { starts: vec![0; height + 1], columns: Vec::new(), sigmas: Vec::new() };
+        let Self { mut starts, mut columns, mut sigmas } = old;
+        refill(&mut starts, height + 1, 0);
+        columns.clear();
+        sigmas.clear();
         for (i, &(y, x, sigma)) in found.iter().enumerate() {
             // Sorted: the last of a pixel's is its largest.
             if found.get(i + 1).is_some_and(|&(ny, nx, _)| (ny, nx) == (y, x)) {
                 continue;
             }
-            out.columns.push(x);
-            out.sigmas.push(sigma);
-            out.starts[y as usize + 1] = out.columns.len() as u32;
+            columns.push(x);
+            sigmas.push(sigma);
+            starts[y as usize + 1] = columns.len() as u32;
         }
         for y in 0..height {
-            out.starts[y + 1] = out.starts[y + 1].max(out.starts[y]);
+            starts[y + 1] = starts[y + 1].max(starts[y]);
         }
-        out
+        Self { starts, columns, sigmas }
     }
 
     /// Standard deviation in pixels of the contour at a point of it: the mean over the pixels next to it that the
