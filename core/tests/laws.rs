@@ -107,7 +107,7 @@ proptest! {
         let pixels = (0..HEIGHT).flat_map(|y| (0..WIDTH).map(move |x| (x, y)));
         let rgb: Vec<u8> = pixels.clone().flat_map(|(x, y)| [2 * x as u8, 2 * y as u8, 0]).collect();
         let image = ImageRef::packed(&rgb, WIDTH, HEIGHT, PixelFormat::Rgb8);
-        let view = View::new(&rig, 1, &ViewInput { image, mask: Mask::Unknown }).expect("the picture fits");
+        let view = View::new(&rig, 1, &ViewInput { image, mask: Mask::Unknown }, None).expect("the picture fits");
         let mut seen = 0;
         for (i, (x, y)) in pixels.enumerate() {
             let source = cameras[1].distort_pixel(glam::DVec2::new(f64::from(x), f64::from(y)));
