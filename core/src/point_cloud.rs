@@ -26,7 +26,8 @@ pub struct Point {
     pub position: Vec3,
     /// Outward unit normal.
     pub normal: Vec3,
-    /// Fidelity f of eq. 1: at most the number of neighbouring views.
+    /// Fidelity f of eq. 1: at most the number of neighbouring views J if peaks vote as printed
+    /// ([`crate::detect::Support::Peaks`]). Spread peaks can add up to more.
     pub fidelity: f32,
     /// Non-negative weight in meshing (eq. 3).
     pub weight: f32,

@@ -46,7 +46,8 @@ pub enum Windows {
 pub struct DepthMap {
     /// Depth along the optical axis.
     pub depth: Vec<f32>,
-    /// Fidelity: the support of the neighbouring views, at most their number.
+    /// Fidelity: the support of the neighbouring views. At most their number if peaks vote as printed; spread peaks can
+    /// add up to more.
     pub fidelity: Vec<f32>,
 }
 

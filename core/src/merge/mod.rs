@@ -22,7 +22,7 @@ pub struct MergingParams {
     pub conflicts: Option<ConflictParams>,
 }
 
-/// Merges the points of all views and kinds. `neighbours` is J, the number of neighbouring views and largest fidelity.
+/// Merges the points of all views and kinds. `neighbours` is J, the number of neighbouring views.
 ///
 /// # Errors
 /// [`crate::Error::Cancelled`].

@@ -3,8 +3,8 @@
 use crate::point_cloud::{Point, Rank};
 
 /// Weights of eq. 3. The weight of a detected point is its fidelity f, which is at most the number of neighbouring
-/// views. Eq. 1 gives no fidelity for the other kinds of points. The paper's values for them are lost; the ones here
-/// were found by measurement.
+/// views if peaks vote as printed; spread peaks can add up to more. Eq. 1 gives no fidelity for the other kinds of
+/// points. The paper's values for them are lost; the ones here were found by measurement.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
 pub struct WeightParams {

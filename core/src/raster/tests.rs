@@ -80,11 +80,12 @@ fn rays_through_a_torus_enter_and_leave_its_limbs() {
         0.25 - libm::hypotf(across, p.z)
     };
     // From the side, where rays pass two limbs, from above through the hole, and at a slant.
-    for from in [Vec3::X * 3.0, Vec3::Z * 3.0, Vec3::new(2.0, 0.4, 1.1)] {
+    for from in [Vec3::X * 3.0, Vec3::Z * 3.0, Vec3::new(2.2, 0.4, 0.5)] {
         let camera = pinhole(from, Vec3::ZERO, 64, 80.0);
         let rays = check(&torus(0.7, 0.25), &solid, &camera, (1.2, 4.5), SADDLE);
         assert!(rays[0] > 1000 && rays[1] > 500 && rays[3..] == [0; 5], "{rays:?}");
-        assert_eq!(rays[2] > 100, from.z < 2.0, "{rays:?}");
+        // From above a ray passes one limb. One that grazes the hole may pass two bulges of its triangles.
+        assert!(if from.z < 2.0 { rays[2] > 100 } else { rays[2] < 10 }, "{rays:?}");
     }
 }
 

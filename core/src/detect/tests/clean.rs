@@ -134,8 +134,10 @@ fn pca_points_in_neighbourhoods_that_are_not_flat_go() {
     assert!(round[0] == 0 && flat[0] > 500, "{round:?} {flat:?}");
     assert!(round[1] > 100 && flat[1] > 100, "{round:?} {flat:?}");
     assert!(round[2] > 40, "{round:?} {flat:?}");
-    assert_eq!((counts.cleaned_density, counts.cleaned_normal), (0, 0));
-    assert_eq!(run(&map, &OFF).1.cleaned_pca, 0, "without the constraint none goes");
+    // A few of the scattered points have too few neighbours for a plane, with or without the constraint.
+    let without = run(&map, &OFF).1;
+    assert!(counts.cleaned_density == without.cleaned_density && counts.cleaned_density < 10, "{counts:?}");
+    assert_eq!((counts.cleaned_normal, without.cleaned_pca), (0, 0));
 }
 
 /// A plane that turns away: exactly the points that the camera sees at a grazing angle go.

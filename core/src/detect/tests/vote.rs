@@ -6,6 +6,7 @@ use super::super::{
 };
 use crate::testing::law;
 use alloc::{vec, vec::Vec};
+use core::slice;
 use proptest::prelude::*;
 
 /// Eq. 1 as printed, without smoothing.
@@ -53,7 +54,7 @@ fn a_view_votes_where_its_curve_peaks_and_nowhere_else() {
     let curve = vec![0.1, 0.6, 0.2, 0.5, 0.5, -0.4, -0.2, -0.3, 0.2, 0.3, 0.7, 0.65, 0.64, 0.9];
     let mut expected = vec![0.0; curve.len()];
     (expected[1], expected[10]) = (0.6, 0.7);
-    assert_eq!(support(&votes(&PRINTED, &[curve.clone()]), PIXEL, curve.len()), expected);
+    assert_eq!(support(&votes(&PRINTED, slice::from_ref(&curve)), PIXEL, curve.len()), expected);
     // Of several views the votes add up, in each sample by itself.
     let twice = expected.iter().map(|v| v + v).collect::<Vec<_>>();
     assert_eq!(support(&votes(&PRINTED, &[curve.clone(), curve.clone()]), PIXEL, curve.len()), twice);
@@ -122,7 +123,7 @@ fn smoothing_makes_one_peak_of_a_ragged_one_and_keeps_the_level() {
     let ragged: Vec<f32> =
         bell(COUNT, 0.8, 11.0, 4.0).iter().zip([0.1, -0.1].iter().cycle()).map(|(b, r)| b + r).collect();
     let peaks = |params: &VoteParams| -> Vec<usize> {
-        let support = support(&votes(params, &[ragged.clone()]), PIXEL, COUNT);
+        let support = support(&votes(params, slice::from_ref(&ragged)), PIXEL, COUNT);
         (0..COUNT).filter(|&i| support[i] > 0.0).collect()
     };
     assert!(peaks(&PRINTED).len() > 6, "{:?}", peaks(&PRINTED));
@@ -142,10 +143,20 @@ fn pixels_that_are_not_searched_do_not_weaken_their_neighbours() {
     }
 }
 
+/// The fidelity is bounded by the number of views for peaks as printed only.
+#[test]
+fn spread_peaks_of_one_view_add_up_to_more_than_one() {
+    // Two peaks two hypotheses apart. The hypothesis between them gets e^(-1/2) of each.
+    let curve = vec![-1.0, -1.0, 1.0, -1.0, 1.0, -1.0, -1.0];
+    let fidelity = |params: &VoteParams| votes(params, slice::from_ref(&curve)).best(PIXEL, 1, 5, false).1;
+    assert_eq!(fidelity(&PRINTED), 1.0);
+    assert!((fidelity(&PARZEN) - 2.0 * libm::expf(-0.5)).abs() < 1e-6, "{}", fidelity(&PARZEN));
+}
+
 proptest! {
     #![proptest_config(law(200))]
 
-    /// Every view adds at most one, and all of them add that much where all are sure.
+    /// As printed, every view adds at most one, and all of them add that much where all are sure.
     #[test]
     fn fidelity_is_at_most_the_number_of_views(
         views in (3..30usize).prop_flat_map(|n| prop::collection::vec(prop::collection::vec(-1.0..=1.0f32, n), 1..6)),
