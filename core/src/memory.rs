@@ -2,12 +2,17 @@
 //!
 //! On one thread, and not counting the pictures that the host passes in, a frame needs at most
 //!
-//! `6 P + max(16 MiB, 9000 B, level P + point S + 640 V)` bytes
+//! `6 P + max(16 MiB, 96 L, 9000 B, level P + point S + 640 V)` bytes
 //!
-//! where P is the number of pixels of all views, B the number of blocks in the hull's grid that its surface may pass, S
-//! the number of pixels inside the silhouettes and V the number of vertices in the final mesh. `level` is 3 for
-//! detection at full resolution and 3/4 at half resolution, where S counts a quarter as well. `point` is 140, or 200 if
-//! the clouds are downsampled or cleaned of conflicts (§5). Both are 0 for the hull alone. The factors were measured.
+//! where P is the number of pixels of all views, L that of the largest view, B the number of blocks in the hull's grid
+//! that its surface may pass, S the number of pixels inside the silhouettes and V the number of vertices in the final
+//! mesh. `level` is 3 for detection at full resolution and 3/4 at half resolution, where S counts a quarter as well.
+//! `point` is 140, or 200 if the clouds are downsampled or cleaned of conflicts (§5). Both are 0 for the hull alone. The
+//! factors were measured.
+//!
+//! 96 L is for reading views. Of a figure with a clean contour this takes 30 bytes per pixel, or 35 where the lens distorts.
+//! A matte with nearly as much contour as is still refined takes 83 to 88, or 86 to 90 if it comes from a clean plate. On
+//! several threads, each thread takes this much while it reads views.
 
 use crate::{
     error::{Error, Result},
@@ -22,6 +27,8 @@ use crate::{
 const PER_PIXEL: u64 = 6;
 /// Bytes for the search for the hull.
 const SEARCH: u64 = 16 << 20;
+/// Bytes per pixel of the largest view for reading it: silhouette, distances and contour.
+const READING: u64 = 96;
 /// Bytes per block of the hull's grid: the node values, the buffers of marching cubes and the block's part of the mesh.
 const PER_BLOCK: u64 = 9000;
 /// Bytes per vertex of the final mesh: grids and samples of the Poisson solver, the mesh and its colours.
@@ -34,13 +41,19 @@ const EXPECTED_VERTICES: f64 = 3.0;
 
 /// The smallest number of bytes that any frame of a rig needs.
 pub fn smallest(rig: &Rig) -> u64 {
-    let pixels = rig.cameras().iter().map(|c| u64::from(c.width) * u64::from(c.height)).sum::<u64>();
-    PER_PIXEL * pixels + SEARCH
+    let sizes = || rig.cameras().iter().map(|c| u64::from(c.width) * u64::from(c.height));
+    PER_PIXEL * sizes().sum::<u64>() + before_the_hull(sizes().max().unwrap_or(0))
+}
+
+/// Bytes for reading the views and the search for the hull, from the number of pixels of the largest view.
+fn before_the_hull(largest: u64) -> u64 {
+    SEARCH.max(READING * largest)
 }
 
 /// Bytes that a frame needs up to the hull's mesh, once the hull is known.
 fn needed_for_hull(views: &[View], hull: &VisualHull) -> u64 {
-    PER_PIXEL * pixels(views) + SEARCH.max(PER_BLOCK * hull.field().0.blocks.len() as u64)
+    let largest = views.iter().map(|v| v.luma.len() as u64).max().unwrap_or(0);
+    PER_PIXEL * pixels(views) + before_the_hull(largest).max(PER_BLOCK * hull.field().0.blocks.len() as u64)
 }
 
 fn pixels(views: &[View]) -> u64 {
@@ -50,12 +63,13 @@ fn pixels(views: &[View]) -> u64 {
 /// The number of bytes that a frame is expected to need, before anything but its rig is known. It assumes that the object
 /// covers a quarter of every picture.
 pub fn expected(rig: &Rig, params: &Params) -> u64 {
-    let views = smallest(rig) - SEARCH;
-    let pixels = (views / PER_PIXEL) as f64;
+    let pixels = rig.cameras().iter().map(|c| u64::from(c.width) * u64::from(c.height)).sum::<u64>();
+    let views = PER_PIXEL * pixels;
+    let pixels = pixels as f64;
     let inside = EXPECTED_INSIDE * pixels;
     let voxel = f64::from(params.hull.voxel_pixels);
     let vertices = EXPECTED_VERTICES * inside / rig.cameras().len() as f64 / (voxel * voxel);
-    views + SEARCH.max(later(pixels, inside, vertices, params))
+    smallest(rig).max(views + later(pixels, inside, vertices, params))
 }
 
 /// The largest number of bytes that a frame needs, once its silhouettes, its hull and the hull's mesh are known.

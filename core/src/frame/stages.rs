@@ -22,7 +22,6 @@ use core::{iter::once, mem::take, ops::Deref};
 impl<R: Deref<Target = Rig> + Sync> Frame<R> {
     /// §0: the visual hull, and its mesh without stray components.
     pub(super) fn carve_hull(&mut self, progress: &dyn Progress) -> Result<()> {
-        self.memory.views_are_made();
         let limit = self.memory.limit();
         let workspace = &mut self.memory.workspace;
         if let Some(old) = self.hull.take() {

@@ -3,7 +3,8 @@
 
 use facts::Shot;
 use pcmvs_core::{
-    Error, Frame, Memory, Mesh, Params, Preset, Progress, Serial, Silent, Stage, View, hull::VisualHull, memory,
+    Error, Frame, ImageRef, Mask, Memory, Mesh, Params, PixelFormat, Preset, Progress, Serial, Silent, Stage, View,
+    ViewInput, hull::VisualHull, memory,
 };
 use std::{
     alloc::{GlobalAlloc, Layout, System},
@@ -109,4 +110,44 @@ fn a_usual_frame_takes_less_than_400_mib() {
     let taken = most(|| drop(shot.reconstruct(&Params::preset(Preset::Default)).expect("nothing is wrong")));
     println!("{} MiB", taken >> 20);
     assert!(taken < 400 << 20);
+}
+
+/// Reading the views takes at most what every frame needs: even if large pictures are distorted, or if a matte has nearly
+/// as much contour as is still refined.
+#[test]
+fn reading_views_takes_no_more_than_the_smallest_frame() {
+    let _alone = ALONE.lock();
+    let (width, height) = (1024, 768);
+    let cameras = Ring { count: 3, ..Ring::default() }.sized(width, height).cameras();
+    let stripes: Vec<u8> = (0..width * height).map(|i| if i % width / 7 % 2 == 0 { 255 } else { 90 }).collect();
+    let plain = vec![90; stripes.len()];
+    for distorted in [false, true] {
+        let mut cameras = cameras.clone();
+        cameras.iter_mut().for_each(|c| c.distortion[0] = if distorted { -0.1 } else { 0.0 });
+        let shot = Shot::new(Subject::Figure, &cameras, &Faults::default());
+        let rig = shot.rig();
+        let params = Params::preset(Preset::Default);
+        let gray = |bytes| ImageRef::packed(bytes, width, height, PixelFormat::Gray8);
+        let given = ViewInput { image: gray(&plain), mask: Mask::Given(gray(&stripes)) };
+        let plate = ViewInput { image: gray(&stripes), mask: Mask::CleanPlate(gray(&plain)) };
+        for (name, inputs) in [("figure", shot.inputs()), ("given", vec![given; 3]), ("plate", vec![plate; 3])] {
+            let contour = params.contour.as_ref();
+            let view = View::new(&rig, 0, &inputs[0], contour).expect("nothing is wrong");
+            let silhouette = view.silhouette.expect("there is a mask");
+            let refined = (0..width).any(|x| silhouette.contour_sigma(x as f32, 400.0).is_some());
+            assert!(refined, "the matte was taken for noise");
+            let taken = most(|| {
+                let frame = Frame::new(&rig, params, Memory::default());
+                for (i, input) in inputs.iter().enumerate() {
+                    frame.view(i, input, &Silent).expect("nothing is wrong");
+                }
+            });
+            let pixels = u64::from(width * height);
+            println!(
+                "{name}, distorted {distorted}: {} bytes per pixel of a view",
+                (taken - 18 * pixels) as f32 / pixels as f32
+            );
+            assert!(taken <= memory::smallest(&rig), "{name}, distorted {distorted}: {taken} bytes allocated");
+        }
+    }
 }
