@@ -165,23 +165,6 @@ pub fn reconstruct(
     Ok(frame.into_reconstruction())
 }
 
-/// [`reconstruct`] on the calling thread.
-///
-/// It has no type parameters, so that it is compiled with this crate. A host that is itself compiled for size, as the
-/// WebAssembly module is, calls fast code through it.
-///
-/// # Errors
-/// As for [`reconstruct`].
-#[inline(never)]
-pub fn reconstruct_serial(
-    rig: &Rig,
-    inputs: &[ViewInput],
-    params: &Params,
-    progress: &dyn Progress,
-) -> Result<Reconstruction> {
-    reconstruct(rig, inputs, params, &Serial, progress)
-}
-
 /// Compiles the README's example.
 #[cfg(doctest)]
 #[doc = include_str!("../../README.md")]

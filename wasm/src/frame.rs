@@ -11,7 +11,7 @@ use crate::{
     types::{ChromaKeyObject, PresetName, ProgressFunction},
 };
 use pcmvs_core::{
-    ChromaKey, Mask, Params, PixelFormat, View, ViewInput, reconstruct_serial, silhouette::ContourParams,
+    ChromaKey, Mask, Params, PixelFormat, Serial, View, ViewInput, reconstruct, silhouette::ContourParams,
 };
 use pcmvs_scene::Picture;
 use std::rc::Rc;
@@ -129,7 +129,7 @@ fn run(
     progress: Option<ProgressFunction>,
 ) -> Result<Reconstruction, Failed> {
     let callback = Callback::new(progress);
-    let made = reconstruct_serial(rig, inputs, params, &callback);
+    let made = reconstruct(rig, inputs, params, &Serial, &callback);
     made.map(|made| Reconstruction::new(made, rig.origin())).map_err(|error| match callback.thrown() {
         Some(thrown) => thrown.into(),
         None => Failed::core(&error, callback.stage()),

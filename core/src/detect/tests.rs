@@ -1,6 +1,7 @@
 //! Compares the sweep with the definition of ZNCC, and AVX2 code with baseline code.
 
 mod clean;
+mod search;
 mod substitute;
 mod vote;
 

@@ -20,20 +20,20 @@ use alloc::{collections::BTreeMap, vec, vec::Vec};
 use glam::{DVec3, Vec3};
 use std::sync::LazyLock;
 
-const SIZE: u32 = 96;
+pub(super) const SIZE: u32 = 96;
 /// Radius of the surface, and of the hull around it.
-const SURFACE: f32 = 0.9;
+pub(super) const SURFACE: f32 = 0.9;
 const HULL: f32 = 1.0;
-const VIEW: usize = 0;
+pub(super) const VIEW: usize = 0;
 
-struct Scene {
-    rig: Rig,
+pub(super) struct Scene {
+    pub(super) rig: Rig,
     views: Vec<crate::View>,
-    levels: Vec<PyramidLevel<'static>>,
+    pub(super) levels: Vec<PyramidLevel<'static>>,
 }
 
 /// A ball with texture on its upper half and none on its lower half, in a hull that is a larger ball.
-static SCENE: LazyLock<Scene> = LazyLock::new(|| {
+pub(super) static SCENE: LazyLock<Scene> = LazyLock::new(|| {
     let cameras: Vec<_> = ring(12, 4.0, 0.5).map(|from| camera(from, Vec3::ZERO, SIZE, 170.0)).collect();
     let rig = Rig::new(&cameras).expect("the cameras are sound");
     assert!(rig.origin().length() < 0.6 && rig.origin() != DVec3::ZERO);
@@ -62,7 +62,7 @@ static SCENE: LazyLock<Scene> = LazyLock::new(|| {
 });
 
 /// All that cleaning could take away stays.
-fn params() -> DetectionParams {
+pub(super) fn params() -> DetectionParams {
     let mut params = Params::preset(Preset::Paper).detection;
     (params.clean.density, params.clean.flatness, params.clean.facing) = (None, None, None);
     params

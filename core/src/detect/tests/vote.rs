@@ -143,6 +143,14 @@ fn pixels_that_are_not_searched_do_not_weaken_their_neighbours() {
     }
 }
 
+#[test]
+fn of_hypotheses_with_equal_support_the_nearest_is_taken() {
+    let curve: Vec<f32> = (0..12).map(|i| if i == 3 || i == 8 { 0.8 } else { 0.1 }).collect();
+    for params in [PRINTED, PARZEN] {
+        assert_eq!(votes(&params, slice::from_ref(&curve)).best(PIXEL, 1, 10, false).0, 3.0);
+    }
+}
+
 /// The fidelity is bounded by the number of views for peaks as printed only.
 #[test]
 fn spread_peaks_of_one_view_add_up_to_more_than_one() {
