@@ -10,6 +10,7 @@ use pcmvs_core::{
     Params, Point, Preset, Reconstruction, Silent, View,
     contours::{FrontierParams, frontier, implicit},
     hull::VisualHull,
+    surface::SLOPE,
 };
 use std::sync::LazyLock;
 use studio::{Faults, Ring, Subject};
@@ -103,10 +104,16 @@ impl Case {
 fn enters_before(hull: &VisualHull, start: Vec3, ray: Vec3, depth: f32) -> bool {
     let (lower, upper) = hull.bounds();
     let (middle, radius) = ((lower + upper) * 0.5, 0.5 * (upper - lower).length());
-    let first = ((middle - start).length() - radius) / ray.length();
-    let step = 0.3 * hull.footprint() / ray.length();
-    let count = ((depth - first) / step).max(0.0) as usize;
-    (0..count).any(|i| hull.signed_distance(start + ray * (first + i as f32 * step)) > 0.0)
+    let mut t = ((middle - start).length() - radius) / ray.length();
+    while t < depth {
+        let distance = hull.signed_distance(start + ray * t);
+        if distance > 0.0 {
+            return true;
+        }
+        // As far as the hull cannot begin.
+        t += (-distance / SLOPE).max(0.3 * hull.footprint()) / ray.length();
+    }
+    false
 }
 
 fn carve(views: &[View]) -> VisualHull {
