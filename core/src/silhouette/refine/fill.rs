@@ -1,6 +1,6 @@
 //! Coverage of closed loops: the exact area of each pixel inside.
 
-use super::{refill, trace::Loops};
+use super::{refill::refill, trace::Loops};
 use alloc::vec::Vec;
 use glam::Vec2;
 

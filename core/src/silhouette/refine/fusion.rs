@@ -3,7 +3,7 @@
 use super::{
     path::{self, Offset},
     profile::{Costs, OFFSETS, Profiles, offset},
-    refill,
+    refill::refill,
     trace::Loops,
 };
 use crate::math::min;

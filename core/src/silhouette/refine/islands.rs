@@ -1,6 +1,6 @@
 //! Small holes in the object and small specks outside it, kept or removed by their colours.
 
-use super::{likelihoods::Likelihoods, patch::Patch, refill};
+use super::{likelihoods::Likelihoods, patch::Patch, refill::refill};
 use alloc::{collections::VecDeque, vec::Vec};
 
 /// Mean evidence of a part's pixels that overrules the matte.

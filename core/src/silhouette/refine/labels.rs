@@ -1,6 +1,6 @@
 //! Which side of the contour the pixels near a matte's edge belong to.
 
-use super::{colour_model::ColourModel, patch::Patch, refill};
+use super::{colour_model::ColourModel, patch::Patch, refill::refill};
 use crate::silhouette::distance::UNITS;
 use alloc::{collections::VecDeque, vec::Vec};
 

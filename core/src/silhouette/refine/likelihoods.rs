@@ -1,6 +1,6 @@
 //! Colour histograms of object and background over the whole picture.
 
-use super::{patch::Patch, refill};
+use super::{patch::Patch, refill::refill};
 use crate::silhouette::distance::UNITS;
 use alloc::vec::Vec;
 

@@ -20,6 +20,7 @@ mod likelihoods;
 mod patch;
 mod path;
 mod profile;
+mod refill;
 mod trace;
 mod uncertainty;
 
@@ -88,17 +89,6 @@ pub(crate) struct RefineScratch {
     loops: Loops,
     fusion: Fusion,
     passed: Vec<Passed>,
-}
-
-/// Makes a buffer `len` copies of a value. One that is too small is freed first, and its successor is not larger than
-/// needed.
-fn refill<T: Clone>(buffer: &mut Vec<T>, len: usize, value: T) {
-    buffer.clear();
-    if buffer.capacity() < len {
-        *buffer = Vec::new();
-        buffer.reserve_exact(len);
-    }
-    buffer.resize(len, value);
 }
 
 /// Moves the half-level contour of a matte's `coverage` to where the picture, packed sRGB, has it. Pixels that are not

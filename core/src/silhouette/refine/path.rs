@@ -2,7 +2,7 @@
 
 use super::{
     profile::{Costs, OFFSET_STEP, OFFSETS, offset},
-    refill,
+    refill::refill,
 };
 use alloc::vec::Vec;
 

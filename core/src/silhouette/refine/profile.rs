@@ -1,6 +1,6 @@
 //! Evidence of the picture for the contour's place: costs of offsets along its normal.
 
-use super::{colour_model::ColourModel, patch::Patch, refill};
+use super::{colour_model::ColourModel, patch::Patch, refill::refill};
 use crate::{math::min, silhouette::distance::UNITS};
 use alloc::vec::Vec;
 use glam::Vec2;

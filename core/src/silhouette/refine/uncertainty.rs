@@ -1,6 +1,6 @@
 //! Standard deviation along a refined contour.
 
-use super::{patch::Patch, refill, trace::Loops};
+use super::{patch::Patch, refill::refill, trace::Loops};
 use crate::math::{min, sqrt};
 use alloc::vec::Vec;
 
