@@ -57,7 +57,7 @@ fn geometric_mean(values: impl Iterator<Item = f32>) -> f32 {
 fn known_gains_are_undone() {
     let gains = solve(&seen(|view, _| exposure(view)));
     for channel in 0..3 {
-        // One gain a channel is free; the geometric mean of the answer is 1.
+        // One gain per channel is free; the geometric mean of the answer is 1.
         let mean = geometric_mean((0..VIEWS).map(|v| exposure(v)[channel]));
         assert!((geometric_mean(gains.iter().map(|g| g[channel])) - 1.0).abs() < 1e-5);
         for view in 0..VIEWS {

@@ -1,6 +1,6 @@
 //! Local colours of object and background along the contour, and the share of the object in a mixed pixel.
 //!
-//! In every cell of a coarse grid the two are told apart by Fisher's linear discriminant of the colours around it. For
+//! In every cell of a coarse grid the two are separated by Fisher's linear discriminant of the colours around it. For
 //! normal distributions of common covariance Σ this is the optimal one. With Δ = F - B the share of the object is
 //! α = Δᵀ Σ⁻¹ (I - B) / J, J = Δᵀ Σ⁻¹ Δ, its variance is 1/J, and J (α - 1/2) is the logarithm of the likelihood ratio.
 //! Directions in which the colours vary anyway, as brightness does on a lit screen, count little by themselves.
