@@ -72,7 +72,7 @@ const AARCH64: &str = "aarch64-unknown-linux-gnu";
 const EMULATOR: Need = Need::Debian(("qemu-user", "/usr/bin/qemu-aarch64"));
 const LINKER: [Need; 2] = [
     Need::Debian(("gcc-aarch64-linux-gnu", "/usr/bin/aarch64-linux-gnu-gcc")),
-    Need::Debian(("libc6-dev-arm64-cross", "/usr/aarch64-linux-gnu/lib/libc.so.6")),
+    Need::Debian(("libc6-dev-arm64-cross", "/usr/aarch64-linux-gnu/lib/crti.o")),
 ];
 /// For the scripts that run WebAssembly.
 const SCRIPTS: [Need; 2] = [Need::Npm("tests/web"), Need::Npm("tests/golden")];
