@@ -57,7 +57,7 @@ impl<R: Deref<Target = Rig> + Sync> Frame<R> {
     fn is_reported(&self, stage: Stage) -> bool {
         match stage {
             Stage::Views => false,
-            Stage::Contours | Stage::Detect | Stage::Merge => self.params.method == Method::Pcmvs,
+            Stage::Contours | Stage::Detect | Stage::Merge | Stage::Mesh => self.params.method == Method::Pcmvs,
             Stage::Coarse => self.params.method == Method::Pcmvs && self.params.coarse.is_some(),
             _ => true,
         }
