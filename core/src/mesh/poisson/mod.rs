@@ -29,7 +29,7 @@ use crate::point_cloud::Point;
 use crate::surface::Envelope;
 use crate::workspace::Workspace;
 use level::GridLevel;
-use samples::Sample;
+use samples::{SAMPLES_PER_STEP, Sample};
 use solution::{MARGIN, Solution};
 use solve::Operator;
 pub(super) use surface::smooth_normals;
@@ -46,7 +46,7 @@ const TOLERANCE: f64 = 1e-4;
 /// Largest number of steps that [`solve`] reports.
 pub(super) fn steps(low: Vec3, high: Vec3, voxel: f32) -> u32 {
     let (_, levels) = domain::domain(low, high, voxel);
-    5 + levels as u32 * (ITERATIONS + 9)
+    5 + levels as u32 * (ITERATIONS + 12)
 }
 
 /// Solves for χ over the bounds `low`, `high`. `screening` is the weight of the term that pulls the surface to the
@@ -84,7 +84,8 @@ pub(super) fn solve(
             GridLevel::refine(&levels, &samples, level, iso, workspace)
         };
         steps.step()?;
-        let mut rhs = right_hand_side(&levels, &mut sparse, &samples, &next.grid, level, workspace);
+        let mut rhs =
+            right_hand_side(&levels, &mut sparse, &samples, &next.grid, level, workspace, || steps.step())?;
         steps.step()?;
         workspace.recycle(cells);
         cells = system::cells(&samples, &next.grid, level, workspace);
@@ -134,7 +135,7 @@ pub(super) fn solve(
 
 /// The right-hand side of a level. Samples of this level's detail or finer are splatted here. Coarser samples act
 /// through `sparse`, which is their part of the right-hand side on the next coarser level and is interpolated to this
-/// one.
+/// one. `step` is called before each part of the samples.
 fn right_hand_side(
     levels: &[GridLevel],
     sparse: &mut Vec<f32>,
@@ -142,7 +143,8 @@ fn right_hand_side(
     grid: &SparseGrid,
     level: usize,
     workspace: &mut Workspace,
-) -> Vec<f32> {
+    mut step: impl FnMut() -> Result<()>,
+) -> Result<Vec<f32>> {
     let here = level as f32;
     let mut rhs = workspace.filled(0.0, grid.blocks.len() * BLOCK_NODES);
     if let Some(above) = levels.last() {
@@ -154,15 +156,20 @@ fn right_hand_side(
     // from its own.
     let whole = |detail: f32| (1.0 - (detail - here)).clamp(0.0, 1.0);
     let shares = |detail: f32| [whole(detail), max(1.0 - (detail - here).abs(), 0.0)];
+    let mut own = workspace.empty(if level > 0 { rhs.len() } else { 0 });
     if level > 0 {
-        let mut own = workspace.empty(rhs.len());
         own.extend_from_slice(&rhs);
-        system::splat(samples, grid, level, shares, &mut [&mut rhs, &mut own]);
-        workspace.recycle(core::mem::replace(sparse, own));
-    } else {
-        system::splat(samples, grid, level, shares, &mut [&mut rhs]);
     }
-    rhs
+    for part in samples.chunks(SAMPLES_PER_STEP) {
+        step()?;
+        if level > 0 {
+            system::splat(part, grid, level, shares, &mut [&mut rhs, &mut own]);
+        } else {
+            system::splat(part, grid, level, shares, &mut [&mut rhs]);
+        }
+    }
+    workspace.recycle(core::mem::replace(sparse, own));
+    Ok(rhs)
 }
 
 /// Median of a field at the points, weighted by area. `None` without points. Stray points lie on both sides of the

@@ -118,8 +118,8 @@ const PLANE: f32 = 0.556;
 /// Smallest number of points per square voxel for which the density can be measured at a level.
 const DENSE: f32 = 1.0;
 
-/// Number of samples that are processed between two progress reports.
-const SAMPLES_PER_STEP: usize = 1 << 18;
+/// Number of samples that are processed between two progress reports: at most 25 ms of work.
+pub(super) const SAMPLES_PER_STEP: usize = 1 << 17;
 
 /// Width of a sample's spline, relative to the spacing of the samples around it.
 const SPREAD: f32 = 1.5;
