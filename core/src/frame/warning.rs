@@ -5,7 +5,7 @@ use crate::{params::Method, point_cloud::Rank, rig::Rig, stage::Stage};
 use core::{fmt, ops::Deref};
 
 /// Something in a frame that may make its result worse. Cameras are numbered as given to [`Rig::new`].
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub enum Warning {
     /// A camera has no silhouette, so that it does not carve the hull.
