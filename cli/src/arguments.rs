@@ -50,7 +50,8 @@ pub struct Reconstruct {
     /// of the stable command line, because the parameters may change with any version
     #[arg(long = "set", value_name = "KEY=VALUE", hide = true)]
     pub overrides: Vec<String>,
-    /// Source of the silhouettes: mask files, or the backdrop's colour in scene.json
+    /// Source of the silhouettes: mask files (without one, the alpha channel of the picture), or the backdrop's colour in
+    /// scene.json
     #[arg(long, value_enum, default_value_t = MaskSource::File)]
     pub masks: MaskSource,
     /// Number of threads. It does not change the result [default: all cores]
@@ -59,6 +60,9 @@ pub struct Reconstruct {
     /// Memory limit per frame in MiB, without its pictures. A frame that needs more fails before it starts
     #[arg(long, value_name = "MIB")]
     pub max_memory: Option<u64>,
+    /// Treat warnings as errors: a frame that has any fails, and its mesh is not written
+    #[arg(long)]
+    pub strict: bool,
     /// Format of the meshes
     #[arg(long, value_enum, default_value_t = Format::Glb)]
     pub format: Format,

@@ -3,19 +3,21 @@
 use crate::{
     arguments::Format,
     fingerprint::{Fingerprint, sha256},
+    inputs::{FrameFiles, Silhouettes},
     json, output,
     progress::{Console, FrameProgress},
-    report::{FrameReport, peak_memory},
+    report::{CameraReport, Earlier, FrameReport, peak_memory},
     threads::Threads,
+    warning::WarningReport,
 };
 use pcmvs_core::{
-    ChromaKey, Executor, Frame, Mask, Memory, Mesh, Params, PointCloud, Progress, Reconstruction, Rig, Stage,
-    ViewInput,
+    Frame, Memory, Mesh, Params, PointCloud, Progress, Reconstruction, Rig, Stage,
     export::{bounds, glb, ply},
 };
-use pcmvs_scene::{Failure, Picture, Scene, SceneFrame};
+use pcmvs_scene::{Failure, Scene, SceneFrame};
 use std::{
     fs,
+    mem::take,
     path::{Path, PathBuf},
 };
 
@@ -26,8 +28,9 @@ pub struct Job<'a> {
     pub params: &'a Params,
     /// Memory limit per frame, in bytes.
     pub max_memory: Option<u64>,
-    /// Silhouettes from the backdrop's colour instead of mask files.
-    pub key: Option<ChromaKey>,
+    pub silhouettes: Silhouettes,
+    /// Whether warnings are errors.
+    pub strict: bool,
     pub format: Format,
     pub stages: bool,
     pub folder: &'a Path,
@@ -35,32 +38,29 @@ pub struct Job<'a> {
     pub console: &'a Console<'a>,
     /// Fingerprint of the program, the parameters and the cameras.
     pub settings: &'a Fingerprint,
-    /// Frames that an earlier run finished.
-    pub earlier: &'a [FrameReport],
-}
-
-/// The files of one camera and one frame, not yet decoded.
-struct Files {
-    image: Vec<u8>,
-    mask: Option<Vec<u8>>,
+    /// What an earlier run finished.
+    pub earlier: &'a Earlier,
 }
 
 impl Job<'_> {
-    /// Reconstructs a frame, or keeps the result of an earlier run if nothing has changed.
-    pub fn run(&self, frame: &SceneFrame) -> Result<FrameReport, Failure> {
+    /// Reconstructs a frame, or keeps the result of an earlier run if nothing has changed. Warnings are written to the
+    /// terminal and added to `warnings`, also if the frame fails.
+    pub fn run(&self, frame: &SceneFrame, warnings: &mut Vec<WarningReport>) -> Result<FrameReport, Failure> {
         if self.console.is_cancelled() {
             return Err(Failure::Cancelled);
         }
-        let files = self.read(frame)?;
+        let files = FrameFiles::read(self.scene, frame, self.silhouettes)?;
         let fingerprint = self.fingerprint(&files);
-        if let Some(earlier) = self.earlier.iter().find(|e| e.index == frame.index && e.fingerprint == fingerprint)
-            && self.is_still_there(earlier)
-        {
+        let earlier = self.earlier.frames.iter().find(|e| e.index == frame.index && e.fingerprint == fingerprint);
+        if let Some(earlier) = earlier.filter(|earlier| self.is_still_there(earlier)) {
+            self.warn(warnings, self.earlier.warnings_of(frame.index).cloned().collect());
+            self.accept(frame, warnings)?;
             self.console.line(&format!("frame {} has not changed: its mesh is kept", frame.index));
             return Ok(earlier.clone());
         }
         let progress = self.console.frame(frame.index);
-        let result = self.reconstruct(frame, files, &progress)?;
+        let result = self.reconstruct(frame, files, warnings, &progress)?;
+        self.accept(frame, warnings)?;
 
         progress.begin("write");
         let origin = self.rig.origin();
@@ -78,6 +78,7 @@ impl Job<'_> {
         progress.end("write");
 
         let hash = |&(stage, hash): &(Stage, u64)| (stage.name().to_owned(), format!("{hash:016x}").into());
+        let names = self.scene.cameras.iter().map(|camera| &camera.name);
         Ok(FrameReport {
             index: frame.index,
             file,
@@ -87,39 +88,36 @@ impl Job<'_> {
             bounds,
             seconds: progress.seconds().into_iter().map(|(step, s)| (step.to_owned(), s.into())).collect(),
             counts: json::to_value(&result.counts),
+            cameras: names.zip(&result.diagnostics).map(|(name, found)| CameraReport::new(name, found)).collect(),
             hashes: result.hashes.iter().map(hash).collect(),
             peak_memory: peak_memory(),
         })
     }
 
-    /// Frame, camera and file of a picture, for error messages.
-    fn place(&self, frame: &SceneFrame, camera: usize, path: &Path) -> String {
-        let name = &self.scene.cameras[camera].name;
-        format!("frame {}: camera `{name}`: {}", frame.index, self.scene.resolve(path).display())
-    }
-
-    fn read(&self, frame: &SceneFrame) -> Result<Vec<Files>, Failure> {
-        let read = |camera: usize, path: &Path| {
-            fs::read(self.scene.resolve(path)).map_err(|e| {
-                let place = self.place(frame, camera, path);
-                Failure::Input(format!("{place}: cannot be read ({e}): check the path in scene.json"))
-            })
-        };
-        let files = |camera: usize| {
-            let path = frame.mask(camera).filter(|_| self.key.is_none());
-            let mask = path.map(|path| read(camera, path)).transpose()?;
-            Ok(Files { image: read(camera, &frame.images[camera])?, mask })
-        };
-        (0..self.scene.cameras.len()).map(files).collect()
-    }
-
-    fn fingerprint(&self, files: &[Files]) -> String {
-        let mut fingerprint = self.settings.clone();
-        for file in files {
-            fingerprint.add(&file.image);
-            fingerprint.add(&[u8::from(file.mask.is_some())]);
-            fingerprint.add(file.mask.as_deref().unwrap_or_default());
+    /// Writes warnings to the terminal and keeps them.
+    fn warn(&self, kept: &mut Vec<WarningReport>, warnings: Vec<WarningReport>) {
+        for warning in &warnings {
+            self.console.warn(warning);
         }
+        kept.extend(warnings);
+    }
+
+    /// Refuses a frame that has warnings, if they are errors.
+    fn accept(&self, frame: &SceneFrame, warnings: &[WarningReport]) -> Result<(), Failure> {
+        if !self.strict || warnings.is_empty() {
+            return Ok(());
+        }
+        Err(Failure::Input(format!(
+            "frame {}: its warnings are errors with --strict, see the {} above: correct what they name, or run without \
+             --strict",
+            frame.index,
+            warnings.len()
+        )))
+    }
+
+    fn fingerprint(&self, files: &FrameFiles) -> String {
+        let mut fingerprint = self.settings.clone();
+        files.add_to(&mut fingerprint);
         fingerprint.finish()
     }
 
@@ -131,31 +129,38 @@ impl Job<'_> {
     fn reconstruct(
         &self,
         frame: &SceneFrame,
-        files: Vec<Files>,
+        mut files: FrameFiles,
+        warnings: &mut Vec<WarningReport>,
         progress: &FrameProgress,
     ) -> Result<Reconstruction, Failure> {
         progress.begin("decode");
-        let decode = |camera: usize, path: &Path, file: &[u8]| {
-            Picture::decode(file)
-                .map_err(|problem| Failure::Input(format!("{}: {problem}", self.place(frame, camera, path))))
-        };
-        let pictures = self.threads.map(files.len(), |camera| {
-            let image = decode(camera, &frame.images[camera], &files[camera].image)?;
-            let mask = match (&files[camera].mask, frame.mask(camera)) {
-                (Some(file), Some(path)) => Some(decode(camera, path, file)?),
-                _ => None,
-            };
-            Ok((image, mask))
-        });
-        let pictures: Vec<(Picture, Option<Picture>)> = pictures.into_iter().collect::<Result<_, Failure>>()?;
-        drop(files);
+        let missing = take(&mut files.warnings);
+        self.warn(warnings, missing);
+        let pictures = files.decode(self.scene, frame, self.silhouettes, self.threads)?;
         progress.end("decode");
-        let inputs: Vec<ViewInput> = pictures.iter().map(|pictures| view_input(pictures, self.key)).collect();
         let progress: &dyn Progress = progress;
         let memory = self.max_memory.map_or_else(Memory::default, Memory::limited);
         let mut made = Frame::new(self.rig, *self.params, memory);
-        made.run_all(&inputs, self.threads, progress).map_err(|error| self.scene.explain(&error, Some(frame)))?;
+        let result = made.run_all(&pictures.inputs(), self.threads, progress);
+        self.warn(warnings, self.warnings_of(&made, frame, warnings));
+        result.map_err(|error| self.scene.explain(&error, Some(frame)))?;
         Ok(made.into_reconstruction())
+    }
+
+    /// The core's warnings about a frame. That a camera has no picture or mask goes without saying where `known` says that
+    /// its file is missing.
+    fn warnings_of(&self, made: &Frame<&Rig>, frame: &SceneFrame, known: &[WarningReport]) -> Vec<WarningReport> {
+        let found = made.warnings().into_iter().filter(|warning| !warning.is_about_rig());
+        let found = found.map(|warning| WarningReport::of_core(&warning, self.scene, Some(frame)));
+        let is_known = |warning: &WarningReport| {
+            let explains = |code: &str| match code {
+                "missing-picture" => "no-picture",
+                "missing-mask" => "no-silhouette",
+                _ => "",
+            };
+            known.iter().any(|known| known.camera == warning.camera && explains(&known.code) == warning.code)
+        };
+        found.filter(|warning| !is_known(warning)).collect()
     }
 
     fn stages_folder(&self, index: u32) -> PathBuf {
@@ -188,13 +193,4 @@ impl Job<'_> {
         mesh("colour.ply", &result.mesh)?;
         fs::rename(&temporary, &folder).map_err(unwritable)
     }
-}
-
-fn view_input((image, mask): &(Picture, Option<Picture>), key: Option<ChromaKey>) -> ViewInput<'_> {
-    let mask = match (key, mask) {
-        (Some(key), _) => Mask::ChromaKey(key),
-        (None, Some(mask)) => Mask::Given(mask.view()),
-        (None, None) => Mask::Unknown,
-    };
-    ViewInput { image: image.view(), mask }
 }

@@ -19,7 +19,9 @@ pub fn run(options: &Import) -> Result<(), Failure> {
     let mut masks = 0;
     for frame in &mut scene.frames {
         for (camera, image) in scene.cameras.iter().zip(&mut frame.images) {
-            *image = copy(image, &options.output, "images", &camera.name)?;
+            if let Some(image) = image {
+                *image = copy(image, &options.output, "images", &camera.name)?;
+            }
         }
         for (camera, mask) in scene.cameras.iter().zip(frame.masks.iter_mut().flatten()) {
             if let Some(mask) = mask {

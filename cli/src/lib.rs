@@ -4,6 +4,7 @@ mod arguments;
 mod fingerprint;
 mod frame;
 mod import;
+mod inputs;
 mod json;
 mod output;
 mod overrides;
@@ -11,6 +12,7 @@ mod progress;
 mod reconstruct;
 mod report;
 mod threads;
+mod warning;
 
 pub use pcmvs_scene::Failure;
 

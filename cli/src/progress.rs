@@ -1,5 +1,6 @@
 //! Progress of a run: bars on a terminal, plain lines elsewhere.
 
+use crate::warning::WarningReport;
 use indicatif::{MultiProgress, ProgressBar, ProgressStyle};
 use pcmvs_core::{Progress, Stage};
 use std::{
@@ -33,6 +34,11 @@ impl<'a> Console<'a> {
             Some(bars) => drop(bars.println(text)),
             None => eprintln!("{text}"),
         }
+    }
+
+    /// Writes a warning.
+    pub fn warn(&self, warning: &WarningReport) {
+        self.line(&format!("warning: {}", warning.message));
     }
 
     /// Progress of one frame.

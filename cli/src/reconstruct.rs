@@ -4,12 +4,14 @@ use crate::{
     arguments::{Format, MaskSource, Reconstruct},
     fingerprint::Fingerprint,
     frame::Job,
+    inputs::Silhouettes,
     json, output, overrides,
     progress::Console,
-    report::{self, FrameFailure, FrameReport, Report, earlier_frames, peak_memory},
+    report::{self, Earlier, FrameFailure, Report, peak_memory},
     threads::Threads,
+    warning::WarningReport,
 };
-use pcmvs_core::{Camera, ChromaKey, Params, Rig};
+use pcmvs_core::{Camera, ChromaKey, Params, Rig, Warning};
 use pcmvs_scene::{Disk, Failure, Scene, SceneCamera};
 use std::{
     num::NonZeroUsize,
@@ -40,22 +42,31 @@ pub fn run(options: &Reconstruct, cancelled: &AtomicBool) -> Result<(), Failure>
     for assignment in &options.overrides {
         params = overrides::set(&params, assignment).map_err(Failure::Input)?;
     }
-    let key = chroma_key(options.masks, &scene)?;
-    let settings = settings(options.format, &params, &cameras, key.as_ref())?;
+    let silhouettes = silhouettes(options.masks, &scene)?;
+    let settings = settings(options.format, &params, &cameras, silhouettes)?;
     let threads = match options.threads {
         Some(threads) => threads,
         None => thread::available_parallelism().unwrap_or(NonZeroUsize::MIN),
     };
     let pool = Threads::new(threads)?;
     let settings_text = settings.clone().finish();
-    let earlier = earlier_frames(&options.output, &settings_text);
+    let earlier = Earlier::read(&options.output, &settings_text);
     let console = Console::new(cancelled);
+    let about_rig = warnings_about(&rig, &scene);
+    about_rig.iter().for_each(|warning| console.warn(warning));
+    if options.strict && !about_rig.is_empty() {
+        return Err(Failure::Input(format!(
+            "{}: the warnings above are errors with --strict: correct what they name, or run without --strict",
+            scene.path.display()
+        )));
+    }
     let job = Job {
         scene: &scene,
         rig: &rig,
         params: &params,
         max_memory: options.max_memory.map(|mib| mib.saturating_mul(1 << 20)),
-        key,
+        silhouettes,
+        strict: options.strict,
         format: options.format,
         stages: options.stages,
         folder: &options.output,
@@ -73,9 +84,11 @@ pub fn run(options: &Reconstruct, cancelled: &AtomicBool) -> Result<(), Failure>
         params: json::to_value(&params),
         settings: settings_text,
         peak_memory: peak_memory(),
-        frames: not_to_do(&earlier, &scene, &options.output),
+        warnings: about_rig,
+        frames: Vec::new(),
         failures: Vec::new(),
     };
+    let report = with_not_asked(report, &earlier, &scene, &options.output);
     let (report, worst) = make_frames(&job, report);
     if report.frames.is_empty() {
         return Err(worst.unwrap_or(Failure::Cancelled));
@@ -101,13 +114,13 @@ fn cameras(scene: &Scene) -> Result<Vec<Camera>, Failure> {
     scene.cameras.iter().map(camera).collect()
 }
 
-/// The chroma key, if silhouettes do not come from mask files.
-fn chroma_key(masks: MaskSource, scene: &Scene) -> Result<Option<ChromaKey>, Failure> {
+/// Where the silhouettes come from.
+fn silhouettes(masks: MaskSource, scene: &Scene) -> Result<Silhouettes, Failure> {
     if masks == MaskSource::File {
-        return Ok(None);
+        return Ok(Silhouettes::Files);
     }
     match scene.background.as_ref().and_then(|background| background.chroma_rgb) {
-        Some(rgb) => Ok(Some(ChromaKey { rgb, ..ChromaKey::default() })),
+        Some(rgb) => Ok(Silhouettes::Key(ChromaKey { rgb, ..ChromaKey::default() })),
         None => Err(Failure::Input(format!(
             "{}: --masks chroma needs the backdrop's colour: add \"background\": {{ \"chroma_rgb\": [r, g, b] }}",
             scene.path.display()
@@ -115,22 +128,32 @@ fn chroma_key(masks: MaskSource, scene: &Scene) -> Result<Option<ChromaKey>, Fai
     }
 }
 
+/// Warnings that hold for all frames.
+fn warnings_about(rig: &Rig, scene: &Scene) -> Vec<WarningReport> {
+    let pairs = rig.same_place().iter().map(|&(first, second)| Warning::SamePlace { first, second });
+    pairs.map(|warning| WarningReport::of_core(&warning, scene, None)).collect()
+}
+
 /// Everything that the frames depend on besides their own pictures.
 fn settings(
     format: Format,
     params: &Params,
     cameras: &[Camera],
-    key: Option<&ChromaKey>,
+    silhouettes: Silhouettes,
 ) -> Result<Fingerprint, Failure> {
     let mut fingerprint = Fingerprint::of_program()?;
-    fingerprint.add(format!("{params:?} {cameras:?} {key:?} {format:?}").as_bytes());
+    fingerprint.add(format!("{params:?} {cameras:?} {silhouettes:?} {format:?}").as_bytes());
     Ok(fingerprint)
 }
 
-/// Frames of an earlier run that belong to the same clip but are not part of this run.
-fn not_to_do(earlier: &[FrameReport], scene: &Scene, folder: &Path) -> Vec<FrameReport> {
+/// Adds the frames of an earlier run that belong to the same clip but are not part of this run.
+fn with_not_asked(mut report: Report, earlier: &Earlier, scene: &Scene, folder: &Path) -> Report {
     let asked = |index: u32| scene.frames.iter().any(|f| f.index == index);
-    earlier.iter().filter(|e| !asked(e.index) && folder.join(&e.file).is_file()).cloned().collect()
+    for frame in earlier.frames.iter().filter(|e| !asked(e.index) && folder.join(&e.file).is_file()) {
+        report.warnings.extend(earlier.warnings_of(frame.index).cloned());
+        report.frames.push(frame.clone());
+    }
+    report
 }
 
 /// Reconstructs all frames, even if some of them fail. The report is written after each good frame, so that a killed run
@@ -140,10 +163,13 @@ fn make_frames(job: &Job, report: Report) -> (Report, Option<Failure>) {
     let frames = &job.scene.frames;
     let outcomes = job.threads.map_at_most(MAX_FRAMES, frames.len(), |i| {
         let index = frames[i].index;
-        let outcome = catch_unwind(AssertUnwindSafe(|| job.run(&frames[i]))).unwrap_or_else(|_| {
+        let mut warnings = Vec::new();
+        let outcome = catch_unwind(AssertUnwindSafe(|| job.run(&frames[i], &mut warnings))).unwrap_or_else(|_| {
             Err(Failure::Other(format!("frame {index}: internal error, see the message above: please report it")))
         });
         let mut report = report.lock().unwrap_or_else(PoisonError::into_inner);
+        report.warnings.extend(warnings);
+        report.warnings.sort_by_key(|warning| warning.frame);
         let outcome = outcome.and_then(|done| {
             report.frames.push(done);
             report.frames.sort_by_key(|f| f.index);

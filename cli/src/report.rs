@@ -1,5 +1,7 @@
 //! report.json: parameters, times and counts of a run, and the fingerprints by which a later run finds finished frames.
 
+use crate::warning::WarningReport;
+use pcmvs_core::ViewDiagnostics;
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
 use std::{fs, path::Path};
@@ -21,6 +23,8 @@ pub struct Report {
     pub settings: String,
     /// Peak memory of the process so far, in bytes; null if the system does not report it.
     pub peak_memory: Option<u64>,
+    /// What may make the results worse although nothing failed: first about the cameras, then by frame.
+    pub warnings: Vec<WarningReport>,
     /// Finished frames by index.
     pub frames: Vec<FrameReport>,
     pub failures: Vec<FrameFailure>,
@@ -41,10 +45,33 @@ pub struct FrameReport {
     pub seconds: Map<String, Value>,
     /// Counts of the method's stages.
     pub counts: Value,
+    /// How well each camera's view agrees with the others.
+    pub cameras: Vec<CameraReport>,
     /// 64-bit hash of every stage's output, in hexadecimal.
     pub hashes: Map<String, Value>,
     /// Peak memory of the process when the frame was done, in bytes.
     pub peak_memory: Option<u64>,
+}
+
+/// How well a camera's view agrees with the others in a frame.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct CameraReport {
+    pub name: String,
+    /// Whether the view takes part in the frame.
+    pub used: bool,
+    /// Intersection over union of the silhouette and the visual hull's picture, 0 to 1; null without a silhouette.
+    pub silhouette_overlap: Option<f32>,
+    /// Median distance of the hull's outline from the silhouette's contour, in pixels; null without a silhouette.
+    pub contour_px: Option<f32>,
+    /// Median distance of matches from their epipolar lines, in pixels; null if it has not been measured.
+    pub epipolar_px: Option<f32>,
+}
+
+impl CameraReport {
+    pub fn new(name: &str, found: &ViewDiagnostics) -> Self {
+        let ViewDiagnostics { used, silhouette_overlap, contour_px, epipolar_px, .. } = *found;
+        Self { name: name.to_owned(), used, silhouette_overlap, contour_px, epipolar_px }
+    }
 }
 
 /// A frame that failed.
@@ -54,11 +81,27 @@ pub struct FrameFailure {
     pub error: String,
 }
 
-/// The finished frames of an earlier run with the same settings. There are none if the report cannot be read or is of
-/// another version.
-pub fn earlier_frames(folder: &Path, settings: &str) -> Vec<FrameReport> {
-    let report = fs::read(folder.join(FILE_NAME)).ok().and_then(|bytes| serde_json::from_slice::<Report>(&bytes).ok());
-    report.filter(|report| report.settings == settings).map(|report| report.frames).unwrap_or_default()
+/// What an earlier run with the same settings finished.
+#[derive(Default)]
+pub struct Earlier {
+    pub frames: Vec<FrameReport>,
+    warnings: Vec<WarningReport>,
+}
+
+impl Earlier {
+    /// Reads the report of an earlier run. It is empty if the report cannot be read, is of another version or of other
+    /// settings.
+    pub fn read(folder: &Path, settings: &str) -> Self {
+        let report = fs::read(folder.join(FILE_NAME)).ok();
+        let report = report.and_then(|bytes| serde_json::from_slice::<Report>(&bytes).ok());
+        let report = report.filter(|report| report.settings == settings);
+        report.map(|report| Self { frames: report.frames, warnings: report.warnings }).unwrap_or_default()
+    }
+
+    /// The warnings about a frame.
+    pub fn warnings_of(&self, frame: u32) -> impl Iterator<Item = &WarningReport> {
+        self.warnings.iter().filter(move |warning| warning.frame == Some(frame))
+    }
 }
 
 /// Peak resident memory of this process in bytes. Only Linux reports it.

@@ -43,7 +43,9 @@ pub fn coarse(
     workspace: &mut Workspace,
 ) -> Result<Mesh> {
     let Context { views, hull, progress, .. } = context;
-    let made = executor.map(views.len(), |i| PyramidLevel::made(&views[i], params.detection.octave));
+    let octave = params.detection.octave;
+    let made =
+        executor.map(views.len(), |i| views[i].is_used().then(|| PyramidLevel::made(&views[i], octave)).flatten());
     let level = |i: usize| PyramidLevel::new(&views[i], made[i].as_ref());
     let detecting = Part { of: progress, stage: Stage::Coarse, part: 0, parts: 2 };
     let inner = context.reporting_to(&detecting);

@@ -30,18 +30,28 @@ pub enum Error {
         /// What is wrong and what to do.
         problem: String,
     },
-    /// Two cameras have the same position and viewing direction.
-    #[error("cameras {first} and {second} have the same position and viewing direction: remove one of them")]
-    DuplicateCamera {
-        /// Index of the earlier camera.
-        first: u32,
-        /// Index of the later camera.
-        second: u32,
+    /// The cameras as a whole cannot be used: their axes or poses contradict each other or the silhouettes, mostly because
+    /// they are given in another convention than that of [`crate::Camera`].
+    #[error("{problem}")]
+    Cameras {
+        /// What is wrong and what to do.
+        problem: String,
+    },
+    /// Most silhouettes touch the whole border of their pictures.
+    #[error(
+        "{inverted} of {given} silhouettes touch the whole border of their pictures: the masks are white on the background: \
+         inverted? Give masks that are white on the object"
+    )]
+    MasksInverted {
+        /// Silhouettes that touch the whole border.
+        inverted: u32,
+        /// Silhouettes given.
+        given: u32,
     },
     /// There are fewer views than the method needs.
-    #[error("{given} views given: at least {needed} are needed")]
+    #[error("{given} usable views given: at least {needed} are needed")]
     TooFewViews {
-        /// Views given.
+        /// Views with a silhouette that take part, or cameras of a rig.
         given: u32,
         /// Views needed.
         needed: u32,
@@ -107,14 +117,12 @@ pub enum Error {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 pub enum ErrorCode {
-    /// [`Error::Camera`].
+    /// [`Error::Camera`] and [`Error::Cameras`].
     Camera,
     /// [`Error::Image`].
     Image,
-    /// [`Error::Silhouette`].
+    /// [`Error::Silhouette`] and [`Error::MasksInverted`].
     Silhouette,
-    /// [`Error::DuplicateCamera`].
-    DuplicateCamera,
     /// [`Error::TooFewViews`].
     TooFewViews,
     /// Lists of different lengths, or a camera that does not exist.
@@ -138,7 +146,6 @@ impl ErrorCode {
             Self::Camera => "camera",
             Self::Image => "image",
             Self::Silhouette => "silhouette",
-            Self::DuplicateCamera => "duplicate-camera",
             Self::TooFewViews => "too-few-views",
             Self::InvalidArgument => "invalid-argument",
             Self::EmptyHull => "empty-hull",
@@ -154,10 +161,9 @@ impl Error {
     /// The kind of error.
     pub const fn code(&self) -> ErrorCode {
         match self {
-            Self::Camera { .. } => ErrorCode::Camera,
+            Self::Camera { .. } | Self::Cameras { .. } => ErrorCode::Camera,
             Self::Image { .. } => ErrorCode::Image,
-            Self::Silhouette { .. } => ErrorCode::Silhouette,
-            Self::DuplicateCamera { .. } => ErrorCode::DuplicateCamera,
+            Self::Silhouette { .. } | Self::MasksInverted { .. } => ErrorCode::Silhouette,
             Self::TooFewViews { .. } => ErrorCode::TooFewViews,
             Self::ViewCount { .. } | Self::GainCount { .. } | Self::NoSuchCamera { .. } => ErrorCode::InvalidArgument,
             Self::EmptyHull => ErrorCode::EmptyHull,
@@ -168,14 +174,13 @@ impl Error {
         }
     }
 
-    /// Index of the camera concerned, if there is one. If two cameras are concerned it is the later one.
+    /// Index of the camera concerned, if there is one.
     pub const fn camera(&self) -> Option<u32> {
         match self {
             Self::Camera { camera, .. }
             | Self::Image { camera, .. }
             | Self::Silhouette { camera, .. }
             | Self::NoSuchCamera { camera, .. } => Some(*camera),
-            Self::DuplicateCamera { second, .. } => Some(*second),
             Self::WrongOrder { camera, .. } => *camera,
             _ => None,
         }

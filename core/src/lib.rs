@@ -112,6 +112,7 @@ pub mod grid;
 pub mod hash;
 pub mod hull;
 pub mod image;
+mod left_out;
 mod math;
 pub mod memory;
 pub mod merge;
@@ -136,9 +137,10 @@ pub use camera::{Camera, Pinhole};
 pub use context::Context;
 pub use error::{Error, ErrorCode, Result};
 pub use executor::{Executor, Pool, Serial};
-pub use frame::{Frame, Memory, Reconstruction, Warning};
+pub use frame::{Frame, Memory, Reconstruction, ViewDiagnostics, Warning};
 pub use glam;
 pub use image::{ImageRef, PixelFormat};
+pub use left_out::LeftOut;
 pub use params::{Params, Preset};
 pub use point_cloud::{Mesh, Point, PointCloud, Rank};
 pub use progress::{Progress, Silent};
@@ -149,13 +151,14 @@ pub use stage::Stage;
 pub use view::{Mask, View, ViewInput};
 pub use workspace::Workspace;
 
-/// Reconstructs one frame. There is one input per camera, in the order in which the cameras were passed to [`Rig::new`].
+/// Reconstructs one frame. There is one input per camera, in the order in which the cameras were passed to [`Rig::new`]:
+/// a [`ViewInput`], or an `Option` of one that is `None` where a camera has no picture.
 ///
 /// # Errors
 /// Any [`Error`] except [`Error::WrongOrder`].
-pub fn reconstruct(
+pub fn reconstruct<'i>(
     rig: &Rig,
-    inputs: &[ViewInput],
+    inputs: &[impl Into<Option<ViewInput<'i>>> + Copy + Sync],
     params: &Params,
     executor: &impl Executor,
     progress: &dyn Progress,

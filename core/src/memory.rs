@@ -75,6 +75,7 @@ pub fn expected(rig: &Rig, params: &Params) -> u64 {
 /// The largest number of bytes that a frame needs, once its silhouettes, its hull and the hull's mesh are known.
 pub fn needed(views: &[View], hull: &VisualHull, hull_mesh: &Mesh, params: &Params) -> u64 {
     let inside = |v: &View| match &v.silhouette {
+        _ if !v.is_used() => 0,
         Some(silhouette) => silhouette.distances().iter().filter(|&&d| d > 0).count(),
         None => v.luma.len(),
     };

@@ -5,13 +5,14 @@ use crate::{
     error::{Error, Result},
     hash::Hash64,
     image::{self, ImageRef},
+    left_out::LeftOut,
     rig::Rig,
     silhouette::{
-        ChromaKey, ContourParams, Silhouette, Uncertainty, chroma, clean_plate,
+        ChromaKey, ContourParams, NoContour, Silhouette, Uncertainty, chroma, clean_plate,
         refine::{RefineScratch, refine},
     },
 };
-use alloc::{format, sync::Arc, vec::Vec};
+use alloc::{format, string::ToString, sync::Arc, vec::Vec};
 
 /// Where a view's silhouette comes from.
 #[derive(Debug, Clone, Copy)]
@@ -49,6 +50,8 @@ pub struct View {
     pub luma: Vec<u8>,
     /// The silhouette, if it is known.
     pub silhouette: Option<Arc<Silhouette>>,
+    /// Why the view contributes nothing to its frame. `None` if it takes part.
+    pub left_out: Option<LeftOut>,
 }
 
 /// Buffers for making one view after another. Their content never affects a result.
@@ -87,6 +90,28 @@ impl From<View> for Buffers {
 }
 
 impl View {
+    /// The view of a camera that has no picture in this frame. `index` is the camera's index in the rig.
+    ///
+    /// # Errors
+    /// [`Error::NoSuchCamera`].
+    pub fn absent(rig: &Rig, index: usize) -> Result<Self> {
+        let missing = Error::NoSuchCamera { camera: index as u32, cameras: rig.cameras().len() as u32 };
+        let place = rig.place(index).ok_or(missing)?;
+        Ok(Self {
+            index: place as u16,
+            camera: rig.pinholes()[index],
+            rgb: Vec::new(),
+            luma: Vec::new(),
+            silhouette: None,
+            left_out: Some(LeftOut::NoPicture),
+        })
+    }
+
+    /// Whether the view takes part in its frame.
+    pub fn is_used(&self) -> bool {
+        self.left_out.is_none()
+    }
+
     /// Mixes picture and silhouette into a hash.
     fn hash(&self, mut hash: Hash64) -> Hash64 {
         for p in self.rgb.chunks(8) {
@@ -157,6 +182,7 @@ impl View {
         if let Some(undistortion) = undistortion {
             undistortion.rgb(picture, &mut rgb);
         }
+        let mut left_out = None;
         let silhouette = if let Mask::Unknown = input.mask {
             None
         } else {
@@ -171,11 +197,18 @@ impl View {
             let known = |i: usize| undistortion.is_none() || known[i];
             let refined = contour
                 .and_then(|params| refine(w as usize, &rgb, coverage, known, params, contour_scratch, uncertainty));
-            let silhouette = Silhouette::with_buffers(w, h, coverage, known, &mut contour_scratch.distance, distance);
-            Some(silhouette.map_err(unusable)?.with_uncertainty(refined))
+            match Silhouette::with_buffers(w, h, coverage, known, &mut contour_scratch.distance, distance) {
+                Ok(silhouette) => Some(silhouette.with_uncertainty(refined)),
+                Err(NoContour::Empty) => {
+                    left_out = Some(LeftOut::EmptySilhouette);
+                    None
+                }
+                Err(problem) => return Err(unusable(problem.to_string())),
+            }
         };
         luma.clear();
         luma.extend(rgb.chunks_exact(3).map(|p| image::luma([p[0], p[1], p[2]])));
-        Ok(Self { index: place as u16, camera: rig.pinholes()[index], rgb, luma, silhouette: silhouette.map(Arc::new) })
+        let silhouette = silhouette.map(Arc::new);
+        Ok(Self { index: place as u16, camera: rig.pinholes()[index], rgb, luma, silhouette, left_out })
     }
 }

@@ -3,6 +3,7 @@
 //! All files are read through [`Files`], so that the command line and the browser read a capture in the same way, bit for
 //! bit.
 
+mod explain;
 mod failure;
 mod files;
 mod import;

@@ -30,6 +30,21 @@ impl Picture {
         ImageRef::packed(&self.pixels, self.width, self.height, self.format)
     }
 
+    /// The alpha channel as a mask, if any pixel is more than half transparent: the picture then is a cut-out of the
+    /// object.
+    pub fn alpha(&self) -> Option<Self> {
+        if self.format != PixelFormat::Rgba8 || self.pixels.iter().skip(3).step_by(4).all(|&alpha| alpha >= 128) {
+            return None;
+        }
+        let pixels = self.pixels.iter().skip(3).step_by(4).copied().collect();
+        Some(Self { format: PixelFormat::Gray8, pixels, ..*self })
+    }
+
+    /// The mask that a file holds: its alpha channel if it is a cut-out of the object, otherwise its brightness.
+    pub fn into_mask(self) -> Self {
+        self.alpha().unwrap_or(self)
+    }
+
     /// Decodes the bytes of a file. Errors name the problem and the remedy.
     pub fn decode(file: &[u8]) -> Result<Self, String> {
         match image::guess_format(file) {
@@ -68,7 +83,44 @@ fn decode_png(file: &[u8]) -> Result<Picture, String> {
     let (format, pixels) = match decoded {
         DynamicImage::ImageLuma8(gray) => (PixelFormat::Gray8, gray.into_raw()),
         DynamicImage::ImageRgba8(rgba) => (PixelFormat::Rgba8, rgba.into_raw()),
+        other if other.color().has_alpha() => (PixelFormat::Rgba8, other.into_rgba8().into_raw()),
         other => (PixelFormat::Rgb8, other.into_rgb8().into_raw()),
     };
     Ok(Picture { width, height, format, pixels })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use image::{ColorType, ImageEncoder, codecs::png::PngEncoder};
+
+    fn decoded(pixels: &[u8], format: ColorType) -> Picture {
+        let mut file = Vec::new();
+        PngEncoder::new(&mut file).write_image(pixels, 2, 1, format.into()).unwrap();
+        Picture::decode(&file).unwrap()
+    }
+
+    #[test]
+    fn the_alpha_of_a_cut_out_is_its_mask_in_every_format() {
+        let mask = Picture::new(vec![255, 0], 2, 1, PixelFormat::Gray8);
+        // The colours of a cut-out say nothing: white, black, or those of the object.
+        assert_eq!(decoded(&[9, 8, 7, 255, 0, 0, 0, 0], ColorType::Rgba8).into_mask(), mask);
+        assert_eq!(decoded(&[255, 255, 255, 0], ColorType::La8).into_mask(), mask);
+        let sixteen: Vec<u8> = [9u16, 8, 7, u16::MAX, 0, 0, 0, 0].iter().flat_map(|v| v.to_ne_bytes()).collect();
+        assert_eq!(decoded(&sixteen, ColorType::Rgba16).into_mask(), mask);
+    }
+
+    #[test]
+    fn opaque_pictures_are_no_cut_outs() {
+        for (pixels, format) in [
+            (&[255, 255, 255, 255, 0, 0, 0, 250][..], ColorType::Rgba8),
+            (&[255, 255, 0, 255], ColorType::La8),
+            (&[255, 0], ColorType::L8),
+        ] {
+            let picture = decoded(pixels, format);
+            assert_eq!(picture.alpha(), None);
+            let mask = picture.clone().into_mask();
+            assert_eq!((mask.view().gray(0, 0), mask.view().gray(1, 0)), (255, 0));
+        }
+    }
 }

@@ -1,7 +1,7 @@
 //! A captured scene: the strict reader of scene.json.
 
 use crate::{failure::Failure, files::Files};
-use pcmvs_core::{Camera, Error};
+use pcmvs_core::Camera;
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
 
@@ -63,8 +63,8 @@ pub struct SceneCamera {
 pub struct SceneFrame {
     /// Number of the frame, unique in the scene.
     pub index: u32,
-    /// Paths of the pictures, one per camera.
-    pub images: Vec<PathBuf>,
+    /// Paths of the pictures, one per camera, null where a camera has none in this frame.
+    pub images: Vec<Option<PathBuf>>,
     /// Paths of the masks, one per camera, null if a camera has none. No list means that there are no masks.
     #[serde(default)]
     pub masks: Option<Vec<Option<PathBuf>>>,
@@ -94,6 +94,11 @@ impl SceneCamera {
 }
 
 impl SceneFrame {
+    /// Path of a camera's picture, as written in scene.json.
+    pub fn image(&self, camera: usize) -> Option<&Path> {
+        self.images[camera].as_deref()
+    }
+
     /// Path of a camera's mask, as written in scene.json.
     pub fn mask(&self, camera: usize) -> Option<&Path> {
         self.masks.as_ref()?[camera].as_deref()
@@ -154,10 +159,10 @@ impl Scene {
             for (what, count) in [("images", frame.images.len()), ("masks", masks)] {
                 if count != self.cameras.len() {
                     return Err(format!(
-                        "frame {}: {count} {what} for {} cameras: list one per camera, in the order of the cameras{}",
+                        "frame {}: {count} {what} for {} cameras: list one per camera, in the order of the cameras, null \
+                         where there is none",
                         frame.index,
                         self.cameras.len(),
-                        if what == "masks" { ", null where there is none" } else { "" }
                     ));
                 }
             }
@@ -206,42 +211,6 @@ impl Scene {
     /// A path of the scene, relative to the working directory.
     pub fn resolve(&self, path: &Path) -> PathBuf {
         self.path.parent().unwrap_or(Path::new("")).join(path)
-    }
-
-    /// A camera in messages.
-    fn camera(&self, index: u32) -> String {
-        self.cameras.get(index as usize).map_or_else(|| format!("camera {index}"), |c| format!("camera `{}`", c.name))
-    }
-
-    /// Adds the names of camera and file to an error of the core. `frame` is `None` for errors of the rig.
-    pub fn explain(&self, error: &Error, frame: Option<&SceneFrame>) -> Failure {
-        let of_frame = frame.map(|f| format!("frame {}: ", f.index)).unwrap_or_default();
-        let place = |camera: u32, file: Option<&Path>| {
-            let path = file.map_or_else(|| self.path.clone(), |file| self.resolve(file));
-            format!("{of_frame}{}: {}", self.camera(camera), path.display())
-        };
-        let image = |camera: u32| frame.map(|f| f.images[camera as usize].as_path());
-        Failure::Input(match error {
-            Error::Cancelled => return Failure::Cancelled,
-            Error::Camera { camera, problem } => format!("{}: {problem}", place(*camera, None)),
-            Error::Image { camera, problem } => format!("{}: {problem}", place(*camera, image(*camera))),
-            Error::Silhouette { camera, problem } => {
-                // Without a mask file the silhouette comes from the picture.
-                let mask = frame.and_then(|f| f.mask(*camera as usize)).or(image(*camera));
-                format!("{}: {problem}", place(*camera, mask))
-            }
-            Error::DuplicateCamera { first, second } => format!(
-                "{}: {} and {} have the same position and direction: remove one of them",
-                self.path.display(),
-                self.camera(*first),
-                self.camera(*second)
-            ),
-            Error::TooFewViews { .. } => {
-                format!("{}: {error}: add cameras, or run without --cameras", self.path.display())
-            }
-            Error::EmptyHull | Error::NoSurface => format!("{of_frame}{}: {error}", self.path.display()),
-            _ => return Failure::Other(format!("{of_frame}{}: {error}", self.path.display())),
-        })
     }
 }
 

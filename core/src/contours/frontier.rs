@@ -34,7 +34,7 @@ const MISS_PIXELS: f32 = 0.7;
 /// interval, then that is where it touches. The normal follows from the contour.
 pub fn frontier(view: &View, hull: &VisualHull, params: &FrontierParams) -> PointCloud {
     let mut cloud = PointCloud::new();
-    let Some(silhouette) = &view.silhouette else { return cloud };
+    let Some(silhouette) = view.silhouette.as_ref().filter(|_| view.is_used()) else { return cloud };
     let footprint = hull.footprint();
     let longest = params.longest_pixels * footprint;
     contour(silhouette, |pixel, outward| {

@@ -30,6 +30,9 @@ pub fn implicit(
     let mut raster = Raster::default();
     for (i, view) in views.iter().enumerate() {
         tick(i as u32)?;
+        if !view.is_used() {
+            continue;
+        }
         raster.render(hull, &view.camera);
         for (seen, &p) in seen.iter_mut().zip(&hull.positions) {
             let pixel = view.camera.project(p);

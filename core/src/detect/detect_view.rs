@@ -72,8 +72,11 @@ pub fn detect_view<'l>(
 ) -> Result<(PointCloud, Counts)> {
     let Context { rig, views, hull, progress } = context;
     let DetectionScratch { raster, crossings, range, depth, map, rank, clean } = scratch;
-    let neighbours = rig.neighbours(view, params.search.neighbours);
-    let neighbours: Vec<PyramidLevel> = neighbours.iter().map(|&j| level(j as usize)).collect();
+    if !views[view].is_used() {
+        return Ok((PointCloud::new(), Counts::default()));
+    }
+    let compared = rig.neighbours(view).iter().map(|&j| j as usize).filter(|&j| views[j].is_used());
+    let neighbours: Vec<PyramidLevel> = compared.take(params.search.neighbours as usize).map(level).collect();
     let neighbours: Vec<&PyramidLevel> = neighbours.iter().collect();
     let level = &level(view);
     match guide {

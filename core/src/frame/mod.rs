@@ -1,6 +1,8 @@
 //! One frame, from pictures to a coloured mesh: the state machine that runs the stages. The order of the stages is
 //! defined only here. [`crate::reconstruct`], the C ABI and the WebAssembly module all use [`Frame`].
 
+mod checks;
+mod diagnostics;
 mod intermediates;
 mod memory;
 mod order;
@@ -10,6 +12,7 @@ mod stages;
 mod state;
 mod warning;
 
+pub use diagnostics::ViewDiagnostics;
 pub use intermediates::Intermediates;
 pub use memory::Memory;
 pub use order::{ORDER, position};

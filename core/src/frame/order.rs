@@ -42,7 +42,7 @@ impl<R: Deref<Target = Rig> + Sync> Frame<R> {
     fn run(&mut self, stage: Stage, executor: &impl Executor, progress: &dyn Progress) -> Result<()> {
         match stage {
             Stage::Views => self.collect_views(),
-            Stage::Hull => self.carve_hull(progress),
+            Stage::Hull => self.carve_and_check(executor, progress),
             Stage::Contours => self.find_contours(executor, progress),
             Stage::Coarse => self.make_guide(executor, progress),
             Stage::Detect => self.detect_missing(executor, progress),
@@ -117,16 +117,25 @@ impl<R: Deref<Target = Rig> + Sync> Frame<R> {
     }
 
     /// Reads all views and runs all stages. `inputs` are in the order in which the cameras were passed to [`Rig::new`].
+    /// They are [`ViewInput`]s, or `Option`s of them, `None` for a camera that has no picture in this frame.
     ///
     /// # Errors
     /// [`Error::ViewCount`] and the errors of all stages.
-    pub fn run_all(&mut self, inputs: &[ViewInput], executor: &impl Executor, progress: &dyn Progress) -> Result<()> {
+    pub fn run_all<'i>(
+        &mut self,
+        inputs: &[impl Into<Option<ViewInput<'i>>> + Copy + Sync],
+        executor: &impl Executor,
+        progress: &dyn Progress,
+    ) -> Result<()> {
         if inputs.len() != self.cameras() {
             return Err(Error::ViewCount { given: inputs.len() as u32, cameras: self.cameras() as u32 });
         }
         memory::check_rig(self.rig(), self.memory.limit())?;
         progress.on_stage_start(Stage::Views);
-        let read = executor.map(inputs.len(), |camera| self.read_view(camera, &inputs[camera], progress));
+        let read = executor.map(inputs.len(), |camera| match inputs[camera].into() {
+            Some(input) => self.read_view(camera, &input, progress),
+            None => self.without_picture(camera),
+        });
         let read = read.into_iter().collect::<Result<()>>();
         progress.on_stage_end(Stage::Views);
         read?;

@@ -1,6 +1,6 @@
 //! The result of a frame.
 
-use super::intermediates::Intermediates;
+use super::{diagnostics::ViewDiagnostics, intermediates::Intermediates, warning::Warning};
 use crate::{point_cloud::Mesh, report::Counts, stage::Stage};
 use alloc::vec::Vec;
 
@@ -16,6 +16,10 @@ pub struct Reconstruction {
     pub counts: Counts,
     /// A 64-bit hash of each stage's output, in the order of [`super::ORDER`].
     pub hashes: Vec<(Stage, u64)>,
+    /// What may make the result worse although nothing failed.
+    pub warnings: Vec<Warning>,
+    /// How well each camera's view agrees with the others, in the order in which the cameras were given.
+    pub diagnostics: Vec<ViewDiagnostics>,
     /// The results of the stages before the final mesh.
     pub intermediates: Intermediates,
 }

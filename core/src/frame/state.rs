@@ -1,6 +1,8 @@
 //! The state of a frame.
 
-use super::{intermediates::Intermediates, memory::Memory, prior::Prior, reconstruction::Reconstruction};
+use super::{
+    diagnostics::Comparison, intermediates::Intermediates, memory::Memory, prior::Prior, reconstruction::Reconstruction,
+};
 use crate::{
     context::Context,
     detect::{Guide, PyramidLevel, detect_view},
@@ -40,6 +42,8 @@ pub struct Frame<R> {
     pub(super) incoming: Vec<Mutex<Option<View>>>,
     pub(super) views: Vec<View>,
     pub(super) hull: Option<VisualHull>,
+    /// How each view's silhouette agrees with the hull, in the rig's order. Empty before the hull is carved.
+    pub(super) compared: Vec<Comparison>,
     /// The views at the octave of detection, unless that is the view itself. Each is computed on first use.
     octaves: Vec<Once<Option<PyramidLevel<'static>>>>,
     /// One slot per view for its points, used until the stage `Detect` is complete.
@@ -68,6 +72,7 @@ impl<R: Deref<Target = Rig>> Frame<R> {
             incoming: slots(count),
             views: Vec::new(),
             hull: None,
+            compared: Vec::new(),
             octaves: (0..count).map(|_| Once::new()).collect(),
             found: slots(count),
             intermediates: Intermediates::default(),
@@ -120,7 +125,19 @@ impl<R: Deref<Target = Rig>> Frame<R> {
         result
     }
 
-    pub(super) fn read_view(&self, camera: usize, input: &ViewInput, progress: &dyn Progress) -> Result<()> {
+    /// Declares that a camera has no picture in this frame, so that it contributes nothing to it. `camera` is its index
+    /// in [`Rig::cameras`]. It takes the place of [`Frame::view`].
+    ///
+    /// # Errors
+    /// [`Error::NoSuchCamera`], and [`Error::WrongOrder`] once [`Stage::Views`] is complete.
+    pub fn without_picture(&self, camera: usize) -> Result<()> {
+        let place = self.open_place(camera)?;
+        *self.incoming[place].lock() = Some(View::absent(&self.rig, camera)?);
+        Ok(())
+    }
+
+    /// Place of a camera whose view can still be given.
+    fn open_place(&self, camera: usize) -> Result<usize> {
         let place = self.place(camera)?;
         if self.reached.is_some() {
             return Err(Error::WrongOrder {
@@ -128,6 +145,11 @@ impl<R: Deref<Target = Rig>> Frame<R> {
                 problem: "the stage `views` is complete: begin a new frame".into(),
             });
         }
+        Ok(place)
+    }
+
+    pub(super) fn read_view(&self, camera: usize, input: &ViewInput, progress: &dyn Progress) -> Result<()> {
+        let place = self.open_place(camera)?;
         memory::check_rig(&self.rig, self.memory.limit())?;
         progress::step(progress, Stage::Views, camera as u32, self.cameras() as u32)?;
         let buffers = self.memory.buffers.take();
@@ -216,6 +238,7 @@ impl<R: Deref<Target = Rig>> Frame<R> {
             *slot.get_mut() = Some(view);
         }
         self.octaves.iter_mut().for_each(|octave| *octave = Once::new());
+        self.compared.clear();
         self.reached = None;
     }
 
@@ -290,8 +313,9 @@ impl<R: Deref<Target = Rig>> Frame<R> {
 
     /// Returns the result. Call it when all stages are complete.
     pub fn into_reconstruction(self) -> Reconstruction {
+        let (warnings, diagnostics) = (self.warnings(), self.diagnostics());
         let Self { mesh, gains, counts, hashes, intermediates, .. } = self;
-        Reconstruction { mesh, gains, counts, hashes, intermediates }
+        Reconstruction { mesh, gains, counts, hashes, warnings, diagnostics, intermediates }
     }
 }
 

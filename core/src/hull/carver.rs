@@ -17,8 +17,11 @@ pub(super) struct Carver {
 }
 
 impl Carver {
-    /// `None` if the view has no silhouette.
+    /// `None` if the view has no silhouette or is left out.
     pub(super) fn new(view: &View) -> Option<Self> {
+        if !view.is_used() {
+            return None;
+        }
         let silhouette = Arc::clone(view.silhouette.as_ref()?);
         Some(Self { camera: view.camera, silhouette, index: view.index })
     }

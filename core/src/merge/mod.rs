@@ -49,20 +49,17 @@ pub fn merge(
     if let Some(p) = &params.conflicts {
         let (lower, upper) = hull.bounds();
         let target = (lower + upper) * 0.5;
-        let distances = views.iter().map(|v| (v.camera.centre - target).length());
-        let distance = distances.fold(0.0, |s: f32, d| s + d) / views.len() as f32;
+        let mut viewpoints: Vec<Viewpoint> =
+            views.iter().filter(|v| v.is_used()).map(|v| Viewpoint { camera: v.camera }).collect();
+        let cameras = viewpoints.len();
+        let distances = viewpoints.iter().map(|v| (v.camera.centre - target).length());
+        let distance = distances.fold(0.0, |s: f32, d| s + d) / cameras as f32;
         let radius = 0.5 * (upper - lower).length();
-        let mut viewpoints: Vec<Viewpoint> = views.iter().map(|v| Viewpoint { camera: v.camera }).collect();
         viewpoints.extend(virtual_view::virtual_views(p.virtual_views, target, distance, radius, footprint));
         let total = viewpoints.len() as u32;
-        conflict::clean_conflicts(
-            &mut cloud,
-            &viewpoints,
-            views.len(),
-            p.distance_pixels * footprint,
-            counts,
-            |done| progress::step(progress, Stage::Merge, done as u32, total),
-        )?;
+        conflict::clean_conflicts(&mut cloud, &viewpoints, cameras, p.distance_pixels * footprint, counts, |done| {
+            progress::step(progress, Stage::Merge, done as u32, total)
+        })?;
     }
     counts.merged = cloud.len() as u32;
     Ok(cloud)

@@ -1,5 +1,6 @@
 //! The rig: the cameras, and everything derived from them that all frames share.
 
+mod convention;
 mod neighbours;
 
 use crate::{
@@ -11,8 +12,13 @@ use alloc::{format, vec::Vec};
 use glam::{DMat3, DVec3, Vec3};
 use neighbours::neighbours;
 
+pub(crate) use convention::Convention;
+
 /// Smallest number of views, and of silhouettes, for a reconstruction.
 pub const MIN_VIEWS: u32 = 3;
+
+/// Cameras closer to each other than this share of the distance to the object stand at the same place.
+const SAME_PLACE: f64 = 1e-6;
 
 /// A calibrated set of cameras. The stages work in single precision, relative to [`Rig::origin`].
 #[derive(Debug, Clone)]
@@ -22,6 +28,7 @@ pub struct Rig {
     undistortions: Vec<Option<Undistortion>>,
     order: Vec<u32>,
     neighbours: Vec<Vec<u16>>,
+    same_place: Vec<(u32, u32)>,
     gains: Option<Vec<Vec3>>,
     origin: DVec3,
 }
@@ -30,7 +37,7 @@ impl Rig {
     /// Checks the cameras and computes the data that frames share.
     ///
     /// # Errors
-    /// [`Error::TooFewViews`], [`Error::Camera`] and [`Error::DuplicateCamera`].
+    /// [`Error::TooFewViews`], [`Error::Camera`] and [`Error::Cameras`].
     pub fn new(cameras: &[Camera]) -> Result<Self> {
         if (cameras.len() as u32) < MIN_VIEWS {
             return Err(Error::TooFewViews { given: cameras.len() as u32, needed: MIN_VIEWS });
@@ -40,20 +47,23 @@ impl Rig {
         }
         let order = canonical_order(cameras);
         let origin = meeting_point(order.iter().map(|&i| &cameras[i as usize]));
+        convention::check(cameras, origin)?;
         let radius = cameras.iter().map(|c| (c.centre() - origin).length()).fold(0.0, f64::max);
-        for (j, b) in cameras.iter().enumerate() {
-            for (i, a) in cameras[..j].iter().enumerate() {
-                let near = (a.centre() - b.centre()).length() < 1e-6 * radius;
-                if near && a.direction().dot(b.direction()) > 1.0 - 1e-9 {
-                    return Err(Error::DuplicateCamera { first: i as u32, second: j as u32 });
-                }
-            }
-        }
+        let same_place = same_place(cameras, SAME_PLACE * radius);
         let pinholes: Vec<_> = cameras.iter().map(|c| Pinhole::new(c, origin)).collect();
         let ordered: Vec<_> = order.iter().map(|&i| pinholes[i as usize]).collect();
         let neighbours = (0..ordered.len()).map(|view| neighbours(&ordered, view)).collect();
         let undistortions = cameras.iter().map(Undistortion::new).collect();
-        Ok(Self { cameras: cameras.to_vec(), pinholes, undistortions, order, neighbours, gains: None, origin })
+        Ok(Self {
+            cameras: cameras.to_vec(),
+            pinholes,
+            undistortions,
+            order,
+            neighbours,
+            same_place,
+            gains: None,
+            origin,
+        })
     }
 
     /// The cameras as given.
@@ -73,11 +83,16 @@ impl Rig {
         self.order.iter().position(|&i| i as usize == camera)
     }
 
-    /// The views that a view is compared with: N(P) of eq. 1, nearest first. They and `place` are places in
-    /// [`Self::order`]. There are at most `count`, and fewer if no other views see the same surface.
-    pub(crate) fn neighbours(&self, place: usize, count: u32) -> &[u16] {
-        let all = &self.neighbours[place];
-        &all[..all.len().min(count as usize)]
+    /// The views that a view can be compared with, nearest first: the first of them that take part in a frame are N(P)
+    /// of eq. 1. They and `place` are places in [`Self::order`].
+    pub(crate) fn neighbours(&self, place: usize) -> &[u16] {
+        &self.neighbours[place]
+    }
+
+    /// Pairs of cameras that stand at the same place, as indices in [`Self::cameras`], the smaller one first. Such cameras
+    /// have no parallax to each other. A camera is paired with the first one at its place.
+    pub fn same_place(&self) -> &[(u32, u32)] {
+        &self.same_place
     }
 
     /// The cameras without lens distortion, relative to the origin.
@@ -130,6 +145,12 @@ impl Rig {
     }
 }
 
+/// Pairs of cameras that are at most `tolerance` apart. A camera is paired with the first one at its place.
+fn same_place(cameras: &[Camera], tolerance: f64) -> Vec<(u32, u32)> {
+    let first = |j: usize| cameras[..j].iter().position(|a| (a.centre() - cameras[j].centre()).length() <= tolerance);
+    (0..cameras.len()).filter_map(|j| Some((first(j)? as u32, j as u32))).collect()
+}
+
 /// Indices of the cameras, sorted by position, direction and intrinsics.
 fn canonical_order(cameras: &[Camera]) -> Vec<u32> {
     let key = |i: u32| {
@@ -147,7 +168,7 @@ fn canonical_order(cameras: &[Camera]) -> Vec<u32> {
 
 /// The point nearest to all optical axes in the least-squares sense. It is pulled slightly towards the mean of the
 /// camera centres, so that it also exists for parallel axes.
-fn meeting_point<'a>(cameras: impl ExactSizeIterator<Item = &'a Camera> + Clone) -> DVec3 {
+pub(crate) fn meeting_point<'a>(cameras: impl ExactSizeIterator<Item = &'a Camera> + Clone) -> DVec3 {
     let mean = cameras.clone().map(Camera::centre).sum::<DVec3>() / cameras.len() as f64;
     let (mut a, mut b) = (DMat3::IDENTITY * 1e-9, mean * 1e-9);
     for camera in cameras {

@@ -5,13 +5,18 @@ pub(crate) mod clean_plate;
 mod colour;
 mod distance;
 mod matte;
+mod no_contour;
 pub(crate) mod refine;
 
 pub use chroma::ChromaKey;
 pub(crate) use distance::SilhouetteScratch;
+pub use no_contour::NoContour;
 pub use refine::{ContourParams, Uncertainty};
 
-use alloc::{format, string::String, vec::Vec};
+use alloc::{
+    string::{String, ToString},
+    vec::Vec,
+};
 
 /// A view's silhouette, as the signed distance to its contour.
 ///
@@ -25,6 +30,7 @@ pub struct Silhouette {
     pub height: u32,
     distance: Vec<i16>,
     uncertainty: Option<Uncertainty>,
+    full: bool,
 }
 
 impl Silhouette {
@@ -35,7 +41,8 @@ impl Silhouette {
 
     /// Creates a silhouette from coverage: one byte per pixel, 255 for pixels that lie fully on the object. The contour
     /// is where the bilinear interpolation of the smoothed coverage is one half. `known` is false for undistorted
-    /// pixels that have no source. Fails if the silhouette is empty or full.
+    /// pixels that have no source. Fails if no pixel belongs to the object. Every pixel may belong to it: the object then
+    /// fills the picture, and the silhouette has no contour ([`Self::is_full`]).
     pub fn from_coverage(
         width: u32,
         height: u32,
@@ -43,6 +50,7 @@ impl Silhouette {
         known: impl Fn(usize) -> bool,
     ) -> Result<Self, String> {
         Self::with_buffers(width, height, coverage, known, &mut SilhouetteScratch::default(), Vec::new())
+            .map_err(|problem| problem.to_string())
     }
 
     /// [`Self::from_coverage`] with scratch buffers. The distances use the memory of `distance`.
@@ -53,9 +61,9 @@ impl Silhouette {
         known: impl Fn(usize) -> bool,
         scratch: &mut SilhouetteScratch,
         mut distance: Vec<i16>,
-    ) -> Result<Self, String> {
+    ) -> Result<Self, NoContour> {
         if width < 2 || height < 2 {
-            return Err(format!("a silhouette of {width} x {height} pixels has no contour"));
+            return Err(NoContour::TooSmall { width, height });
         }
         distance::signed_distance(width as usize, height as usize, coverage, &known, scratch, &mut distance);
         let (mut inside, mut outside) = (false, false);
@@ -68,23 +76,42 @@ impl Silhouette {
             }
         }
         if !inside {
-            return Err(String::from(
-                "the silhouette is empty: no pixel belongs to the object. Give a mask that is \
-                white on the object, or null where there is none",
-            ));
+            return Err(NoContour::Empty);
         }
-        if !outside {
-            return Err(String::from(
-                "the silhouette is full: every pixel belongs to the object. Give a mask that is \
-                black on the background, or null where there is none",
-            ));
-        }
-        Ok(Self { width, height, distance, uncertainty: None })
+        Ok(Self { width, height, distance, uncertainty: None, full: !outside })
     }
 
     /// Signed distance in 1/64 pixel at the centre of each pixel, row after row.
     pub fn distances(&self) -> &[i16] {
         &self.distance
+    }
+
+    /// Whether the object fills the picture: every pixel with a source belongs to it.
+    pub fn is_full(&self) -> bool {
+        self.full
+    }
+
+    /// Share of the picture's border that belongs to the object, 0 to 1. The border is the first and the last pixel
+    /// with a source in each row and in each column.
+    pub fn border_share(&self) -> f32 {
+        let (w, h) = (self.width as usize, self.height as usize);
+        let known = |&i: &usize| self.distance[i] != Self::UNKNOWN;
+        let (mut inside, mut border) = (0u32, 0u32);
+        let mut ends = |first: Option<usize>, last: Option<usize>| {
+            for i in [first, last].into_iter().flatten() {
+                border += 1;
+                inside += u32::from(self.distance[i] > 0);
+            }
+        };
+        for y in 0..h {
+            let mut row = (0..w).map(|x| y * w + x).filter(known);
+            ends(row.next(), row.next_back());
+        }
+        for x in 0..w {
+            let mut column = (0..h).map(|y| y * w + x).filter(known);
+            ends(column.next(), column.next_back());
+        }
+        inside as f32 / border.max(1) as f32
     }
 
     /// The same with what is known of its contour's precision.
@@ -252,12 +279,29 @@ mod tests {
     }
 
     #[test]
-    fn empty_and_full_silhouettes_are_errors() {
-        for value in [0, 255] {
-            assert!(Silhouette::from_coverage(W, H, &[value; (W * H) as usize], |_| true).is_err());
-        }
+    fn a_silhouette_may_fill_the_picture_but_not_be_empty() {
+        assert!(Silhouette::from_coverage(W, H, &[0; (W * H) as usize], |_| true).is_err());
         let half = render(half_plane(0.0), 16);
-        assert!(Silhouette::from_coverage(W, H, &half, |i| i % W as usize > 60).is_err(), "only object is known");
         assert!(Silhouette::from_coverage(W, H, &half, |i| (i % W as usize) < 30).is_err(), "only background is known");
+        let full = Silhouette::from_coverage(W, H, &[255; (W * H) as usize], |_| true).unwrap();
+        assert!(full.is_full() && full.distances().iter().all(|&d| d > 0));
+        let part = Silhouette::from_coverage(W, H, &half, |i| i % W as usize > 60).unwrap();
+        assert!(part.is_full(), "only object is known");
+        assert!(!Silhouette::from_coverage(W, H, &half, |_| true).unwrap().is_full());
+    }
+
+    #[test]
+    fn the_border_belongs_to_the_object_where_it_touches_it() {
+        let share = |truth: &dyn Fn(f32, f32) -> f32, known: &dyn Fn(usize) -> bool| {
+            Silhouette::from_coverage(W, H, &render(truth, 4), known).unwrap().border_share()
+        };
+        assert_eq!(share(&disc(30.0), &|_| true), 0.0);
+        assert_eq!(share(&|x, y| -disc(30.0)(x, y), &|_| true), 1.0);
+        // The object covers the right half: one side, and half of two.
+        let half = share(&half_plane(0.0), &|_| true);
+        assert!((half - 0.5).abs() < 0.01, "{half}");
+        // Beyond the first 60 columns nothing is known, so that the border is there.
+        let known = share(&|x, _| 59.5 - x, &|i| i % (W as usize) < 60);
+        assert_eq!(known, 1.0);
     }
 }

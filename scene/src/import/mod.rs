@@ -61,7 +61,7 @@ pub fn import(files: &dyn Files, source: Source, path: &Path) -> Result<Scene, F
             );
             return Err(failure(&view.image, &view.name, &problem));
         }
-        images.push(view.image.clone());
+        images.push(Some(view.image.clone()));
         masks.push(view.mask.clone().or_else(|| usual_mask(files, path, &view.image)));
         cameras.push(scene_camera(view));
     }

@@ -37,8 +37,8 @@ fn depths_lie_in_the_intervals_of_their_pixels() {
     range.set_around_surface(target, &guide, BAND);
     // Upright windows take nothing from the guide but the interval.
     let search: SearchParams = params().search;
-    let neighbours = SCENE.rig.neighbours(VIEW, search.neighbours);
-    let neighbours: Vec<&PyramidLevel> = neighbours.iter().map(|&j| &SCENE.levels[j as usize]).collect();
+    let neighbours = SCENE.rig.neighbours(VIEW).iter().take(search.neighbours as usize);
+    let neighbours: Vec<&PyramidLevel> = neighbours.map(|&j| &SCENE.levels[j as usize]).collect();
     let mut map = DepthMap::default();
     depth_map(target, &neighbours, &range, &search, &mut SweepScratch::default(), &mut map, |_, _| Ok(()))
         .expect("nothing cancels");

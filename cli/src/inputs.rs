@@ -1,0 +1,130 @@
+//! The pictures and masks of a frame, from files to what the core takes.
+
+use crate::{fingerprint::Fingerprint, threads::Threads, warning::WarningReport};
+use pcmvs_core::{ChromaKey, Executor, Mask, ViewInput};
+use pcmvs_scene::{Failure, Picture, Scene, SceneCamera, SceneFrame};
+use std::{fs, io, path::Path};
+
+/// Where the silhouettes come from.
+#[derive(Debug, Clone, Copy)]
+pub enum Silhouettes {
+    /// Mask files; without one, the alpha channel of the picture.
+    Files,
+    /// The backdrop's colour.
+    Key(ChromaKey),
+}
+
+/// The files of one camera and one frame, not yet decoded. A camera without picture has none.
+#[derive(Default)]
+struct View {
+    image: Option<Vec<u8>>,
+    mask: Option<Vec<u8>>,
+}
+
+/// The files of a frame, not yet decoded.
+pub struct FrameFiles {
+    views: Vec<View>,
+    /// Files that scene.json names but that do not exist.
+    pub warnings: Vec<WarningReport>,
+}
+
+/// The decoded pictures of a frame, one per camera: the picture and the mask. A camera without picture has none.
+pub struct Pictures {
+    views: Vec<Option<(Picture, Option<Picture>)>>,
+    silhouettes: Silhouettes,
+}
+
+impl FrameFiles {
+    /// Reads the files of a frame. A file that does not exist is a warning.
+    pub fn read(scene: &Scene, frame: &SceneFrame, silhouettes: Silhouettes) -> Result<Self, Failure> {
+        let mut files = Self { views: Vec::new(), warnings: Vec::new() };
+        for (camera, SceneCamera { name, .. }) in scene.cameras.iter().enumerate() {
+            let mut read = |path: Option<&Path>, code: &str, effect: &str| {
+                let Some(path) = path else { return Ok(None) };
+                let place = || scene.place_of(frame, camera, path);
+                match fs::read(scene.resolve(path)) {
+                    Ok(bytes) => Ok(Some(bytes)),
+                    Err(e) if e.kind() == io::ErrorKind::NotFound => {
+                        files.warnings.push(WarningReport {
+                            code: code.to_owned(),
+                            frame: Some(frame.index),
+                            camera: Some(name.clone()),
+                            message: format!(
+                                "{}: the file does not exist, so that {effect}: check the path in scene.json, or write null",
+                                place()
+                            ),
+                        });
+                        Ok(None)
+                    }
+                    Err(e) => Err(Failure::Input(format!(
+                        "{}: cannot be read ({e}): check that it is a file and readable",
+                        place()
+                    ))),
+                }
+            };
+            let image = read(frame.image(camera), "missing-picture", "the view contributes nothing to the frame")?;
+            let mask = match (&image, silhouettes) {
+                (Some(_), Silhouettes::Files) => {
+                    read(frame.mask(camera), "missing-mask", "the view does not carve the hull")?
+                }
+                _ => None,
+            };
+            files.views.push(View { image, mask });
+        }
+        Ok(files)
+    }
+
+    /// Adds the content of all files.
+    pub fn add_to(&self, fingerprint: &mut Fingerprint) {
+        for view in &self.views {
+            for file in [&view.image, &view.mask] {
+                fingerprint.add(&[u8::from(file.is_some())]);
+                fingerprint.add(file.as_deref().unwrap_or_default());
+            }
+        }
+    }
+
+    /// Decodes all files.
+    pub fn decode(
+        self,
+        scene: &Scene,
+        frame: &SceneFrame,
+        silhouettes: Silhouettes,
+        threads: &Threads,
+    ) -> Result<Pictures, Failure> {
+        let decode = |camera: usize, file: &Option<Vec<u8>>, path: Option<&Path>| {
+            let (Some(file), Some(path)) = (file, path) else { return Ok(None) };
+            let decoded = Picture::decode(file);
+            decoded
+                .map(Some)
+                .map_err(|problem| Failure::Input(format!("{}: {problem}", scene.place_of(frame, camera, path))))
+        };
+        let views = threads.map(self.views.len(), |camera| {
+            let View { image, mask } = &self.views[camera];
+            let Some(image) = decode(camera, image, frame.image(camera))? else { return Ok(None) };
+            let mask = match (decode(camera, mask, frame.mask(camera))?, silhouettes) {
+                (Some(mask), _) => Some(mask.into_mask()),
+                (None, Silhouettes::Files) => image.alpha(),
+                (None, Silhouettes::Key(_)) => None,
+            };
+            Ok(Some((image, mask)))
+        });
+        Ok(Pictures { views: views.into_iter().collect::<Result<_, Failure>>()?, silhouettes })
+    }
+}
+
+impl Pictures {
+    /// The pictures as the core takes them.
+    pub fn inputs(&self) -> Vec<Option<ViewInput<'_>>> {
+        self.views.iter().map(|view| view.as_ref().map(|(image, mask)| self.input(image, mask.as_ref()))).collect()
+    }
+
+    fn input<'p>(&self, image: &'p Picture, mask: Option<&'p Picture>) -> ViewInput<'p> {
+        let mask = match (self.silhouettes, mask) {
+            (Silhouettes::Key(key), _) => Mask::ChromaKey(key),
+            (Silhouettes::Files, Some(mask)) => Mask::Given(mask.view()),
+            (Silhouettes::Files, None) => Mask::Unknown,
+        };
+        ViewInput { image: image.view(), mask }
+    }
+}
