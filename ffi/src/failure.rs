@@ -44,7 +44,6 @@ impl From<Error> for Failure {
             ErrorCode::Camera => pcmvs_status::Camera,
             ErrorCode::Image => pcmvs_status::Image,
             ErrorCode::Silhouette => pcmvs_status::Silhouette,
-            ErrorCode::DuplicateCamera => pcmvs_status::DuplicateCamera,
             ErrorCode::TooFewViews => pcmvs_status::TooFewViews,
             ErrorCode::InvalidArgument => pcmvs_status::InvalidArgument,
             ErrorCode::EmptyHull => pcmvs_status::EmptyHull,

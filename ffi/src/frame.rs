@@ -180,7 +180,7 @@ pub unsafe extern "C" fn pcmvs_frame_begin(frame: *mut pcmvs_frame, options: *co
     unsafe { exclusive(frame, |frame, work| begin(frame, work, options)) }
 }
 
-/// Reads the picture and silhouette of one camera. A second call for the same camera replaces them, until the stage
+/// Reads the picture and silhouette of one camera, or takes note that it has none in this frame. A second call for the same camera replaces them, until the stage
 /// `PCMVS_STAGE_VIEWS` is complete. May be called on several threads at once, for different cameras.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn pcmvs_frame_view(
@@ -192,7 +192,7 @@ pub unsafe extern "C" fn pcmvs_frame_view(
         let at = |failure: Failure| failure.of_camera(camera).at(Stage::Views);
         // SAFETY: the caller's promise.
         let given = unsafe { read(view, "view").and_then(|view| GivenView::new(&view)) }.map_err(at)?;
-        work.view(camera, &given.input())
+        work.view(camera, given.input().as_ref())
     };
     // SAFETY: the caller's promise.
     unsafe { shared(frame, read_view) }

@@ -9,7 +9,10 @@ use crate::{
     target::Target,
     work::Work,
 };
-use pcmvs_core::{Point, Rank, Stage};
+use pcmvs_core::{Point, Rank, Stage, ViewDiagnostics};
+
+/// Stands for a figure of a view that could not be measured.
+const NOT_MEASURED: f32 = -1.0;
 
 /// What the stages of a frame counted.
 #[repr(C)]
@@ -72,7 +75,7 @@ impl Growing for pcmvs_stage_report {
 #[repr(C)]
 #[derive(Debug, Clone, Copy)]
 pub struct pcmvs_view_report {
-    /// 1 if the view has a silhouette and therefore carves the hull, otherwise 0.
+    /// 1 if the view has a silhouette and therefore carves the hull, otherwise 0. A view that is not used does not carve.
     pub carves: u32,
     /// Share of the picture that is inside the silhouette, 0 to 1. 0 without a silhouette.
     pub inside: f32,
@@ -84,6 +87,16 @@ pub struct pcmvs_view_report {
     pub gains: [f32; 3],
     /// Zero.
     pub reserved: u32,
+    /// 1 if the view takes part in the frame, otherwise 0: it has no picture, its silhouette is empty or inverted, or the
+    /// object lies beside it. A warning of the frame tells which.
+    pub used: u32,
+    /// Intersection over union of the silhouette and the visual hull's picture, 0 to 1. -1 without a silhouette.
+    pub silhouette_overlap: f32,
+    /// Median distance of the hull's outline in the picture from the silhouette's contour, in pixels. -1 without a
+    /// silhouette.
+    pub contour_px: f32,
+    /// Median distance of matches in other views from their epipolar lines, in pixels. -1 if it has not been measured.
+    pub epipolar_px: f32,
 }
 
 impl Growing for pcmvs_view_report {
@@ -167,20 +180,28 @@ pub unsafe extern "C" fn pcmvs_frame_get_view_report(
 
 fn view_report(work: &Work, camera: u32, place: usize) -> pcmvs_view_report {
     let frame = &work.frame;
-    let silhouette = frame.views()[place].silhouette.as_ref();
+    let view = &frame.views()[place];
+    let silhouette = view.silhouette.as_ref();
     let share = |distances: &[i16]| distances.iter().filter(|&&d| d > 0).count() as f32 / distances.len() as f32;
     let inside = silhouette.map_or(0.0, |silhouette| share(silhouette.distances()));
     let is_complete = |stage| frame.require(stage).is_ok();
     let cloud: &[Point] = if is_complete(Stage::Detect) { &frame.intermediates().detected[place] } else { &[] };
     let count = |rank| cloud.iter().filter(|p| p.rank == rank).count() as u32;
     let gains = if is_complete(Stage::Colour) { frame.gains()[camera as usize] } else { [0.0; 3] };
+    let diagnostics = frame.diagnostics().get(camera as usize).copied();
+    let measured =
+        |of: fn(&ViewDiagnostics) -> Option<f32>| diagnostics.map_or(0.0, |found| of(&found).unwrap_or(NOT_MEASURED));
     pcmvs_view_report {
-        carves: u32::from(silhouette.is_some()),
+        carves: u32::from(view.is_used() && silhouette.is_some()),
         inside,
         detected: count(Rank::Detected),
         substituted: count(Rank::Substituted),
         gains,
         reserved: 0,
+        used: u32::from(view.is_used()),
+        silhouette_overlap: measured(|of| of.silhouette_overlap),
+        contour_px: measured(|of| of.contour_px),
+        epipolar_px: measured(|of| of.epipolar_px),
     }
 }
 

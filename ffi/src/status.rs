@@ -26,13 +26,13 @@ pub enum pcmvs_status {
     WrongOrder = 6,
     /// The progress callback asked to stop.
     Cancelled = 7,
-    /// A camera's calibration cannot be used.
+    /// A camera's calibration cannot be used, or the cameras as a whole cannot: their axes or poses contradict each other.
     Camera = 8,
     /// A picture does not fit its camera or its own description.
     Image = 9,
-    /// A silhouette cannot be used.
+    /// A silhouette cannot be used, or all masks are inverted.
     Silhouette = 10,
-    /// Two cameras have the same position and direction.
+    /// Two cameras have the same position and direction. No longer returned: cameras at the same place are a warning.
     DuplicateCamera = 11,
     /// There are fewer cameras, or fewer silhouettes, than the method needs.
     TooFewViews = 12,

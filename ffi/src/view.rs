@@ -60,7 +60,8 @@ pub unsafe extern "C" fn pcmvs_chroma_key_init(key: *mut pcmvs_chroma_key, size:
 }
 
 /// One camera's picture and the source of its silhouette. At most one of `mask`, `clean_plate` and `chroma_key` may be set.
-/// If none is set, the view has no silhouette and does not carve the hull.
+/// If none is set, the view has no silhouette and does not carve the hull. If `image` is not set either, the camera has no
+/// picture in this frame: the view contributes nothing, which is a warning of the frame.
 #[repr(C)]
 #[derive(Debug, Clone, Copy)]
 pub struct pcmvs_view {
@@ -68,7 +69,7 @@ pub struct pcmvs_view {
     pub struct_size: u32,
     /// Zero.
     pub reserved: u32,
-    /// The picture. It has the size for which the camera was calibrated.
+    /// The picture. It has the size for which the camera was calibrated. NULL if the camera has none in this frame.
     pub image: *const pcmvs_image,
     /// A mask of the same size, white on the object and black elsewhere. Grey values are coverage; the contour is where the
     /// coverage is one half. May be NULL.
@@ -104,8 +105,8 @@ pub unsafe extern "C" fn pcmvs_view_init(view: *mut pcmvs_view, size: usize) -> 
 
 /// A view whose structs have been read and checked.
 pub(crate) struct GivenView<'a> {
-    image: Pixels<'a>,
-    silhouette: GivenSilhouette<'a>,
+    /// `None` if the camera has no picture.
+    given: Option<(Pixels<'a>, GivenSilhouette<'a>)>,
 }
 
 enum GivenSilhouette<'a> {
@@ -125,6 +126,9 @@ impl GivenView<'_> {
             let problem = "the view has more than one of mask, clean plate and chroma key: give one";
             return Err(Failure::new(InvalidArgument, problem));
         }
+        if image.is_null() && given.iter().all(|&null| null) {
+            return Ok(Self { given: None });
+        }
         // SAFETY: the caller's promise.
         let pixels = |image: *const pcmvs_image, name| unsafe { Pixels::new(&read(image, name)?, name) };
         let image = pixels(image, "view.image")?;
@@ -142,17 +146,18 @@ impl GivenView<'_> {
         } else {
             GivenSilhouette::Unknown
         };
-        Ok(Self { image, silhouette })
+        Ok(Self { given: Some((image, silhouette)) })
     }
 
-    /// The view as the core takes it.
-    pub fn input(&self) -> ViewInput<'_> {
-        let mask = match &self.silhouette {
+    /// The view as the core takes it. `None` if the camera has no picture.
+    pub fn input(&self) -> Option<ViewInput<'_>> {
+        let (image, silhouette) = self.given.as_ref()?;
+        let mask = match silhouette {
             GivenSilhouette::Unknown => Mask::Unknown,
             GivenSilhouette::Mask(mask) => Mask::Given(mask.view()),
             GivenSilhouette::CleanPlate(plate) => Mask::CleanPlate(plate.view()),
             GivenSilhouette::ChromaKey(key) => Mask::ChromaKey(*key),
         };
-        ViewInput { image: self.image.view(), mask }
+        Some(ViewInput { image: image.view(), mask })
     }
 }

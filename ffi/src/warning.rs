@@ -34,21 +34,22 @@ impl Growing for pcmvs_warning {
     const FIRST_SIZE: usize = 8 + PCMVS_CODE_SIZE + PCMVS_MESSAGE_SIZE;
 }
 
-/// Returns the number of warnings about the stages that are complete.
+/// Returns the number of warnings about the cameras and about the stages that are complete. After a stage has failed, the
+/// warnings about the views remain.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn pcmvs_frame_warning_count(frame: *const pcmvs_frame, count: *mut u32) -> pcmvs_status {
     let get = |work: &Work| {
         let count = out(count, "count")?;
         // SAFETY: the caller's promise.
-        unsafe { count.write(work.frame.warnings().count() as u32) };
+        unsafe { count.write(work.frame.warnings().len() as u32) };
         Ok(())
     };
     // SAFETY: the caller's promise.
     unsafe { shared(frame, get) }
 }
 
-/// Returns a warning. `index` is less than `pcmvs_frame_warning_count`; warnings come in the order of the stages, then of
-/// the cameras. `size` is `sizeof *warning`.
+/// Returns a warning. `index` is less than `pcmvs_frame_warning_count`; warnings about the cameras come first, then those of
+/// the stages in their order, and for each stage those of the cameras in theirs. `size` is `sizeof *warning`.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn pcmvs_frame_get_warning(
     frame: *const pcmvs_frame,
@@ -57,8 +58,9 @@ pub unsafe extern "C" fn pcmvs_frame_get_warning(
     size: usize,
 ) -> pcmvs_status {
     let get = |work: &Work| {
-        let found = work.frame.warnings().nth(index as usize).ok_or_else(|| {
-            let count = work.frame.warnings().count();
+        let mut warnings = work.frame.warnings();
+        let count = warnings.len();
+        let found = warnings.drain(..).nth(index as usize).ok_or_else(|| {
             Failure::new(InvalidArgument, format!("there is no warning {index}: the frame has {count}"))
         })?;
         let found = pcmvs_warning {

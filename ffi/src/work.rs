@@ -53,8 +53,8 @@ impl Work {
         self.frame.require(stage).map_err(at(stage))
     }
 
-    /// Reads the views, one per camera, and runs all stages.
-    pub fn run_all(&mut self, inputs: &[ViewInput]) -> Result<()> {
+    /// Reads the views, one per camera, and runs all stages. A camera without picture has none.
+    pub fn run_all(&mut self, inputs: &[Option<ViewInput>]) -> Result<()> {
         let progress = self.options.progress(&self.clock);
         let result = self.frame.run_all(inputs, &self.options.threads(), &progress);
         // Before the first stage starts, only its own requirements are checked.
@@ -71,10 +71,14 @@ impl Work {
         Ok(())
     }
 
-    /// Reads the view of one camera.
-    pub fn view(&self, camera: u32, input: &ViewInput) -> Result<()> {
+    /// Reads the view of one camera. A camera without picture has none.
+    pub fn view(&self, camera: u32, input: Option<&ViewInput>) -> Result<()> {
         let progress = self.options.progress(&self.clock);
-        self.frame.view(camera as usize, input, &progress).map_err(at(Stage::Views))
+        let result = match input {
+            Some(input) => self.frame.view(camera as usize, input, &progress),
+            None => self.frame.without_picture(camera as usize),
+        };
+        result.map_err(at(Stage::Views))
     }
 
     /// Detects the points of one view.

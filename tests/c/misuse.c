@@ -290,8 +290,10 @@ static void check_misuse(const struct capture *capture, pcmvs_rig *rig) {
     EXPECT(pcmvs_rig_set_cameras(empty, cameras, 3), PCMVS_STATUS_CAMERA);
     OK(pcmvs_rig_error(empty, &error, sizeof error));
     CHECK(error.status == PCMVS_STATUS_CAMERA && error.camera == 2 && error.frame == -1 && error.stage == -1);
-    cameras[2] = cameras[0];
-    EXPECT(pcmvs_rig_set_cameras(empty, cameras, 3), PCMVS_STATUS_DUPLICATE_CAMERA);
+    cameras[2] = cameras[1] = cameras[0];
+    EXPECT(pcmvs_rig_set_cameras(empty, cameras, 3), PCMVS_STATUS_CAMERA);
+    OK(pcmvs_rig_error(empty, &error, sizeof error));
+    CHECK(error.camera == -1 && strstr(error.message, "all stand at one place") != NULL);
     cameras[2].reserved = 1;
     EXPECT(pcmvs_rig_set_cameras(empty, cameras, 3), PCMVS_STATUS_INVALID_STRUCT);
     cameras[1].struct_size -= 8;

@@ -50,7 +50,7 @@ pub fn make(folder: &Path) -> Result<(), String> {
     }
     let mut scene = capture.scene();
     scene.fps = Some(FPS);
-    for path in scene.frames.iter_mut().flat_map(|frame| &mut frame.images) {
+    for path in scene.frames.iter_mut().flat_map(|frame| &mut frame.images).flatten() {
         path.set_extension("jpg");
     }
     let scene = serde_json::to_value(&scene).map_err(|e| fail(&e))?;

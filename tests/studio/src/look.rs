@@ -127,7 +127,8 @@ pub fn sheet(scene: &Path, frame: u32, mesh: &ColouredMesh, cameras: &[usize]) -
     let mut panels = Vec::new();
     for &i in cameras {
         let camera = scene.cameras.get(i).ok_or("there is no such camera")?.camera()?;
-        let photograph = image::open(scene.resolve(&entry.images[i]))?.into_rgb8();
+        let path = entry.image(i).ok_or("this camera has no picture in this frame")?;
+        let photograph = image::open(scene.resolve(path))?.into_rgb8();
         let (width, height) = photograph.dimensions();
         let drawn = draw(mesh, &camera);
         let part = part_with_mesh(&drawn, &camera);

@@ -36,7 +36,7 @@ impl Capture {
         let mask = |(name, mask): (&String, &Option<Vec<u8>>)| mask.as_ref().map(|_| path("masks", name));
         SceneFrame {
             index: index as u32,
-            images: self.names.iter().map(|name| path("images", name)).collect(),
+            images: self.names.iter().map(|name| Some(path("images", name))).collect(),
             masks: Some(self.names.iter().zip(&frame.masks).map(mask).collect()),
         }
     }
@@ -55,10 +55,9 @@ impl Capture {
                 .map_err(io::Error::other)
         };
         for (i, picture) in frame.images.iter().enumerate() {
-            if picture.rgb.is_empty() {
-                continue; // scene.json names a missing picture, but it has no file
-            }
-            save(&entry.images[i], &picture.rgb, picture.width, picture.height, ColorType::Rgb8)?;
+            // scene.json names a missing picture, but it has no file.
+            let Some(path) = entry.image(i).filter(|_| !picture.rgb.is_empty()) else { continue };
+            save(path, &picture.rgb, picture.width, picture.height, ColorType::Rgb8)?;
             if let (Some(path), Some(mask)) = (entry.mask(i), &frame.masks[i]) {
                 save(path, mask, picture.width, picture.height, ColorType::L8)?;
             }

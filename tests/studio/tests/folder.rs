@@ -21,10 +21,10 @@ fn a_folder_reads_back() {
     for (entry, frame) in scene.frames.iter().zip(&capture.frames) {
         assert_eq!([0, 1, 2].map(|camera| entry.mask(camera).is_some()), [true, false, false]);
         for i in 0..2 {
-            let picture = image::open(folder.join(&entry.images[i])).unwrap();
+            let picture = image::open(folder.join(entry.image(i).unwrap())).unwrap();
             assert_eq!(picture.into_rgb8().into_raw(), frame.images[i].rgb);
         }
-        assert!(!folder.join(&entry.images[2]).exists());
+        assert!(!folder.join(entry.image(2).unwrap()).exists());
         let mask = image::open(folder.join(entry.mask(0).unwrap())).unwrap();
         assert_eq!(mask.into_luma8().into_raw(), *frame.masks[0].as_ref().unwrap());
     }
