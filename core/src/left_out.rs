@@ -13,11 +13,13 @@ pub enum LeftOut {
     MaskInverted,
     /// The object lies beside the picture, or behind the camera.
     BesidePicture,
+    /// The silhouette contradicts the other views in what it shows and in what it lacks.
+    Contradicts,
 }
 
 impl LeftOut {
     /// Whether the reason is found with the hull, so that it no longer holds when the hull is carved again.
     pub(crate) fn is_found_with_hull(self) -> bool {
-        matches!(self, Self::MaskInverted | Self::BesidePicture)
+        matches!(self, Self::MaskInverted | Self::BesidePicture | Self::Contradicts)
     }
 }

@@ -10,7 +10,7 @@ use crate::{
     colour::{ColourParams, GainParams},
     contours::{FrontierParams, ImplicitParams},
     detect::{CleanParams, DetectionParams, SearchParams, SubstitutionParams, Support, VoteParams, Windows},
-    hull::HullParams,
+    hull::{AgreementParams, HullParams},
     merge::{ConflictParams, DownsampleParams, MergingParams},
     mesh::{MeshingParams, SpaceConstraint, WeightParams},
     silhouette::ContourParams,
@@ -27,6 +27,8 @@ pub struct Params {
     pub contour: Option<ContourParams>,
     /// Visual hull (§0).
     pub hull: HullParams,
+    /// Setting aside of silhouettes that contradict the others (§0). Without it all are believed, as in the paper.
+    pub agreement: Option<AgreementParams>,
     /// A coarse pass whose mesh guides detection. Without it, detection searches the whole hull as in the paper.
     pub coarse: Option<CoarseParams>,
     /// Point cloud detection (§4).
@@ -107,6 +109,7 @@ impl Params {
             method: Method::Pcmvs,
             contour: Some(ContourParams { reach_pixels: 4.5 }),
             hull: HullParams { voxel_pixels: 1.5 },
+            agreement: Some(AgreementParams { blame: 0.08, uncovered: 0.06, largest_share: 0.25 }),
             coarse: Some(coarse),
             detection,
             frontier: Some(FrontierParams { longest_pixels: 40.0 }),
@@ -126,6 +129,7 @@ impl Params {
             Preset::Hull => Self { method: Method::Hull, ..default },
             Preset::Paper => Self {
                 contour: None,
+                agreement: None,
                 coarse: None,
                 detection: DetectionParams {
                     search: SearchParams {

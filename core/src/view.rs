@@ -50,6 +50,8 @@ pub struct View {
     pub luma: Vec<u8>,
     /// The silhouette, if it is known.
     pub silhouette: Option<Arc<Silhouette>>,
+    /// The silhouette, if it contradicts those of the other views. It is not used.
+    pub set_aside: Option<Arc<Silhouette>>,
     /// Why the view contributes nothing to its frame. `None` if it takes part.
     pub left_out: Option<LeftOut>,
 }
@@ -83,7 +85,7 @@ pub struct Buffers {
 
 impl From<View> for Buffers {
     fn from(old: View) -> Self {
-        let silhouette = old.silhouette.and_then(Arc::into_inner);
+        let silhouette = old.silhouette.or(old.set_aside).and_then(Arc::into_inner);
         let (distance, uncertainty) = silhouette.map(Silhouette::into_buffers).unwrap_or_default();
         Self { rgb: old.rgb, luma: old.luma, distance, uncertainty }
     }
@@ -103,6 +105,7 @@ impl View {
             rgb: Vec::new(),
             luma: Vec::new(),
             silhouette: None,
+            set_aside: None,
             left_out: Some(LeftOut::NoPicture),
         })
     }
@@ -209,6 +212,6 @@ impl View {
         luma.clear();
         luma.extend(rgb.chunks_exact(3).map(|p| image::luma([p[0], p[1], p[2]])));
         let silhouette = silhouette.map(Arc::new);
-        Ok(Self { index: place as u16, camera: rig.pinholes()[index], rgb, luma, silhouette, left_out })
+        Ok(Self { index: place as u16, camera: rig.pinholes()[index], rgb, luma, silhouette, set_aside: None, left_out })
     }
 }

@@ -71,7 +71,7 @@ impl<R: Deref<Target = Rig> + Sync> Frame<R> {
     }
 
     fn carve_and_compare(&mut self, executor: &impl Executor, progress: &dyn Progress) -> Result<()> {
-        match self.carve_hull(progress) {
+        match self.carve_agreeing(progress) {
             Err(Error::EmptyHull) => return Err(self.other_convention(executor).unwrap_or(Error::EmptyHull)),
             result => result?,
         }
@@ -92,6 +92,7 @@ impl<R: Deref<Target = Rig> + Sync> Frame<R> {
                 rgb: Vec::new(),
                 luma: Vec::new(),
                 silhouette: view.silhouette.clone(),
+                set_aside: None,
                 left_out: None,
             };
             let views: Vec<View> = self.views.iter().filter(|v| v.is_used()).map(posed).collect();

@@ -1,6 +1,7 @@
 //! One frame, from pictures to a coloured mesh: the state machine that runs the stages. The order of the stages is
 //! defined only here. [`crate::reconstruct`], the C ABI and the WebAssembly module all use [`Frame`].
 
+mod agreement;
 mod checks;
 mod diagnostics;
 mod intermediates;

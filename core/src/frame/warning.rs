@@ -58,6 +58,20 @@ pub enum Warning {
         /// Index of the camera.
         camera: u32,
     },
+    /// A camera's silhouette lacks parts of the object that the other cameras show. It is not used.
+    SilhouetteSetAside {
+        /// Index of the camera.
+        camera: u32,
+        /// Overlap of the silhouette with the hull of the others, 0 to 1.
+        overlap: f32,
+    },
+    /// A camera's picture contradicts the other cameras. It is not used.
+    CameraContradicts {
+        /// Index of the camera.
+        camera: u32,
+        /// Overlap of the silhouette with the hull of the others, 0 to 1.
+        overlap: f32,
+    },
     /// A camera's silhouette overlaps with the hull of all silhouettes clearly less than those of the other cameras do.
     SilhouetteDisagrees {
         /// Index of the camera.
@@ -94,6 +108,8 @@ impl Warning {
             Self::NoSilhouette { .. } => "no-silhouette",
             Self::MaskInverted { .. } => "mask-inverted",
             Self::ObjectBesidePicture { .. } => "object-beside-picture",
+            Self::SilhouetteSetAside { .. } => "silhouette-set-aside",
+            Self::CameraContradicts { .. } => "camera-contradicts",
             Self::SilhouetteDisagrees { .. } => "silhouette-disagrees",
             Self::SilhouettesContradict { .. } => "silhouettes-contradict",
             Self::NoStereoPoints { .. } => "no-stereo-points",
@@ -110,6 +126,8 @@ impl Warning {
             | Self::NoSilhouette { camera }
             | Self::MaskInverted { camera }
             | Self::ObjectBesidePicture { camera }
+            | Self::SilhouetteSetAside { camera, .. }
+            | Self::CameraContradicts { camera, .. }
             | Self::SilhouetteDisagrees { camera, .. }
             | Self::NoStereoPoints { camera } => Some(*camera),
             Self::SilhouettesContradict { .. } => None,
@@ -145,6 +163,16 @@ impl Warning {
             Self::ObjectBesidePicture { .. } => "the object lies beside its picture, so that the view contributes nothing: \
                                                  if the picture does show the object, check the camera's calibration"
                 .into(),
+            Self::SilhouetteSetAside { overlap, .. } => format!(
+                "its silhouette lacks parts of the object that the other views show, and agrees with them to {:.1} %, so that \
+                 it is not used: correct its mask",
+                100.0 * overlap
+            ),
+            Self::CameraContradicts { overlap, .. } => format!(
+                "its picture contradicts the other views, which it agrees with to {:.1} %, so that it is not used: check \
+                 whether the camera was moved since its calibration, was exchanged with another one, or is out of step",
+                100.0 * overlap
+            ),
             Self::SilhouetteDisagrees { overlap, median, .. } => format!(
                 "its silhouette agrees with the other views to {:.1} % (median of all: {:.1} %): check its mask, whether the \
                  camera was moved since its calibration, and whether its picture is of the same instant",
@@ -187,7 +215,7 @@ impl<R: Deref<Target = Rig>> Frame<R> {
         for (camera, place) in cameras() {
             // Until the stage is complete, the views are where they arrived.
             warnings.extend(match self.views().get(place) {
-                Some(view) => of_view(view, camera),
+                Some(view) => self.of_complete(view, camera),
                 None => self.incoming[place].lock().as_ref().and_then(|view| of_view(view, camera)),
             });
         }
@@ -201,11 +229,21 @@ impl<R: Deref<Target = Rig>> Frame<R> {
         warnings
     }
 
+    /// The warning about a view of the complete stage.
+    fn of_complete(&self, view: &View, camera: u32) -> Option<Warning> {
+        let overlap = self.compared.get(usize::from(view.index)).and_then(|found| found.overlap).unwrap_or(0.0);
+        match (view.left_out, &view.set_aside) {
+            (Some(LeftOut::Contradicts), _) => Some(Warning::CameraContradicts { camera, overlap }),
+            (None, Some(_)) => Some(Warning::SilhouetteSetAside { camera, overlap }),
+            _ => of_view(view, camera),
+        }
+    }
+
     /// Warnings about silhouettes of used views that disagree with the others.
     fn disagreements(&self) -> Vec<Warning> {
         let order = self.rig().order();
         let views = self.views().iter().zip(&self.compared).zip(order);
-        let used = views.filter(|((view, _), _)| view.is_used());
+        let used = views.filter(|((view, _), _)| view.is_used() && view.set_aside.is_none());
         let mut overlaps: Vec<(f32, u32)> = used.filter_map(|((_, found), &c)| Some((found.overlap?, c))).collect();
         overlaps.sort_unstable_by_key(|&(overlap, camera)| (ordered(overlap), camera));
         let (Some(&(median, _)), Some(&(overlap, worst))) = (overlaps.get(overlaps.len() / 2), overlaps.first()) else {
@@ -235,6 +273,8 @@ fn of_view(view: &View, camera: u32) -> Option<Warning> {
         (Some(LeftOut::EmptySilhouette), _) => Some(Warning::EmptySilhouette { camera }),
         (Some(LeftOut::MaskInverted), _) => Some(Warning::MaskInverted { camera }),
         (Some(LeftOut::BesidePicture), _) => Some(Warning::ObjectBesidePicture { camera }),
+        // Found with the hull, together with the overlap.
+        (Some(LeftOut::Contradicts), _) => None,
         (None, None) => Some(Warning::NoSilhouette { camera }),
         (None, Some(silhouette)) => silhouette.is_full().then_some(Warning::FullSilhouette { camera }),
     }

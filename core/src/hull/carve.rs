@@ -76,24 +76,21 @@ impl VisualHull {
                 return SparseGrid::OUTSIDE;
             }
             let centre = origin + Vec3::new(x as f32 + 0.5, y as f32 + 0.5, z as f32 + 0.5) * edge;
-            if !search.touches(centre, 0.5 * edge + voxel) {
-                return SparseGrid::OUTSIDE;
-            }
-            let (verdict, containing, _) = judge(&carvers, centre, radius, search.needed, &mut crossing);
+            let Some(least) = search.needed(centre, 0.5 * edge + voxel) else { return SparseGrid::OUTSIDE };
+            let (verdict, containing, _) = judge(&carvers, centre, radius, (least, 0), &mut crossing);
             match verdict {
                 Verdict::Outside => SparseGrid::OUTSIDE,
                 Verdict::Inside => SparseGrid::INSIDE,
                 Verdict::Boundary => {
                     carver_lists.extend_from_slice(&crossing);
                     list_starts.push(carver_lists.len() as u32);
-                    needed.push(search.needed.saturating_sub(containing));
+                    needed.push(least.saturating_sub(containing));
                     0
                 }
             }
         });
         cancelled?;
-        let min_silhouettes = search.needed;
-        workspace.recycle(search.cells);
+        workspace.recycle(search.needed);
 
         let values = workspace.empty(grid.blocks.len() * BLOCK_NODES);
         let mut hull = VisualHull {
@@ -103,7 +100,6 @@ impl VisualHull {
             list_starts,
             carver_lists,
             needed,
-            min_silhouettes,
             lower,
             upper,
             footprint,

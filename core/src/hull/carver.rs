@@ -36,6 +36,14 @@ impl Carver {
         }
         self.silhouette.sample(q.x, q.y).map(|d| d * self.camera.footprint(q.z))
     }
+
+    /// Distance from a point's projection to the contour in pixels; positive inside. `None` if the view does not see the
+    /// point.
+    #[inline]
+    pub(super) fn pixels(&self, p: Vec3) -> Option<f32> {
+        let q = self.camera.project(p);
+        if q.z <= 0.0 { None } else { self.silhouette.sample(q.x, q.y) }
+    }
 }
 
 /// The smallest distance over some views, and the view that it comes from. A point that fewer than `needed` of these

@@ -16,16 +16,17 @@ pub(super) enum Verdict {
 /// Classifies a ball against all views. The indices of the views that may carve a part of it are written to `crossing`.
 ///
 /// The second result is the number of silhouettes that contain the whole ball, and the third the number of those that
-/// may contain a part of it. A ball for which the third is smaller than `needed` is outside.
+/// may contain a part of it. A ball for which the third is smaller than `needed` is outside, and so is one that more
+/// than `tolerated` views exclude as a whole.
 pub(super) fn judge(
     carvers: &[Carver],
     centre: Vec3,
     radius: f32,
-    needed: u32,
+    (needed, tolerated): (u32, u32),
     crossing: &mut Vec<u16>,
 ) -> (Verdict, u32, u32) {
     crossing.clear();
-    let (mut containing, mut supporting) = (0, 0);
+    let (mut containing, mut supporting, mut excluding) = (0, 0, 0);
     for (i, carver) in carvers.iter().enumerate() {
         let q = carver.camera.project(centre);
         let nearest = q.z - radius;
@@ -46,7 +47,12 @@ pub(super) fn judge(
         let corner = |dx: f32, dy: f32| carver.silhouette.sample(q.x + dx * r, q.y + dy * r).is_some();
         let whole = whole && corner(-1.0, -1.0) && corner(1.0, -1.0) && corner(-1.0, 1.0) && corner(1.0, 1.0);
         match carver.silhouette.sample(q.x.clamp(0.0, w - 1.0), q.y.clamp(0.0, h - 1.0)) {
-            Some(d) if whole && d < -r => return (Verdict::Outside, 0, 0),
+            Some(d) if whole && d < -r => {
+                excluding += 1;
+                if excluding > tolerated {
+                    return (Verdict::Outside, 0, 0);
+                }
+            }
             Some(d) if whole && d > r => containing += 1,
             // The ball crosses the picture's edge. The visible part is background, and nothing is known about the rest.
             Some(d) if d < -2.0 * r => crossing.push(i as u16),

@@ -5,14 +5,17 @@
 //! views that see a point, of the distance from the point's projection to the silhouette's contour. It is as accurate
 //! as the contours. A sparse grid of its values around the surface is used to find the surface and to mesh it.
 
+mod agreement;
 mod carve;
 mod carver;
 mod judge;
 mod ray;
 mod search;
+mod support;
 mod visual_hull;
 mod walk;
 
+pub use agreement::{AgreementParams, contradicting, uncovered_share};
 pub use carve::HullParams;
 pub use visual_hull::VisualHull;
 pub(crate) use walk::Walk;

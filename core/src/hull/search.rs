@@ -3,6 +3,7 @@
 use super::{
     carver::Carver,
     judge::{Verdict, judge},
+    support::{keep_objects, needed_support},
 };
 use crate::{
     error::{Error, Result},
@@ -14,77 +15,127 @@ use alloc::{vec, vec::Vec};
 use glam::Vec3;
 
 /// Smallest number of silhouettes that must contain a point of the object.
-const MIN_SILHOUETTES: u32 = 2;
+pub(super) const MIN_SILHOUETTES: u32 = 2;
 
 /// Number of cells along an edge of the searched cube.
-const CELLS: usize = 128;
+pub(super) const CELLS: usize = 128;
 /// Ratio of a cube's diagonal to its edge: √3.
 const DIAGONAL: f32 = 1.7320508;
-
-/// Content of a cell.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Cell {
-    /// Outside the hull.
-    Empty,
-    /// A group of cells that too few silhouettes support.
-    Stray,
-    /// Possibly part of the object.
-    Object,
-}
 
 /// The cells of a cube around the rig's origin that may contain the object.
 pub(super) struct Search {
     half: f32,
-    /// Content of each cell, x fastest.
-    pub cells: Vec<Cell>,
+    /// Number of silhouettes that must contain a point of the object in each cell, x fastest. Zero in cells that contain
+    /// nothing of it.
+    pub needed: Vec<u16>,
     pub lower: Vec3,
     pub upper: Vec3,
-    /// Number of silhouettes that must contain a point of the object.
-    pub needed: u32,
 }
 
 impl Search {
-    /// Subdivides a cube that contains all cameras.
-    ///
-    /// Where only few views look, their silhouettes may agree by accident: between two cameras that face each other,
-    /// the cones of both silhouettes overlap all the way. A cell therefore needs the support of at least two
-    /// silhouettes, and of at least two fifths of the largest support that any cell has. Of the connected groups of
-    /// such cells, those are kept in which some cell has at least half of the largest support.
+    /// Subdivides a cube that contains all cameras. Of the cells that no silhouette excludes, those are kept that the
+    /// photographs need ([`needed_support`]), if they are connected to one that several of them need.
     pub fn new(carvers: &[Carver], workspace: &mut Workspace, progress: &dyn Progress) -> Result<Self> {
-        let half = carvers.iter().map(|c| c.camera.centre.length()).fold(0.0, f32::max) * 1.2;
-        let support = support(carvers, half, workspace, progress)?;
-        let largest = support.iter().copied().max().unwrap_or(0);
-        let needed = (2 * u32::from(largest)).div_ceil(5).max(MIN_SILHOUETTES);
-        let cells = classify(&support, needed, largest, workspace);
+        let half = half_edge(carvers);
+        let support = support(carvers, half, 0, workspace, progress)?;
+        let mut needed = needed_support(carvers, &support, half, workspace);
         workspace.recycle(support);
+        keep_objects(&mut needed, workspace);
         let (mut lower, mut upper) = (Vec3::INFINITY, Vec3::NEG_INFINITY);
         let size = 2.0 * half / CELLS as f32;
-        for (i, _) in cells.iter().enumerate().filter(|&(_, &cell)| cell == Cell::Object) {
-            let [x, y, z] = coordinates(i).map(|v| v as f32);
-            let corner = Vec3::new(x, y, z) * size - Vec3::splat(half);
+        for i in (0..needed.len()).filter(|&i| needed[i] > 0) {
+            let corner = cell_corner(i, half);
             (lower, upper) = (lower.min(corner), upper.max(corner + Vec3::splat(size)));
         }
-        if lower.x > upper.x { Err(Error::EmptyHull) } else { Ok(Self { half, cells, lower, upper, needed }) }
+        if lower.x > upper.x { Err(Error::EmptyHull) } else { Ok(Self { half, needed, lower, upper }) }
     }
 
-    /// Whether a cube may contain a part of the object.
-    pub fn touches(&self, centre: Vec3, half_edge: f32) -> bool {
+    /// The smallest number of silhouettes that must contain a point of the object in a cube. `None` if it contains nothing
+    /// of it.
+    pub fn needed(&self, centre: Vec3, half_edge: f32) -> Option<u32> {
         let scale = CELLS as f32 / (2.0 * self.half);
         let index = |v: f32| ((v + self.half) * scale).clamp(0.0, CELLS as f32 - 1.0) as usize;
         let (a, b) = (centre - Vec3::splat(half_edge), centre + Vec3::splat(half_edge));
-        (index(a.z)..=index(b.z)).any(|z| {
-            (index(a.y)..=index(b.y))
-                .any(|y| (index(a.x)..=index(b.x)).any(|x| self.cells[(z * CELLS + y) * CELLS + x] == Cell::Object))
-        })
+        let mut least = None;
+        for z in index(a.z)..=index(b.z) {
+            for y in index(a.y)..=index(b.y) {
+                let row = &self.needed[(z * CELLS + y) * CELLS..][index(a.x)..=index(b.x)];
+                let needed = row.iter().filter(|&&needed| needed > 0).map(|&needed| u32::from(needed)).min();
+                least = least.into_iter().chain(needed).min();
+            }
+        }
+        least
     }
 }
 
-fn coordinates(i: usize) -> [usize; 3] {
+/// The cells of the same cube that the object may occupy even if some silhouettes wrongly exclude it.
+pub(super) struct Space {
+    half: f32,
+    /// Number of views whose silhouette a cell may lie in, x fastest. Zero if more views exclude it than are tolerated.
+    support: Vec<u16>,
+}
+
+impl Space {
+    /// The cells that at most `tolerated` views exclude.
+    pub fn new(
+        carvers: &[Carver],
+        tolerated: u32,
+        workspace: &mut Workspace,
+        progress: &dyn Progress,
+    ) -> Result<Self> {
+        let half = half_edge(carvers);
+        Ok(Self { half, support: support(carvers, half, tolerated, workspace, progress)? })
+    }
+
+    /// Edge of a cell, in scene units.
+    pub fn cell(&self) -> f32 {
+        2.0 * self.half / CELLS as f32
+    }
+
+    /// Distance from a point beyond which nothing is searched, in scene units.
+    pub fn reach(&self, from: Vec3) -> f32 {
+        from.length() + DIAGONAL * self.half
+    }
+
+    /// Whether a point may belong to the object.
+    pub fn contains(&self, p: Vec3) -> bool {
+        let q = (p + Vec3::splat(self.half)) / self.cell();
+        if !(q.min_element() >= 0.0 && q.max_element() < CELLS as f32) {
+            return false;
+        }
+        self.support[(q.z as usize * CELLS + q.y as usize) * CELLS + q.x as usize] > 0
+    }
+
+    /// Returns its memory to a workspace.
+    pub fn recycle_into(self, workspace: &mut Workspace) {
+        workspace.recycle(self.support);
+    }
+}
+
+/// Half the edge of a cube around the rig's origin that contains all cameras, in scene units.
+fn half_edge(carvers: &[Carver]) -> f32 {
+    carvers.iter().map(|c| c.camera.centre.length()).fold(0.0, f32::max) * 1.2
+}
+
+/// The lowest corner of a cell.
+pub(super) fn cell_corner(i: usize, half: f32) -> Vec3 {
+    let [x, y, z] = coordinates(i).map(|v| v as f32);
+    Vec3::new(x, y, z) * (2.0 * half / CELLS as f32) - Vec3::splat(half)
+}
+
+pub(super) fn coordinates(i: usize) -> [usize; 3] {
     [i % CELLS, i / CELLS % CELLS, i / (CELLS * CELLS)]
 }
 
-/// For every cell, the number of views whose silhouette it may lie in, or zero if some view excludes it.
-fn support(carvers: &[Carver], half: f32, workspace: &mut Workspace, progress: &dyn Progress) -> Result<Vec<u16>> {
+/// For every cell, the number of views whose silhouette it may lie in, or zero if more than `tolerated` views exclude
+/// it.
+fn support(
+    carvers: &[Carver],
+    half: f32,
+    tolerated: u32,
+    workspace: &mut Workspace,
+    progress: &dyn Progress,
+) -> Result<Vec<u16>> {
     let mut support = workspace.filled(0u16, CELLS * CELLS * CELLS);
     let mut crossing = Vec::new();
     let mut stack = vec![([0usize; 3], CELLS)];
@@ -97,7 +148,7 @@ fn support(carvers: &[Carver], half: f32, workspace: &mut Workspace, progress: &
         let edge = 2.0 * half * cells as f32 / CELLS as f32;
         let [x, y, z] = corner.map(|v| v as f32 * 2.0 * half / CELLS as f32 - half + 0.5 * edge);
         let (verdict, _, supporting) =
-            judge(carvers, Vec3::new(x, y, z), 0.5 * edge * DIAGONAL, MIN_SILHOUETTES, &mut crossing);
+            judge(carvers, Vec3::new(x, y, z), 0.5 * edge * DIAGONAL, (MIN_SILHOUETTES, tolerated), &mut crossing);
         if verdict == Verdict::Outside {
             continue;
         }
@@ -115,41 +166,3 @@ fn support(carvers: &[Carver], half: f32, workspace: &mut Workspace, progress: &
     Ok(support)
 }
 
-/// Finds the 26-connected groups of cells with a support of at least `needed`. Groups in which some cell has at least
-/// half of the support `largest` belong to the object.
-fn classify(support: &[u16], needed: u32, largest: u16, workspace: &mut Workspace) -> Vec<Cell> {
-    let mut cells = workspace.filled(Cell::Empty, support.len());
-    let mut group: Vec<u32> = workspace.take();
-    for first in 0..support.len() {
-        if u32::from(support[first]) < needed || cells[first] != Cell::Empty {
-            continue;
-        }
-        cells[first] = Cell::Stray;
-        group.clear();
-        group.push(first as u32);
-        let (mut next, mut best) = (0, 0);
-        while next < group.len() {
-            let i = group[next] as usize;
-            next += 1;
-            best = support[i].max(best);
-            let [x, y, z] = coordinates(i);
-            let range = |v: usize| v.saturating_sub(1)..(v + 2).min(CELLS);
-            for z in range(z) {
-                for y in range(y) {
-                    for x in range(x) {
-                        let j = (z * CELLS + y) * CELLS + x;
-                        if u32::from(support[j]) >= needed && cells[j] == Cell::Empty {
-                            cells[j] = Cell::Stray;
-                            group.push(j as u32);
-                        }
-                    }
-                }
-            }
-        }
-        if 2 * best >= largest {
-            group.iter().for_each(|&i| cells[i as usize] = Cell::Object);
-        }
-    }
-    workspace.recycle(group);
-    cells
-}

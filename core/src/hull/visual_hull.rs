@@ -22,7 +22,6 @@ pub struct VisualHull {
     pub(super) needed: Vec<u32>,
     /// Lists of indices into `carvers`: the carvers whose contour may pass a block.
     pub(super) carver_lists: Vec<u16>,
-    pub(super) min_silhouettes: u32,
     pub(super) lower: Vec3,
     pub(super) upper: Vec3,
     pub(super) footprint: f32,
@@ -62,7 +61,7 @@ impl VisualHull {
             )
         } else {
             // The block as a whole was classified as inside or outside, so that the sign is known.
-            let (d, from) = smallest_distance(self.carvers.iter(), p, view, self.grid.voxel, self.min_silhouettes);
+            let (d, from) = smallest_distance(self.carvers.iter(), p, view, self.grid.voxel, 0);
             (if slot == SparseGrid::INSIDE { max(d, self.grid.voxel) } else { min(d, -self.grid.voxel) }, from)
         }
     }

@@ -1,0 +1,124 @@
+//! Uncovered pixels as witnesses: which views exclude the most plausible places of a pixel's ray.
+
+use super::{
+    super::{carver::Carver, search::Space},
+    verdict::Verdict,
+};
+use crate::{
+    error::Result,
+    progress::{self, Progress},
+    stage::Stage,
+};
+
+/// Largest number of views that may wrongly exclude the same place.
+pub(super) const TOLERATED: u32 = 3;
+/// A view excludes a place that it sees by more than this outside its contour, in pixels.
+const OUTSIDE: f32 = -1.0;
+/// Smallest number of silhouettes that must contain a plausible place, and how many there must be per view that excludes
+/// it. The witness' own is one of them.
+const MIN_SUPPORT: u32 = 4;
+const SUPPORT_PER_EXCLUSION: u32 = 4;
+/// Number of places along a ray per cell of the searched space.
+const PLACES_PER_CELL: f32 = 8.0;
+/// Largest number of pixels of one view that are heard. If there are more, each one heard stands for several.
+const MOST: usize = 1000;
+
+/// Follows the rays of a view's uncovered `pixels` and records which views exclude their most plausible places: those
+/// that the fewest views exclude.
+pub(super) fn hear(
+    carvers: &[Carver],
+    space: &Space,
+    own: usize,
+    pixels: &[[u16; 2]],
+    verdict: &mut Verdict,
+    progress: &dyn Progress,
+) -> Result<()> {
+    let every = pixels.len().div_ceil(MOST).max(1);
+    let weight = super::coverage::PIXELS_PER_SAMPLE * every as f32;
+    for (n, &[x, y]) in pixels.iter().step_by(every).enumerate() {
+        if n % 64 == 0 {
+            progress::step(progress, Stage::Hull, own as u32, carvers.len() as u32)?;
+        }
+        if let Some(sets) = follow(carvers, space, own, f32::from(x), f32::from(y)) {
+            verdict.record(own as u16, weight, sets);
+        }
+    }
+    Ok(())
+}
+
+/// A small set of views that exclude the same place, in ascending order; unused entries are `u16::MAX`.
+pub(super) type Excluders = [u16; TOLERATED as usize];
+
+/// Distinct sets of views that exclude places of one ray. Of a place that few views exclude, but more than another, the
+/// set is kept as well: once one of its views is out, it may become the most plausible one.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Sets {
+    pub(super) sets: [Excluders; Self::MOST],
+    pub(super) count: usize,
+}
+
+impl Sets {
+    /// Largest number of sets that are kept per ray.
+    const MOST: usize = 6;
+    const NOBODY: Excluders = [u16::MAX; TOLERATED as usize];
+
+    fn add(&mut self, set: Excluders) {
+        if self.sets[..self.count].contains(&set) {
+            return;
+        }
+        if self.count < Self::MOST {
+            self.sets[self.count] = set;
+            self.count += 1;
+        } else if let Some(larger) = (0..Self::MOST).max_by_key(|&i| (size(&self.sets[i]), i))
+            && size(&self.sets[larger]) > size(&set)
+        {
+            self.sets[larger] = set;
+        }
+    }
+}
+
+pub(super) fn size(set: &Excluders) -> usize {
+    set.iter().filter(|&&view| view != u16::MAX).count()
+}
+
+/// The sets of views that exclude the places of a pixel's ray. `None` if some place is excluded by no view, or if all
+/// places are implausible: then the pixel itself is in doubt.
+fn follow(carvers: &[Carver], space: &Space, own: usize, x: f32, y: f32) -> Option<Sets> {
+    let camera = &carvers[own].camera;
+    let ray = camera.ray(x, y);
+    let unit = 1.0 / ray.length();
+    let (fine, coarse) = (space.cell() * unit / PLACES_PER_CELL, 0.5 * space.cell() * unit);
+    let end = space.reach(camera.centre) * unit;
+    let mut found = Sets { sets: [Sets::NOBODY; Sets::MOST], count: 0 };
+    let mut t = 0.0;
+    while t < end {
+        let p = camera.centre + ray * t;
+        if !space.contains(p) {
+            t += coarse;
+            continue;
+        }
+        t += fine;
+        let (mut set, mut excluding, mut support) = (Sets::NOBODY, 0, 1);
+        for (u, carver) in carvers.iter().enumerate().filter(|&(u, _)| u != own) {
+            match carver.pixels(p) {
+                Some(d) if d < OUTSIDE => {
+                    if excluding == TOLERATED {
+                        excluding += 1;
+                        break;
+                    }
+                    set[excluding as usize] = u as u16;
+                    excluding += 1;
+                }
+                Some(_) => support += 1,
+                None => {}
+            }
+        }
+        if excluding <= TOLERATED && support >= MIN_SUPPORT.max(SUPPORT_PER_EXCLUSION * excluding) {
+            if excluding == 0 {
+                return None;
+            }
+            found.add(set);
+        }
+    }
+    (found.count > 0).then_some(found)
+}
