@@ -7,6 +7,10 @@ use glam::Vec3;
 /// Signed distances are at most this many voxels. Beyond that only the sign matters.
 const FAR: f32 = 64.0;
 
+/// Width of the margin along a picture's edge in which a silhouette is not believed, in pixels. Keyers and filters see only
+/// one side of a contour there.
+pub(super) const EDGE: f32 = 4.0;
+
 /// A view with a silhouette.
 #[derive(Clone)]
 pub(super) struct Carver {
@@ -31,18 +35,22 @@ impl Carver {
     #[inline]
     pub(super) fn distance(&self, p: Vec3) -> Option<f32> {
         let q = self.camera.project(p);
-        if q.z <= 0.0 {
-            return None;
-        }
-        self.silhouette.sample(q.x, q.y).map(|d| d * self.camera.footprint(q.z))
+        self.sample(q).map(|d| d * self.camera.footprint(q.z))
     }
 
     /// Distance from a point's projection to the contour in pixels; positive inside. `None` if the view does not see the
     /// point.
     #[inline]
     pub(super) fn pixels(&self, p: Vec3) -> Option<f32> {
-        let q = self.camera.project(p);
-        if q.z <= 0.0 { None } else { self.silhouette.sample(q.x, q.y) }
+        self.sample(self.camera.project(p))
+    }
+
+    /// The silhouette's distance at a projected point.
+    #[inline]
+    fn sample(&self, q: Vec3) -> Option<f32> {
+        let (right, bottom) = (self.camera.width as f32 - 1.0 - EDGE, self.camera.height as f32 - 1.0 - EDGE);
+        let is_within = q.z > 0.0 && q.x >= EDGE && q.y >= EDGE && q.x <= right && q.y <= bottom;
+        if is_within { self.silhouette.sample(q.x, q.y) } else { None }
     }
 }
 

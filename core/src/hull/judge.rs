@@ -1,6 +1,6 @@
 //! Classifies a ball in space against all silhouettes (§0).
 
-use super::carver::Carver;
+use super::carver::{Carver, EDGE};
 use crate::surface::SLOPE;
 use alloc::vec::Vec;
 use glam::Vec3;
@@ -43,7 +43,8 @@ pub(super) fn judge(
         if q.x + r < 0.0 || q.y + r < 0.0 || q.x - r > w - 1.0 || q.y - r > h - 1.0 {
             continue;
         }
-        let whole = q.x >= r && q.y >= r && q.x + r <= w - 1.0 && q.y + r <= h - 1.0;
+        let edge = r + EDGE;
+        let whole = q.x >= edge && q.y >= edge && q.x + edge <= w - 1.0 && q.y + edge <= h - 1.0;
         let corner = |dx: f32, dy: f32| carver.silhouette.sample(q.x + dx * r, q.y + dy * r).is_some();
         let whole = whole && corner(-1.0, -1.0) && corner(1.0, -1.0) && corner(-1.0, 1.0) && corner(1.0, 1.0);
         match carver.silhouette.sample(q.x.clamp(0.0, w - 1.0), q.y.clamp(0.0, h - 1.0)) {

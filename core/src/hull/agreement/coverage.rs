@@ -5,6 +5,8 @@ use alloc::vec::Vec;
 
 /// Smallest distance of a pixel from the contour, in pixels. Contours are not more accurate.
 const DEEP: f32 = 1.5;
+/// Depth of the rim, in pixels.
+const RIM: f32 = 3.0;
 /// Every second pixel is looked at, as on the white squares of a chessboard.
 pub(super) const PIXELS_PER_SAMPLE: f32 = 2.0;
 
@@ -48,6 +50,16 @@ impl Coverage {
             }
         }
         found
+    }
+
+    /// Share of a silhouette's rim, the pixels up to [`RIM`] inside the contour, that the mesh does not cover.
+    pub(super) fn uncovered_rim(&self, silhouette: &Silhouette) -> f32 {
+        let rim = (RIM * Silhouette::UNITS) as i16;
+        let d = |x: usize, y: usize| silhouette.distances()[y * self.width + x];
+        let all = silhouette.distances().iter().filter(|&&d| d >= (DEEP * Silhouette::UNITS) as i16 && d < rim).count();
+        let uncovered = self.uncovered(silhouette);
+        let open = uncovered.iter().filter(|&&[x, y]| d(usize::from(x), usize::from(y)) < rim).count();
+        open as f32 * PIXELS_PER_SAMPLE / all.max(1) as f32
     }
 }
 

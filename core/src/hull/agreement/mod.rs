@@ -26,8 +26,8 @@ pub struct AgreementParams {
     /// the mean length of a silhouette's contour. The two views with the most such pixels do not count, so that a matte
     /// that shows too much accuses nobody.
     pub blame: f32,
-    /// The camera of such a view is at fault, and not only its matte, if the hull of the others leaves at least this
-    /// many pixels of its own silhouette uncovered, as a fraction of the length of its contour.
+    /// The camera of such a view is at fault, and not only its matte, if the hull of the others leaves more than this share
+    /// of its own silhouette's rim uncovered.
     pub uncovered: f32,
     /// Largest share of the silhouettes that are set aside. If more are at fault, the calibration as a whole is in question.
     pub largest_share: f32,
@@ -72,11 +72,9 @@ pub fn contradicting(
     Ok(guilty)
 }
 
-/// Number of pixels of a silhouette that the hull leaves uncovered, as a fraction of the length of its contour.
-/// `mesh` is the hull's mesh.
+/// Share of a silhouette's rim that the hull leaves uncovered. `mesh` is the hull's mesh.
 pub fn uncovered_share(camera: &Pinhole, silhouette: &Silhouette, mesh: &Mesh) -> f32 {
     let mut coverage = Coverage::default();
     coverage.draw(mesh, camera);
-    let pixels = coverage.uncovered(silhouette).len() as f32 * coverage::PIXELS_PER_SAMPLE;
-    pixels / coverage::contour_length(silhouette).max(1) as f32
+    coverage.uncovered_rim(silhouette)
 }
