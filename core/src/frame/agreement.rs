@@ -4,7 +4,7 @@
 use super::state::Frame;
 use crate::{
     error::{Error, Result},
-    hull::{AgreementParams, contradicting, uncovered_share},
+    hull::{AgreementParams, completed, contradicting, uncovered_share},
     left_out::LeftOut,
     progress::Progress,
     rig::{MIN_VIEWS, Rig},
@@ -53,8 +53,22 @@ impl<R: Deref<Target = Rig> + Sync> Frame<R> {
             carved = self.carve_hull(progress);
         }
         carved?;
+        if self.complete_silhouettes(progress)? {
+            self.carve_hull(progress)?;
+        }
         self.leave_out_moved(&params);
         Ok(())
+    }
+
+    /// Adds to the silhouettes what they lack. Returns whether one has changed.
+    fn complete_silhouettes(&mut self, progress: &dyn Progress) -> Result<bool> {
+        let Some(hull) = &self.hull else { return Ok(false) };
+        let completed = completed(&self.views, hull.bounds(), hull.footprint(), progress)?;
+        let any = !completed.is_empty();
+        for (place, silhouette) in completed {
+            self.views[usize::from(place)].silhouette = Some(silhouette);
+        }
+        Ok(any)
     }
 
     /// Leaves out the views whose silhouettes, besides lacking something, show what the hull of the others does not

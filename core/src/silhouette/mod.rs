@@ -86,6 +86,31 @@ impl Silhouette {
         &self.distance
     }
 
+    /// The same silhouette with the marked pixels added to the object, and those next to them, whose colours are mixed.
+    /// Where nothing changes by more than a pixel, the contour remains exactly as it is.
+    pub(crate) fn with_added(&self, added: &[bool]) -> Self {
+        let (w, h) = (self.width as usize, self.height as usize);
+        let is_added = |x: usize, y: usize| {
+            (y.saturating_sub(1)..(y + 2).min(h)).any(|y| (x.saturating_sub(1)..(x + 2).min(w)).any(|x| added[y * w + x]))
+        };
+        let coverage: Vec<u8> = (0..w * h)
+            .map(|i| {
+                let inside = f32::from(self.distance[i]) / Self::UNITS + 0.5;
+                if is_added(i % w, i / w) { 255 } else { (inside.clamp(0.0, 1.0) * 255.0) as u8 }
+            })
+            .collect();
+        let known = |i: usize| self.distance[i] != Self::UNKNOWN;
+        let mut distance = Vec::new();
+        distance::signed_distance(w, h, &coverage, known, &mut SilhouetteScratch::default(), &mut distance);
+        for (new, &old) in distance.iter_mut().zip(&self.distance) {
+            if old == Self::UNKNOWN || (i32::from(*new) - i32::from(old)).abs() < Self::UNITS as i32 {
+                *new = old;
+            }
+        }
+        let full = distance.iter().all(|&d| d > 0);
+        Self { distance, full, uncertainty: self.uncertainty.clone(), ..*self }
+    }
+
     /// Whether the object fills the picture: every pixel with a source belongs to it.
     pub fn is_full(&self) -> bool {
         self.full

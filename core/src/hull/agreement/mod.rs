@@ -5,9 +5,13 @@
 //! camera is not where the calibration says. Such a pixel is a [`witness`] against the views that exclude the most
 //! plausible places of its ray. A view against which many pixels of many other views bear witness is at fault.
 
+mod colours;
 mod coverage;
+mod lacking;
 mod verdict;
 mod witness;
+
+pub use lacking::completed;
 
 use super::{carver::Carver, search::Space};
 use crate::{
