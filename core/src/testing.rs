@@ -142,7 +142,8 @@ pub fn silhouette_of(balls: &[(Vec3, f32)], camera: &Pinhole, index: u16) -> Vie
         rgb: Vec::new(),
         luma: Vec::new(),
         silhouette: Some(Arc::new(silhouette.expect("a contour"))),
-        set_aside: None,
+        given: None,
+        added: 0,
         left_out: None,
     }
 }

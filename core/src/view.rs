@@ -50,8 +50,11 @@ pub struct View {
     pub luma: Vec<u8>,
     /// The silhouette, if it is known.
     pub silhouette: Option<Arc<Silhouette>>,
-    /// The silhouette, if it contradicts those of the other views. It is not used.
-    pub set_aside: Option<Arc<Silhouette>>,
+    /// The silhouette as it was before the other views changed it: [`Self::silhouette`] has more if they have completed it,
+    /// and is `None` if it contradicts them.
+    pub given: Option<Arc<Silhouette>>,
+    /// Number of pixels by which the other views have completed the silhouette.
+    pub added: u32,
     /// Why the view contributes nothing to its frame. `None` if it takes part.
     pub left_out: Option<LeftOut>,
 }
@@ -85,7 +88,7 @@ pub struct Buffers {
 
 impl From<View> for Buffers {
     fn from(old: View) -> Self {
-        let silhouette = old.silhouette.or(old.set_aside).and_then(Arc::into_inner);
+        let silhouette = old.silhouette.or(old.given).and_then(Arc::into_inner);
         let (distance, uncertainty) = silhouette.map(Silhouette::into_buffers).unwrap_or_default();
         Self { rgb: old.rgb, luma: old.luma, distance, uncertainty }
     }
@@ -105,7 +108,8 @@ impl View {
             rgb: Vec::new(),
             luma: Vec::new(),
             silhouette: None,
-            set_aside: None,
+            given: None,
+            added: 0,
             left_out: Some(LeftOut::NoPicture),
         })
     }
@@ -113,6 +117,17 @@ impl View {
     /// Whether the view takes part in its frame.
     pub fn is_used(&self) -> bool {
         self.left_out.is_none()
+    }
+
+    /// Whether the silhouette is not used because it contradicts the other views.
+    pub fn is_set_aside(&self) -> bool {
+        self.silhouette.is_none() && self.given.is_some()
+    }
+
+    /// Gives the view its silhouette back as it was before the other views changed it.
+    pub(crate) fn take_back(&mut self) {
+        self.silhouette = self.given.take().or(self.silhouette.take());
+        self.added = 0;
     }
 
     /// Mixes picture and silhouette into a hash.
@@ -212,6 +227,6 @@ impl View {
         luma.clear();
         luma.extend(rgb.chunks_exact(3).map(|p| image::luma([p[0], p[1], p[2]])));
         let silhouette = silhouette.map(Arc::new);
-        Ok(Self { index: place as u16, camera: rig.pinholes()[index], rgb, luma, silhouette, set_aside: None, left_out })
+        Ok(Self { index: place as u16, camera: rig.pinholes()[index], rgb, luma, silhouette, given: None, added: 0, left_out })
     }
 }

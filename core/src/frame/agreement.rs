@@ -4,7 +4,7 @@
 use super::state::Frame;
 use crate::{
     error::{Error, Result},
-    hull::{AgreementParams, completed, contradicting, uncovered_share},
+    hull::{AgreementParams, Completed, completed, contradicting, uncovered_share},
     left_out::LeftOut,
     progress::Progress,
     rig::{MIN_VIEWS, Rig},
@@ -22,7 +22,7 @@ impl<R: Deref<Target = Rig> + Sync> Frame<R> {
     /// # Errors
     /// Those of carving.
     pub(super) fn carve_agreeing(&mut self, progress: &dyn Progress) -> Result<()> {
-        self.views.iter_mut().for_each(take_back);
+        self.views.iter_mut().for_each(View::take_back);
         let mut carved = self.carve_hull(progress);
         let Some(params) = self.params.agreement else { return carved };
         let silhouettes = self.views.iter().filter(|view| view.is_used() && view.silhouette.is_some()).count();
@@ -34,7 +34,7 @@ impl<R: Deref<Target = Rig> + Sync> Frame<R> {
             if carved.is_err() {
                 take(&mut self.intermediates.hull).recycle_into(&mut self.memory.workspace);
             }
-            let room = most.saturating_sub(self.views.iter().filter(|view| view.set_aside.is_some()).count());
+            let room = most.saturating_sub(self.views.iter().filter(|view| view.is_set_aside()).count());
             let guilty = contradicting(
                 &self.views,
                 &self.intermediates.hull,
@@ -48,7 +48,7 @@ impl<R: Deref<Target = Rig> + Sync> Frame<R> {
             }
             for place in guilty {
                 let view = &mut self.views[usize::from(place)];
-                view.set_aside = view.silhouette.take();
+                view.given = view.silhouette.take();
             }
             carved = self.carve_hull(progress);
         }
@@ -65,8 +65,10 @@ impl<R: Deref<Target = Rig> + Sync> Frame<R> {
         let Some(hull) = &self.hull else { return Ok(false) };
         let completed = completed(&self.views, hull.bounds(), hull.footprint(), progress)?;
         let any = !completed.is_empty();
-        for (place, silhouette) in completed {
-            self.views[usize::from(place)].silhouette = Some(silhouette);
+        for Completed { place, silhouette, added } in completed {
+            let view = &mut self.views[usize::from(place)];
+            view.given = view.silhouette.replace(silhouette);
+            view.added = added;
         }
         Ok(any)
     }
@@ -75,18 +77,11 @@ impl<R: Deref<Target = Rig> + Sync> Frame<R> {
     /// have: their cameras are not where the calibration says, or their pictures are of another instant.
     fn leave_out_moved(&mut self, params: &AgreementParams) {
         for view in &mut self.views {
-            let Some(silhouette) = &view.set_aside else { continue };
+            let Some(silhouette) = view.given.as_ref().filter(|_| view.is_set_aside()) else { continue };
             if uncovered_share(&view.camera, silhouette, &self.intermediates.hull) > params.uncovered {
-                view.silhouette = view.set_aside.take();
+                view.take_back();
                 view.left_out = Some(LeftOut::Contradicts);
             }
         }
-    }
-}
-
-/// Gives a view its silhouette back.
-fn take_back(view: &mut View) {
-    if let Some(silhouette) = view.set_aside.take() {
-        view.silhouette = Some(silhouette);
     }
 }

@@ -92,7 +92,8 @@ impl<R: Deref<Target = Rig> + Sync> Frame<R> {
                 rgb: Vec::new(),
                 luma: Vec::new(),
                 silhouette: view.silhouette.clone(),
-                set_aside: None,
+                given: None,
+                added: 0,
                 left_out: None,
             };
             let views: Vec<View> = self.views.iter().filter(|v| v.is_used()).map(posed).collect();

@@ -65,6 +65,13 @@ pub enum Warning {
         /// Overlap of the silhouette with the hull of the others, 0 to 1.
         overlap: f32,
     },
+    /// A camera's silhouette had holes or lacked parts that the other cameras show. They have been added.
+    SilhouetteCompleted {
+        /// Index of the camera.
+        camera: u32,
+        /// Number of pixels that were added.
+        pixels: u32,
+    },
     /// A camera's picture contradicts the other cameras. It is not used.
     CameraContradicts {
         /// Index of the camera.
@@ -109,6 +116,7 @@ impl Warning {
             Self::MaskInverted { .. } => "mask-inverted",
             Self::ObjectBesidePicture { .. } => "object-beside-picture",
             Self::SilhouetteSetAside { .. } => "silhouette-set-aside",
+            Self::SilhouetteCompleted { .. } => "silhouette-completed",
             Self::CameraContradicts { .. } => "camera-contradicts",
             Self::SilhouetteDisagrees { .. } => "silhouette-disagrees",
             Self::SilhouettesContradict { .. } => "silhouettes-contradict",
@@ -127,6 +135,7 @@ impl Warning {
             | Self::MaskInverted { camera }
             | Self::ObjectBesidePicture { camera }
             | Self::SilhouetteSetAside { camera, .. }
+            | Self::SilhouetteCompleted { camera, .. }
             | Self::CameraContradicts { camera, .. }
             | Self::SilhouetteDisagrees { camera, .. }
             | Self::NoStereoPoints { camera } => Some(*camera),
@@ -167,6 +176,10 @@ impl Warning {
                 "its silhouette lacks parts of the object that the other views show, and agrees with them to {:.1} %, so that \
                  it is not used: correct its mask",
                 100.0 * overlap
+            ),
+            Self::SilhouetteCompleted { pixels, .. } => format!(
+                "its silhouette lacked {pixels} pixels that have the object's colours and that the other views show as object; \
+                 they have been added: look for holes in its mask"
             ),
             Self::CameraContradicts { overlap, .. } => format!(
                 "its picture contradicts the other views, which it agrees with to {:.1} %, so that it is not used: check \
@@ -232,9 +245,10 @@ impl<R: Deref<Target = Rig>> Frame<R> {
     /// The warning about a view of the complete stage.
     fn of_complete(&self, view: &View, camera: u32) -> Option<Warning> {
         let overlap = self.compared.get(usize::from(view.index)).and_then(|found| found.overlap).unwrap_or(0.0);
-        match (view.left_out, &view.set_aside) {
-            (Some(LeftOut::Contradicts), _) => Some(Warning::CameraContradicts { camera, overlap }),
-            (None, Some(_)) => Some(Warning::SilhouetteSetAside { camera, overlap }),
+        match view.left_out {
+            Some(LeftOut::Contradicts) => Some(Warning::CameraContradicts { camera, overlap }),
+            None if view.is_set_aside() => Some(Warning::SilhouetteSetAside { camera, overlap }),
+            None if view.added > 0 => Some(Warning::SilhouetteCompleted { camera, pixels: view.added }),
             _ => of_view(view, camera),
         }
     }
@@ -243,7 +257,7 @@ impl<R: Deref<Target = Rig>> Frame<R> {
     fn disagreements(&self) -> Vec<Warning> {
         let order = self.rig().order();
         let views = self.views().iter().zip(&self.compared).zip(order);
-        let used = views.filter(|((view, _), _)| view.is_used() && view.set_aside.is_none());
+        let used = views.filter(|((view, _), _)| view.is_used() && !view.is_set_aside());
         let mut overlaps: Vec<(f32, u32)> = used.filter_map(|((_, found), &c)| Some((found.overlap?, c))).collect();
         overlaps.sort_unstable_by_key(|&(overlap, camera)| (ordered(overlap), camera));
         let (Some(&(median, _)), Some(&(overlap, worst))) = (overlaps.get(overlaps.len() / 2), overlaps.first()) else {

@@ -15,7 +15,7 @@ mod support;
 mod visual_hull;
 mod walk;
 
-pub use agreement::{AgreementParams, completed, contradicting, uncovered_share};
+pub use agreement::{AgreementParams, Completed, completed, contradicting, uncovered_share};
 pub use carve::HullParams;
 pub use visual_hull::VisualHull;
 pub(crate) use walk::Walk;

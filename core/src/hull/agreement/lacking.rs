@@ -31,8 +31,17 @@ const STEP: f32 = 4.0;
 /// Smallest number of silhouettes that must contain a place of a ray.
 const MIN_SUPPORT: u32 = 3;
 
-/// The silhouettes that lack parts, with the parts added, and their views' places in the rig's order. `bounds` are those
-/// of the hull, and `footprint` is the size of a pixel there, in scene units.
+/// A silhouette that lacked parts, with the parts added.
+pub struct Completed {
+    /// Place of the view in the rig's order.
+    pub place: u16,
+    /// The completed silhouette.
+    pub silhouette: Arc<Silhouette>,
+    /// Number of pixels that were added.
+    pub added: u32,
+}
+
+/// The silhouettes that lack parts, with the parts added. `bounds` are those of the hull, and `footprint` is the size of a pixel there, in scene units.
 ///
 /// # Errors
 /// [`crate::Error::Cancelled`].
@@ -41,7 +50,7 @@ pub fn completed(
     bounds: (Vec3, Vec3),
     footprint: f32,
     progress: &dyn Progress,
-) -> Result<Vec<(u16, Arc<Silhouette>)>> {
+) -> Result<Vec<Completed>> {
     let carvers: Vec<Carver> = views.iter().filter_map(Carver::new).collect();
     let object = ObjectColours::new(views);
     let mut completed = Vec::new();
@@ -50,7 +59,11 @@ pub fn completed(
         let view = &views[usize::from(carvers[own].index)];
         let rays = Rays { carvers: &carvers, own, bounds, footprint };
         if let Some(added) = lacking(view, &carvers[own].silhouette, &object, &rays) {
-            completed.push((carvers[own].index, Arc::new(carvers[own].silhouette.with_added(&added))));
+            completed.push(Completed {
+                place: carvers[own].index,
+                silhouette: Arc::new(carvers[own].silhouette.with_added(&added)),
+                added: added.iter().filter(|&&is_added| is_added).count() as u32,
+            });
         }
     }
     Ok(completed)

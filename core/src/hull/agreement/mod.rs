@@ -11,7 +11,7 @@ mod lacking;
 mod verdict;
 mod witness;
 
-pub use lacking::completed;
+pub use lacking::{Completed, completed};
 
 use super::{carver::Carver, search::Space};
 use crate::{

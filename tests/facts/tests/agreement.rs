@@ -1,0 +1,197 @@
+//! Views that contradict the others are found, named and not believed: the hull is the one that the other views make.
+
+use facts::{
+    Shot,
+    topology::{assert_sound, components},
+};
+use glam::DMat3;
+use pcmvs_core::{Frame, Memory, Mesh, Params, Preset, Serial, Silent, Warning};
+use std::sync::LazyLock;
+use studio::{Faults, Ring, Subject, capture::record};
+
+const CAMERAS: u32 = 16;
+/// The camera at fault.
+const ONE: usize = 5;
+
+static RING: LazyLock<Ring> = LazyLock::new(|| Ring { count: CAMERAS, ..Ring::default() }.sized(480, 360));
+
+static FIGURE: LazyLock<Shot> = LazyLock::new(|| figure_with(&Faults::default()));
+
+fn figure_with(faults: &Faults) -> Shot {
+    Shot::new(Subject::Figure, &RING.cameras(), faults)
+}
+
+/// A capture without faults.
+fn figure() -> Shot {
+    FIGURE.of_cameras(&(0..CAMERAS as usize).collect::<Vec<_>>())
+}
+
+/// The mesh of preset `hull`, and the warnings.
+fn hull(shot: &Shot) -> (Mesh, Vec<Warning>) {
+    let rig = shot.rig();
+    let mut frame = Frame::new(&rig, Params::preset(Preset::Hull), Memory::default());
+    frame.run_all(&shot.inputs(), &Serial, &Silent).expect("faults are no errors");
+    assert_sound(frame.mesh(), "hull");
+    (frame.mesh().clone(), frame.warnings())
+}
+
+/// Volume of a closed mesh in cubic metres.
+fn volume(mesh: &Mesh) -> f64 {
+    let of = |&[a, b, c]: &[u32; 3]| {
+        let [a, b, c] = [a, b, c].map(|v| mesh.positions[v as usize].as_dvec3());
+        a.dot(b.cross(c)) / 6.0
+    };
+    mesh.triangles.iter().map(of).sum()
+}
+
+/// Fails unless the hull is that of all other cameras.
+fn assert_hull_of_others(shot: &Shot, mesh: &Mesh, at_fault: &[usize], what: &str) {
+    let others: Vec<usize> = (0..shot.cameras.len()).filter(|i| !at_fault.contains(i)).collect();
+    let expected = volume(&hull(&shot.of_cameras(&others)).0);
+    let found = volume(mesh);
+    assert!((found / expected - 1.0).abs() < 0.002, "{what}: {found} m³ instead of {expected}");
+}
+
+/// Cameras about which there are warnings with a code.
+fn named(warnings: &[Warning], code: &str) -> Vec<usize> {
+    warnings.iter().filter(|w| w.code() == code).filter_map(|w| Some(w.camera()? as usize)).collect()
+}
+
+/// Turns a camera so that its picture moves by some pixels to the right and down.
+fn bump(shot: &mut Shot, camera: usize, pixels: f64) {
+    let camera = &mut shot.cameras[camera];
+    let angle = pixels * 0.5f64.sqrt() / camera.k[0][0];
+    let turn = DMat3::from_rotation_x(-angle) * DMat3::from_rotation_y(angle);
+    let rotation = turn * DMat3::from_cols_array_2d(&camera.r).transpose();
+    camera.r = rotation.transpose().to_cols_array_2d();
+    camera.t = (turn * glam::DVec3::from_array(camera.t)).to_array();
+}
+
+/// Clears a mask in some columns of the object's bounding box, given as shares of its width.
+fn cut(shot: &mut Shot, camera: usize, columns: core::ops::Range<f64>) {
+    let width = shot.cameras[camera].width as usize;
+    let mask = shot.frame.masks[camera].as_mut().expect("the camera has a mask");
+    let on_object = || mask.iter().enumerate().filter(|&(_, &v)| v > 127).map(|(i, _)| i % width);
+    let (low, high) = (on_object().min().expect("an object"), on_object().max().expect("an object"));
+    let at = |share: f64| low + (share * (high - low + 1) as f64) as usize;
+    let cleared = at(columns.start)..at(columns.end);
+    mask.iter_mut().enumerate().filter(|&(i, _)| cleared.contains(&(i % width))).for_each(|(_, v)| *v = 0);
+}
+
+/// What stage days do to every camera a little is no contradiction.
+#[test]
+fn nobody_is_at_fault_in_an_ordinary_capture() {
+    let ordinary = [
+        Faults::default(),
+        Faults { noise: 4.0, gain: 0.2, blur: 0.8, ..Faults::default() },
+        Faults { coarse_masks: 2, ..Faults::default() },
+        Faults { calibration: 0.5, ..Faults::default() },
+    ];
+    for faults in &ordinary {
+        assert_eq!(hull(&figure_with(faults)).1, [], "{faults:?}");
+    }
+    let few = figure().of_cameras(&[0, 3, 6, 8, 11, 14]);
+    assert_eq!(hull(&few).1, [], "six cameras");
+}
+
+#[test]
+fn a_mask_without_a_limb_carves_nothing() {
+    let mut shot = figure();
+    cut(&mut shot, ONE, 0.0..0.25);
+    let (mesh, warnings) = hull(&shot);
+    assert_eq!(named(&warnings, "silhouette-set-aside"), [ONE], "{warnings:?}");
+    assert_eq!(warnings.len(), 1, "{warnings:?}");
+    assert_hull_of_others(&shot, &mesh, &[ONE], "a limb is missing");
+}
+
+#[test]
+fn a_camera_that_was_moved_is_left_out() {
+    for pixels in [6.0, 12.0, 24.0] {
+        let mut shot = figure();
+        bump(&mut shot, ONE, pixels);
+        let (mesh, warnings) = hull(&shot);
+        assert_eq!(named(&warnings, "camera-contradicts"), [ONE], "{pixels}: {warnings:?}");
+        assert_eq!(warnings.len(), 1, "{pixels}: {warnings:?}");
+        assert_hull_of_others(&shot, &mesh, &[ONE], "a camera was moved");
+    }
+}
+
+#[test]
+fn two_cameras_that_were_exchanged_are_left_out() {
+    let mut shot = figure();
+    shot.frame.images.swap(ONE, ONE + 1);
+    shot.frame.masks.swap(ONE, ONE + 1);
+    let (mesh, warnings) = hull(&shot);
+    assert_eq!(named(&warnings, "camera-contradicts"), [ONE, ONE + 1], "{warnings:?}");
+    assert_hull_of_others(&shot, &mesh, &[ONE, ONE + 1], "two cameras were exchanged");
+}
+
+#[test]
+fn a_camera_out_of_step_is_left_out() {
+    let mut shot = figure();
+    let mut late = record(Subject::Figure, &shot.cameras[ONE..=ONE], 0, 0.5, &Faults::default());
+    shot.frame.images[ONE] = late.images.remove(0);
+    shot.frame.masks[ONE] = late.masks.remove(0);
+    let (mesh, warnings) = hull(&shot);
+    assert_eq!(named(&warnings, "camera-contradicts"), [ONE], "{warnings:?}");
+    assert_hull_of_others(&shot, &mesh, &[ONE], "a camera is late");
+}
+
+/// Holes in masks are filled, because they have the object's colours and all other views agree.
+#[test]
+fn holes_in_every_mask_are_filled() {
+    let mut shot = figure();
+    let whole = volume(&hull(&shot).0);
+    for (camera, mask) in shot.frame.masks.iter_mut().enumerate() {
+        let (width, mask) = (shot.cameras[camera].width as usize, mask.as_mut().expect("all have masks"));
+        let on_object: Vec<usize> = (0..mask.len()).filter(|&i| mask[i] == 255).collect();
+        for hole in 0..4 {
+            // Different places in every view.
+            let centre = on_object[(on_object.len() / 5 * (hole + 1) + camera * 97) % on_object.len()];
+            let (cx, cy) = ((centre % width) as f64, (centre / width) as f64);
+            for (i, v) in mask.iter_mut().enumerate() {
+                let (dx, dy) = ((i % width) as f64 - cx, (i / width) as f64 - cy);
+                if dx * dx + dy * dy < 16.0 {
+                    *v = 0;
+                }
+            }
+        }
+    }
+    let found = volume(&hull(&shot).0);
+    assert!((found / whole - 1.0).abs() < 0.01, "{found} m³ instead of {whole}");
+}
+
+/// Between cameras that face each other, the cones of their silhouettes overlap all the way. That is no person.
+#[test]
+fn four_cameras_make_one_body() {
+    let shot = figure().of_cameras(&[0, 4, 8, 12]);
+    let (mesh, _) = hull(&shot);
+    assert_eq!(components(&mesh).len(), 1);
+    let (low, high) = mesh.positions.iter().fold((glam::Vec3::INFINITY, glam::Vec3::NEG_INFINITY), |(low, high), &p| {
+        (low.min(p), high.max(p))
+    });
+    assert!((high - low).max_element() < 2.2, "{low} to {high}");
+}
+
+/// Cameras that see the upper half and cameras that see the lower half make a whole person, although no place is seen by
+/// all of them.
+#[test]
+fn views_of_a_part_count_for_what_they_see() {
+    let half = |look_at: f64, count: u32, seed: u64| {
+        let look_at = glam::DVec3::new(0.0, 0.0, look_at);
+        Ring { count, look_at, fov: 0.32, seed, ..Ring::default() }.sized(480, 360).cameras()
+    };
+    let mut cameras = half(1.35, 12, 1);
+    cameras.extend(half(0.45, 6, 2));
+    let shot = Shot::new(Subject::Figure, &cameras, &Faults::default());
+    let (mesh, warnings) = hull(&shot);
+    assert_eq!(warnings, []);
+    assert_eq!(components(&mesh).len(), 1);
+    let whole = hull(&figure()).0;
+    let height = |mesh: &Mesh, shot: &Shot| {
+        let z = mesh.positions.iter().map(|p| f64::from(p.z) + shot.rig().origin().z);
+        z.fold((f64::MAX, f64::MIN), |(low, high), z| (low.min(z), high.max(z)))
+    };
+    let ((low, high), (l, h)) = (height(&mesh, &shot), height(&whole, &figure()));
+    assert!((low - l).abs() < 0.02 && (high - h).abs() < 0.02, "{low} to {high} m instead of {l} to {h}");
+}
