@@ -1,7 +1,7 @@
 //! `cargo xtask bench`: measures the tables of BENCHMARKS.md.
 
 use crate::{
-    Result, browser, instructions,
+    Result, browser, faults, instructions,
     measure::{Captured, Job, Measured},
     process::root,
     speed,
@@ -63,8 +63,9 @@ const CONFIGURATIONS: [(&str, Option<&str>); 3] = [
 ];
 
 /// The tables. Each can be renewed by itself.
-const PARTS: [&str; 9] = [
+const PARTS: [&str; 10] = [
     "scores",
+    "faults",
     "ablations-default",
     "configurations",
     "ablations-paper",
@@ -100,7 +101,7 @@ pub fn run(quick: bool, part: Option<&str>) -> Result<()> {
     let captured = Captured::find()??;
     let chosen = if quick { &ABLATIONS[..2] } else { &ABLATIONS };
     let ablation_scenes = if quick { &ABLATION_SCENES[..1] } else { &ABLATION_SCENES };
-    let parts = if quick { &PARTS[..2] } else { &PARTS[..] };
+    let parts = if quick { &["scores", "ablations-default"][..] } else { &PARTS[..] };
     for name in parts.iter().copied().filter(|name| part.is_none_or(|part| part == *name)) {
         let made = match name {
             "scores" => {
@@ -110,6 +111,7 @@ pub fn run(quick: bool, part: Option<&str>) -> Result<()> {
                 }
                 vec![("machine", machine()), ("scores", scores(&results)), ("seconds", seconds(&results))]
             }
+            "faults" => vec![(name, faults::table(&captured)?)],
             "configurations" => vec![(name, configurations(&captured)?)],
             _ => match without_captures(name) {
                 Some(table) => vec![(name, table?)],

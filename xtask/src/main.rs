@@ -8,6 +8,7 @@ mod captured;
 mod compiler;
 mod cycles;
 mod demo;
+mod faults;
 mod golden;
 mod instructions;
 mod measure;

@@ -103,6 +103,21 @@ impl Captured {
         Ok(Ok(Self { data, tool, pcmvs: target().join("release/pcmvs") }))
     }
 
+    /// Another tool in the folder of the one that scores.
+    pub fn tool(&self, name: &str) -> PathBuf {
+        self.tool.with_file_name(name)
+    }
+
+    /// The folder of a scene.
+    pub fn scene(&self, name: &str) -> PathBuf {
+        self.data.join(name)
+    }
+
+    /// The command `pcmvs`.
+    pub fn command(&self) -> &Path {
+        &self.pcmvs
+    }
+
     /// Reconstructs on one thread and scores every frame. Results of an earlier run are kept. The meshes are PLY files,
     /// because the reader of the scoring tool drops vertex colours of a GLB that has a material.
     pub fn measure(&self, job: &Job) -> Result<Measured> {
