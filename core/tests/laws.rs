@@ -199,6 +199,8 @@ fn view_of(balls: &[(Vec3, f32)], camera: &Camera, index: u16) -> Option<View> {
         rgb: Vec::new(),
         luma: Vec::new(),
         silhouette: Some(Arc::new(silhouette)),
+        given: None,
+        added: 0,
         left_out: None,
     })
 }

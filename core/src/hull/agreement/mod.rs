@@ -82,3 +82,6 @@ pub fn uncovered_share(camera: &Pinhole, silhouette: &Silhouette, mesh: &Mesh) -
     coverage.draw(mesh, camera);
     coverage.uncovered_rim(silhouette)
 }
+
+#[cfg(test)]
+mod tests;

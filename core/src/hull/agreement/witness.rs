@@ -62,7 +62,13 @@ impl Sets {
     const MOST: usize = 6;
     const NOBODY: Excluders = [u16::MAX; TOLERATED as usize];
 
-    fn add(&mut self, set: Excluders) {
+    /// No set.
+    pub(super) const fn new() -> Self {
+        Self { sets: [Self::NOBODY; Self::MOST], count: 0 }
+    }
+
+    /// Adds a set, in the place of a larger one if there is no room.
+    pub(super) fn add(&mut self, set: Excluders) {
         if self.sets[..self.count].contains(&set) {
             return;
         }
@@ -89,7 +95,7 @@ fn follow(carvers: &[Carver], space: &Space, own: usize, x: f32, y: f32) -> Opti
     let unit = 1.0 / ray.length();
     let (fine, coarse) = (space.cell() * unit / PLACES_PER_CELL, 0.5 * space.cell() * unit);
     let end = space.reach(camera.centre) * unit;
-    let mut found = Sets { sets: [Sets::NOBODY; Sets::MOST], count: 0 };
+    let mut found = Sets::new();
     let mut t = 0.0;
     while t < end {
         let p = camera.centre + ray * t;
