@@ -197,7 +197,21 @@ fn c_and_rust_agree() {
         }
     );
     layout!(facts, pcmvs_stage_report { seconds, hash });
-    layout!(facts, pcmvs_view_report { carves, inside, detected, substituted, gains, reserved });
+    layout!(
+        facts,
+        pcmvs_view_report {
+            carves,
+            inside,
+            detected,
+            substituted,
+            gains,
+            reserved,
+            used,
+            silhouette_overlap,
+            contour_px,
+            epipolar_px
+        }
+    );
     layout!(facts, pcmvs_warning { camera, reserved, code, message });
     facts.expected += "composed 1\n";
     facts.expected += &format!("library {} {}\n", pcmvs::version::PCMVS_VERSION, env!("CARGO_PKG_VERSION"));

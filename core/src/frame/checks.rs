@@ -2,6 +2,7 @@
 //! the object, and poses in another convention.
 
 use super::{
+    blame::{Region, blame},
     diagnostics::{Comparison, compare},
     state::Frame,
 };
@@ -42,12 +43,13 @@ impl<R: Deref<Target = Rig> + Sync> Frame<R> {
             view.left_out = view.left_out.filter(|reason| !reason.is_found_with_hull());
         }
         self.compared.clear();
+        self.contradicted.clear();
         let doubtful = set_aside_inverted(&mut self.views)?;
         self.carve_and_compare(executor, progress)?;
         let mut again = false;
         for place in doubtful {
             // Of an object that leaves the picture on most sides, the hull covers the silhouette and not its inverse.
-            let Comparison { overlap, inverted, .. } = self.compared[place];
+            let &Comparison { overlap, inverted, .. } = &self.compared[place];
             if inverted <= overlap {
                 self.views[place].left_out = None;
                 again = true;
@@ -61,6 +63,12 @@ impl<R: Deref<Target = Rig> + Sync> Frame<R> {
             && let Some(error) = self.other_convention(executor)
         {
             return Err(error);
+        }
+        if let Some(hull) = &self.hull {
+            let (lower, upper) = hull.bounds();
+            let region =
+                Region { centre: (lower + upper) * 0.5, radius: (upper - lower).length(), footprint: hull.footprint() };
+            self.contradicted = blame(&self.views, &self.compared, region);
         }
         for (view, found) in self.views.iter_mut().zip(&self.compared) {
             if view.is_used() && !found.in_picture {

@@ -2,17 +2,9 @@
 
 use super::state::Frame;
 use crate::{left_out::LeftOut, math::ordered, params::Method, point_cloud::Rank, rig::Rig, stage::Stage, view::View};
-use alloc::{format, string::String, vec::Vec};
+use alloc::{format, string::String, vec, vec::Vec};
 use core::{fmt, ops::Deref};
 
-/// A silhouette disagrees with the others if its overlap with the hull lacks more than this many times what the others'
-/// lack (their median), and more than [`DISAGREES_BY`] besides.
-const DISAGREES_TIMES: f32 = 2.0;
-/// Share of the silhouette, see [`DISAGREES_TIMES`].
-const DISAGREES_BY: f32 = 0.03;
-/// A silhouette that disagrees cuts off parts of the hull that others show, so that their overlaps become smaller, too. Only
-/// those that lack at least this share of what the worst one lacks are named.
-const NEARLY_WORST: f32 = 0.8;
 /// If the median overlap is smaller than this, the silhouettes as a whole contradict each other. Exact silhouettes
 /// overlap to 99.7 %, real ones that were made well to 98 %.
 const CONTRADICT_BELOW: f32 = 0.95;
@@ -79,16 +71,18 @@ pub enum Warning {
         /// Overlap of the silhouette with the hull of the others, 0 to 1.
         overlap: f32,
     },
-    /// A camera's silhouette overlaps with the hull of all silhouettes clearly less than those of the other cameras do.
+    /// A camera's silhouette excludes what several others show, so that it or its calibration is at fault.
     SilhouetteDisagrees {
         /// Index of the camera.
         camera: u32,
-        /// Its overlap, 0 to 1.
+        /// Number of views that it contradicts.
+        contradicted: u32,
+        /// Its overlap with the hull of all silhouettes, 0 to 1.
         overlap: f32,
         /// The median overlap of all cameras.
         median: f32,
     },
-    /// The silhouettes as a whole contradict each other: their median overlap with their hull is small.
+    /// The silhouettes contradict each other without one that is at fault: their median overlap with their hull is small.
     SilhouettesContradict {
         /// The median overlap, 0 to 1.
         median: f32,
@@ -186,9 +180,10 @@ impl Warning {
                  whether the camera was moved since its calibration, was exchanged with another one, or is out of step",
                 100.0 * overlap
             ),
-            Self::SilhouetteDisagrees { overlap, median, .. } => format!(
-                "its silhouette agrees with the other views to {:.1} % (median of all: {:.1} %): check its mask, whether the \
-                 camera was moved since its calibration, and whether its picture is of the same instant",
+            Self::SilhouetteDisagrees { contradicted, overlap, median, .. } => format!(
+                "its silhouette excludes what {contradicted} other views show, and overlaps with the hull to {:.1} % (median \
+                 of all: {:.1} %): check whether its mask lacks a part, whether the camera was moved since its calibration, \
+                 and whether its picture is of the same instant and of this camera",
                 100.0 * overlap,
                 100.0 * median
             ),
@@ -255,28 +250,26 @@ impl<R: Deref<Target = Rig>> Frame<R> {
 
     /// Warnings about silhouettes of used views that disagree with the others.
     fn disagreements(&self) -> Vec<Warning> {
-        let order = self.rig().order();
-        let views = self.views().iter().zip(&self.compared).zip(order);
-        let used = views.filter(|((view, _), _)| view.is_used() && !view.is_set_aside());
-        let mut overlaps: Vec<(f32, u32)> = used.filter_map(|((_, found), &c)| Some((found.overlap?, c))).collect();
+        let used = |camera: u32| {
+            let place = self.rig().place(camera as usize)?;
+            let view = self.views().get(place).filter(|view| view.is_used() && !view.is_set_aside());
+            view.and(self.compared.get(place)?.overlap).map(|overlap| (overlap, camera))
+        };
+        let mut overlaps: Vec<(f32, u32)> = (0..self.cameras() as u32).filter_map(used).collect();
         overlaps.sort_unstable_by_key(|&(overlap, camera)| (ordered(overlap), camera));
         let (Some(&(median, _)), Some(&(overlap, worst))) = (overlaps.get(overlaps.len() / 2), overlaps.first()) else {
             return Vec::new();
         };
-        let clear = DISAGREES_TIMES * (1.0 - median) + DISAGREES_BY;
-        let disagrees = |&(overlap, _): &(f32, u32), worst: f32| {
-            1.0 - overlap > clear && 1.0 - overlap >= NEARLY_WORST * (1.0 - worst)
-        };
-        let mut named: Vec<(u32, f32)> = overlaps
-            .iter()
-            .filter(|found| disagrees(found, overlap))
-            .map(|&(overlap, camera)| (camera, overlap))
-            .collect();
-        named.sort_unstable_by_key(|&(camera, _)| camera);
-        let contradict =
-            (median < CONTRADICT_BELOW).then_some(Warning::SilhouettesContradict { median, worst, overlap });
-        let named = named.into_iter().map(|(camera, overlap)| Warning::SilhouetteDisagrees { camera, overlap, median });
-        contradict.into_iter().chain(named).collect()
+        let named = (0..self.cameras() as u32).filter_map(|camera| {
+            let contradicted = *self.contradicted.get(self.rig().place(camera as usize)?)?;
+            let &(overlap, _) = overlaps.iter().find(|found| found.1 == camera)?;
+            (contradicted > 0).then_some(Warning::SilhouetteDisagrees { camera, contradicted, overlap, median })
+        });
+        let named: Vec<Warning> = named.collect();
+        if named.is_empty() && median < CONTRADICT_BELOW {
+            return vec![Warning::SilhouettesContradict { median, worst, overlap }];
+        }
+        named
     }
 }
 

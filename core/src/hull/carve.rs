@@ -1,7 +1,7 @@
 //! Carving (§0): finds the blocks that the hull's surface may pass, and evaluates the signed distance at their nodes.
 
 use super::{
-    carver::{Carver, smallest_distance},
+    carver::{Carver, carvers, smallest_distance},
     judge::{Verdict, judge},
     search::Search,
     visual_hull::VisualHull,
@@ -46,7 +46,7 @@ impl VisualHull {
         workspace: &mut Workspace,
         progress: &dyn Progress,
     ) -> Result<Self> {
-        let carvers: Vec<Carver> = views.iter().filter_map(Carver::new).collect();
+        let carvers = carvers(views);
         if (carvers.len() as u32) < MIN_VIEWS {
             return Err(Error::TooFewViews { given: carvers.len() as u32, needed: MIN_VIEWS });
         }

@@ -1,7 +1,7 @@
 //! A view with a silhouette, which carves the hull (§0).
 
 use crate::{camera::Pinhole, math::min, silhouette::Silhouette, view::View};
-use alloc::sync::Arc;
+use alloc::{sync::Arc, vec::Vec};
 use glam::Vec3;
 
 /// Signed distances are at most this many voxels. Beyond that only the sign matters.
@@ -18,16 +18,39 @@ pub(super) struct Carver {
     pub(super) silhouette: Arc<Silhouette>,
     /// Index of the view in the rig's order.
     pub(super) index: u16,
+    /// The smallest index of a view at the same place.
+    pub(super) station: u16,
+}
+
+/// Cameras closer to each other than this share of their distance from the rig's origin stand at the same place: a ray
+/// of one runs along the contour of the other.
+const SAME_PLACE: f32 = 1e-3;
+
+/// The views that carve, with their stations.
+pub(super) fn carvers(views: &[View]) -> Vec<Carver> {
+    let mut carvers: Vec<Carver> = Vec::new();
+    for view in views {
+        let Some(mut carver) = Carver::new(view) else { continue };
+        let near = |a: &Carver| {
+            let reach = SAME_PLACE * SAME_PLACE * carver.camera.centre.length_squared();
+            (a.camera.centre - carver.camera.centre).length_squared() < reach
+        };
+        if let Some(first) = carvers.iter().find(|a| near(a)) {
+            carver.station = first.station;
+        }
+        carvers.push(carver);
+    }
+    carvers
 }
 
 impl Carver {
     /// `None` if the view has no silhouette or is left out.
-    pub(super) fn new(view: &View) -> Option<Self> {
+    fn new(view: &View) -> Option<Self> {
         if !view.is_used() {
             return None;
         }
         let silhouette = Arc::clone(view.silhouette.as_ref()?);
-        Some(Self { camera: view.camera, silhouette, index: view.index })
+        Some(Self { camera: view.camera, silhouette, index: view.index, station: view.index })
     }
 
     /// Distance from a point's projection to the contour, scaled to scene units at the point's depth; positive inside.
@@ -55,7 +78,7 @@ impl Carver {
 }
 
 /// The smallest distance over some views, and the view that it comes from. A point that fewer than `needed` of these
-/// views see is outside. The view with index `without` is excluded.
+/// views see is outside. Views at the station `without` are excluded.
 pub(super) fn smallest_distance<'c>(
     carvers: impl Iterator<Item = &'c Carver>,
     p: Vec3,
@@ -65,7 +88,7 @@ pub(super) fn smallest_distance<'c>(
 ) -> (f32, Option<&'c Carver>) {
     let (mut nearest, mut from, mut seen) = (FAR * voxel, None, 0);
     for carver in carvers {
-        if carver.index != without
+        if carver.station != without
             && let Some(d) = carver.distance(p)
         {
             if d < nearest {

@@ -39,29 +39,34 @@ impl VisualHull {
     /// Signed distance to the hull's surface in scene units, positive inside. Its sign is exact. It is measured in
     /// pictures and scaled by the footprint, so that its slope can reach [`crate::surface::SLOPE`].
     pub fn signed_distance(&self, p: Vec3) -> f32 {
-        self.signed_distance_without(p, u16::MAX)
+        self.nearest_contour(p, u16::MAX).0
     }
 
-    /// [`Self::signed_distance`] over all views except one.
+    /// [`Self::signed_distance`] over all views except one, and except those at the same place as it.
     pub fn signed_distance_without(&self, p: Vec3, view: u16) -> f32 {
-        self.nearest_contour(p, view).0
+        self.nearest_contour(p, self.station(view)).0
     }
 
-    /// [`Self::signed_distance_without`] and the view that it comes from.
-    pub(super) fn nearest_contour(&self, p: Vec3, view: u16) -> (f32, Option<&Carver>) {
+    /// The station of a view: the smallest index of a view at its place.
+    pub(super) fn station(&self, view: u16) -> u16 {
+        self.carvers.iter().find(|carver| carver.index == view).map_or(view, |carver| carver.station)
+    }
+
+    /// Signed distance over all views except those at a station, and the view that it comes from.
+    pub(super) fn nearest_contour(&self, p: Vec3, without: u16) -> (f32, Option<&Carver>) {
         let slot = self.slot(p);
         if slot < SparseGrid::INSIDE {
             let list = self.block_carvers(slot as usize);
             smallest_distance(
                 list.iter().map(|&c| &self.carvers[c as usize]),
                 p,
-                view,
+                without,
                 self.grid.voxel,
                 self.needed[slot as usize],
             )
         } else {
             // The block as a whole was classified as inside or outside, so that the sign is known.
-            let (d, from) = smallest_distance(self.carvers.iter(), p, view, self.grid.voxel, 0);
+            let (d, from) = smallest_distance(self.carvers.iter(), p, without, self.grid.voxel, 0);
             (if slot == SparseGrid::INSIDE { max(d, self.grid.voxel) } else { min(d, -self.grid.voxel) }, from)
         }
     }

@@ -7,14 +7,15 @@ use glam::Vec3;
 /// exclude the next one too, and one such view is sufficient.
 pub(crate) struct Walk<'h> {
     hull: &'h VisualHull,
+    /// Station of the views that are left out.
     without: u16,
     excluding: Option<&'h Carver>,
 }
 
 impl<'h> Walk<'h> {
-    /// Over all views except one.
+    /// Over all views except one, and except those at the same place as it.
     pub(crate) fn new(hull: &'h VisualHull, without: u16) -> Self {
-        Self { hull, without, excluding: None }
+        Self { hull, without: hull.station(without), excluding: None }
     }
 
     /// [`VisualHull::signed_distance_without`]. If that is less than `-clear`, the result may be a larger value that is

@@ -24,12 +24,6 @@ fn too_few_views() {
 }
 
 #[test]
-fn the_same_camera_twice() {
-    let error = refusal(|shot| *shot = SHOT.of_cameras(&[0, 1, 2, 3, 1]));
-    assert_eq!(error, Error::DuplicateCamera { first: 1, second: 4 });
-}
-
-#[test]
 fn calibration_that_is_none() {
     let broken: [fn(&mut Camera); 7] = [
         |c| c.k[0][0] = f64::NAN,
@@ -62,11 +56,39 @@ fn pictures_that_do_not_fit() {
     assert!(matches!(error, Error::Silhouette { camera: 1, .. }), "{error}");
 }
 
+/// Turns every mask into that of the background.
+fn invert(shot: &mut Shot) {
+    shot.frame.masks.iter_mut().flatten().flatten().for_each(|v| *v = 255 - *v);
+}
+
 #[test]
-fn masks_without_a_contour() {
-    for value in [0, 255] {
-        let error = refusal(|shot| shot.frame.masks[2].iter_mut().flatten().for_each(|v| *v = value));
-        assert!(matches!(error, Error::Silhouette { camera: 2, .. }), "{error}");
+fn masks_that_are_white_on_the_background() {
+    assert_eq!(refusal(invert), Error::MasksInverted { inverted: 5, given: 5 });
+}
+
+/// Poses in another convention, from that of the library: OpenGL's axes, the inverse, and the centre in place of t.
+fn conventions() -> [(&'static str, fn(&Camera) -> Camera); 3] {
+    [
+        ("OpenGL", |c| Camera {
+            r: [c.r[0], c.r[1].map(|v| -v), c.r[2].map(|v| -v)],
+            t: [c.t[0], -c.t[1], -c.t[2]],
+            ..*c
+        }),
+        ("camera to world", |c| Camera {
+            r: [0, 1, 2].map(|i| [0, 1, 2].map(|j| c.r[j][i])),
+            t: c.centre().to_array(),
+            ..*c
+        }),
+        ("camera's centre", |c| Camera { t: c.centre().to_array(), ..*c }),
+    ]
+}
+
+#[test]
+fn poses_in_another_convention_are_named() {
+    for (what, change) in conventions() {
+        let error = refusal(|shot| shot.cameras.iter_mut().for_each(|camera| *camera = change(camera)));
+        let Error::Cameras { problem } = &error else { panic!("{what}: {error}") };
+        assert!(problem.contains(what), "{what}: {problem}");
     }
 }
 

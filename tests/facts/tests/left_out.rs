@@ -1,0 +1,134 @@
+//! A view that shows nothing of the object contributes nothing and is named; the frame is made from the others.
+
+use facts::{Errors, Shot, topology::assert_sound};
+use pcmvs_core::{Camera, Frame, Memory, Params, Preset, Reconstruction, Serial, Silent, ViewInput, Warning};
+use std::sync::LazyLock;
+use studio::{Ring, Subject};
+
+static SHOT: LazyLock<Shot> = LazyLock::new(|| {
+    let ring = Ring { count: 12, ..Ring::default() }.sized(320, 240);
+    Shot::new(Subject::TwoBodies, &ring.cameras(), &studio::Faults::default())
+});
+
+/// All of the shot's cameras.
+fn copy() -> Shot {
+    SHOT.of_cameras(&(0..SHOT.cameras.len()).collect::<Vec<_>>())
+}
+
+fn made(shot: &Shot, preset: Preset, inputs: &[Option<ViewInput>]) -> Reconstruction {
+    let rig = shot.rig();
+    let mut frame = Frame::new(&rig, Params::preset(preset), Memory::default());
+    frame.run_all(inputs, &Serial, &Silent).expect("the other views are enough");
+    frame.into_reconstruction()
+}
+
+fn some<'s>(shot: &'s Shot) -> Vec<Option<ViewInput<'s>>> {
+    shot.inputs().into_iter().map(Some).collect()
+}
+
+/// Checks that a view is left out with a warning, and that the mesh is as good as without its camera.
+fn assert_left_out(shot: &Shot, made: &Reconstruction, camera: usize, warning: &Warning) {
+    let what = warning.code();
+    assert_eq!(made.warnings, [warning.clone()], "{what}");
+    assert_sound(&made.mesh, what);
+    for (i, found) in made.diagnostics.iter().enumerate() {
+        assert_eq!(found.used, i != camera, "{what}: camera {i}");
+    }
+    assert_eq!(made.gains[camera], [1.0; 3], "{what}");
+    let place = shot.rig().place(camera).expect("the rig has it") as u16;
+    let of_view = |points: &[pcmvs_core::Point]| points.iter().any(|p| p.view == place);
+    let stages = &made.intermediates;
+    assert!(!of_view(&stages.frontier) && !of_view(&stages.merged) && stages.detected[place as usize].is_empty());
+    let others: Vec<usize> = (0..shot.cameras.len()).filter(|&i| i != camera).collect();
+    Errors::new(&shot.of_cameras(&others), &made.mesh).assert_within(0.9, 1.3, what);
+}
+
+#[test]
+fn a_camera_without_picture() {
+    let mut inputs = some(&SHOT);
+    inputs[4] = None;
+    let made = made(&SHOT, Preset::Default, &inputs);
+    assert_left_out(&SHOT, &made, 4, &Warning::NoPicture { camera: 4 });
+}
+
+#[test]
+fn a_mask_without_the_object() {
+    let mut shot = copy();
+    shot.frame.masks[4].iter_mut().flatten().for_each(|v| *v = 0);
+    let made = made(&shot, Preset::Default, &some(&shot));
+    assert_left_out(&shot, &made, 4, &Warning::EmptySilhouette { camera: 4 });
+}
+
+#[test]
+fn a_mask_that_is_white_on_the_background() {
+    let mut shot = copy();
+    shot.frame.masks[4].iter_mut().flatten().for_each(|v| *v = 255 - *v);
+    let made = made(&shot, Preset::Default, &some(&shot));
+    assert_left_out(&shot, &made, 4, &Warning::MaskInverted { camera: 4 });
+}
+
+/// A camera that looks past the object, without a mask and with one that is a speck.
+#[test]
+fn an_object_beside_the_picture() {
+    let mut shot = copy();
+    let camera = &SHOT.cameras[4];
+    // Its principal point lies two pictures to the left.
+    shot.cameras[4] = Camera { k: [[camera.k[0][0], 0.0, -640.0], camera.k[1], camera.k[2]], ..*camera };
+    for speck in [false, true] {
+        shot.frame.masks[4] = speck.then(|| (0..320 * 240).map(|i| if i == 12_345 { 255 } else { 0 }).collect());
+        let made = made(&shot, Preset::Default, &some(&shot));
+        assert_left_out(&shot, &made, 4, &Warning::ObjectBesidePicture { camera: 4 });
+    }
+}
+
+/// Nothing is known from a mask that is white everywhere, except that the picture shows nothing but the object.
+#[test]
+fn a_mask_that_fills_the_picture_does_not_carve() {
+    let mut shot = copy();
+    shot.frame.masks[4].iter_mut().flatten().for_each(|v| *v = 255);
+    let made = made(&shot, Preset::Default, &some(&shot));
+    assert_eq!(made.warnings, [Warning::FullSilhouette { camera: 4 }]);
+    assert!(made.diagnostics[4].used && made.diagnostics[4].contour_px.is_none());
+    Errors::new(&shot, &made.mesh).assert_within(0.9, 1.0, "a full mask");
+}
+
+/// Each camera twice: nothing divides by the zero distance, and no ray takes the contour of its twin for a touch.
+#[test]
+fn two_cameras_at_the_same_place() {
+    let twice = SHOT.of_cameras(&[0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 4]);
+    let made = made(&twice, Preset::Default, &some(&twice));
+    assert_eq!(made.warnings, [Warning::SamePlace { first: 4, second: 12 }]);
+    assert_sound(&made.mesh, "twice");
+    Errors::new(&SHOT, &made.mesh).assert_within(0.9, 1.0, "twice");
+    let once = made_of(&SHOT);
+    let places = [4, 12].map(|camera| twice.rig().place(camera).expect("the rig has it") as u16);
+    let place = SHOT.rig().place(4).expect("the rig has it") as u16;
+    let from = |found: &Reconstruction, places: &[u16]| {
+        found.intermediates.frontier.iter().filter(|p| places.contains(&p.view)).count()
+    };
+    let (pair, single) = (from(&made, &places), from(&once, &[place]));
+    assert!(pair.abs_diff(2 * single) <= single / 50, "{pair} frontier points of the pair, {single} of one");
+}
+
+fn made_of(shot: &Shot) -> Reconstruction {
+    made(shot, Preset::Default, &some(shot))
+}
+
+/// The overlap is that of the true outlines but for what the grid loses, and a shifted mask is named.
+#[test]
+fn silhouettes_that_agree_and_one_that_does_not() {
+    let good = made_of(&SHOT);
+    assert_eq!(good.warnings, []);
+    for found in &good.diagnostics {
+        assert!(found.used && found.silhouette_overlap.is_some_and(|overlap| overlap > 0.97), "{found:?}");
+        assert!(found.contour_px.is_some_and(|pixels| pixels < 0.3), "{found:?}");
+    }
+    let mut shot = copy();
+    shot.cameras[4].k[0][2] += 4.0;
+    let moved = made(&shot, Preset::Hull, &some(&shot));
+    let named = moved.warnings.iter().filter_map(|warning| match warning {
+        Warning::SilhouetteDisagrees { camera, contradicted: 6.., .. } => Some(*camera),
+        _ => None,
+    });
+    assert_eq!(named.collect::<Vec<_>>(), [4]);
+}
