@@ -20,7 +20,7 @@ const SUPPORT: f32 = 0.6;
 const MOST: usize = 2;
 /// A view blames others only if the hull lacks at least this share of its silhouette.
 const LEAST_LACK: f32 = 0.004;
-/// Share of a view's blame that another one must get, to be blamed by it.
+/// Share of the pixels that a view lacks for which another one must be blamed, to be blamed by it.
 const SHARE: f32 = 0.3;
 /// Views that must blame a view.
 const LEAST_BLAMING: u32 = 3;
@@ -51,10 +51,7 @@ pub(super) fn blame(views: &[View], compared: &[Comparison], region: Region) -> 
                 blamed[j] += 1.0 / excluding.len() as f32;
             }
         }
-        let total: f32 = blamed.iter().sum();
-        if total <= 0.0 {
-            continue;
-        }
+        let total = found.lacking.len() as f32;
         voters += 1;
         for (count, blamed) in blaming.iter_mut().zip(blamed) {
             *count += u32::from(blamed >= SHARE * total);
