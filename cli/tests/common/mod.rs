@@ -88,6 +88,13 @@ impl Capture {
         mask.save(self.path(relative)).unwrap();
     }
 
+    /// Writes the mask of the ball inverted.
+    pub fn inverted_mask(&self, relative: &str) {
+        let mut mask = image::open(self.path(relative)).unwrap().into_luma8();
+        mask.pixels_mut().for_each(|pixel| pixel.0[0] = 255 - pixel.0[0]);
+        mask.save(self.path(relative)).unwrap();
+    }
+
     /// Runs `pcmvs reconstruct` with more arguments. The results go to `out`.
     pub fn run(&self, arguments: &[&str]) -> Output {
         fs::write(self.path("scene.json"), serde_json::to_string_pretty(&self.scene).unwrap()).unwrap();
