@@ -20,7 +20,9 @@ use wasm_bindgen::prelude::*;
 /// Where a camera's silhouette comes from.
 #[derive(Debug, Clone, Default)]
 enum Matte {
+    /// The alpha channel of the picture's file, if it has one.
     #[default]
+    Alpha,
     Unknown,
     Picture(Picture),
     Key(ChromaKey),
@@ -30,7 +32,17 @@ enum Matte {
 #[derive(Debug, Clone, Default)]
 struct Slot {
     image: Option<Picture>,
+    /// The mask in the alpha channel of the picture's file.
+    alpha: Option<Picture>,
+    /// Whether the camera has no picture in this frame.
+    absent: bool,
     matte: Matte,
+}
+
+impl Slot {
+    fn set_picture(&mut self, image: Option<Picture>, alpha: Option<Picture>) {
+        (self.absent, self.image, self.alpha) = (image.is_none(), image, alpha);
+    }
 }
 
 /// A frame of a rig: a picture and a silhouette for every camera, from which it is reconstructed as often as wanted. Call
@@ -50,26 +62,36 @@ impl Frame {
         Self { rig: Rc::clone(&rig.rig), slots: vec![Slot::default(); rig.rig.cameras().len()] }
     }
 
-    /// Decodes a camera's photograph, JPEG or PNG. Throws `PcmvsError`.
+    /// Decodes a camera's photograph, JPEG or PNG. Where a PNG is partly transparent, its alpha channel is the mask unless
+    /// another one is set. Throws `PcmvsError`.
     #[wasm_bindgen(js_name = setImage)]
     pub fn set_image(&mut self, camera: usize, file: &[u8]) -> Result<(), Failed> {
         let picture = decode("image", camera, file)?;
-        self.slot(camera)?.image = Some(picture);
+        let alpha = picture.alpha();
+        self.slot(camera)?.set_picture(Some(picture), alpha);
+        Ok(())
+    }
+
+    /// Declares that a camera has no picture in this frame: it contributes nothing, which is a warning of the result.
+    #[wasm_bindgen(js_name = setAbsent)]
+    pub fn set_absent(&mut self, camera: usize) -> Result<(), Failed> {
+        self.slot(camera)?.set_picture(None, None);
         Ok(())
     }
 
     /// Takes a camera's photograph as RGBA pixels by rows, such as a canvas' image data. Alpha is ignored.
     #[wasm_bindgen(js_name = setPixels)]
     pub fn set_pixels(&mut self, camera: usize, rgba: Vec<u8>, width: u32, height: u32) -> Result<(), Failed> {
-        self.slot(camera)?.image = Some(Picture::new(rgba, width, height, PixelFormat::Rgba8));
+        self.slot(camera)?.set_picture(Some(Picture::new(rgba, width, height, PixelFormat::Rgba8)), None);
         Ok(())
     }
 
-    /// Decodes a camera's mask, JPEG or PNG, which is white on the object. Throws `PcmvsError`.
+    /// Decodes a camera's mask, JPEG or PNG, which is white on the object. Of a PNG that is partly transparent, the alpha
+    /// channel is the mask. Throws `PcmvsError`.
     #[wasm_bindgen(js_name = setMask)]
     pub fn set_mask(&mut self, camera: usize, file: &[u8]) -> Result<(), Failed> {
         let picture = decode("silhouette", camera, file)?;
-        self.slot(camera)?.matte = Matte::Picture(picture);
+        self.slot(camera)?.matte = Matte::Picture(picture.into_mask());
         Ok(())
     }
 
@@ -97,7 +119,8 @@ impl Frame {
 
     /// A camera's picture and silhouette without lens distortion, as the stages see them. Throws `PcmvsError`.
     pub fn photograph(&self, camera: usize) -> Result<Photograph, Failed> {
-        let view = View::new(&self.rig, camera, &self.input(camera)?, Some(&ContourParams::default()));
+        let input = self.input(camera)?.ok_or_else(|| missing(camera))?;
+        let view = View::new(&self.rig, camera, &input, Some(&ContourParams::default()));
         view.map(Photograph::new).map_err(|error| Failed::core(&error, None))
     }
 
@@ -108,7 +131,7 @@ impl Frame {
         preset: &PresetName,
         progress: Option<ProgressFunction>,
     ) -> Result<Reconstruction, Failed> {
-        let inputs: Vec<ViewInput> = (0..self.slots.len()).map(|i| self.input(i)).collect::<Result<_, _>>()?;
+        let inputs: Vec<Option<ViewInput>> = (0..self.slots.len()).map(|i| self.input(i)).collect::<Result<_, _>>()?;
         run(&self.rig, &inputs, &presets::params(preset)?, progress)
     }
 
@@ -116,7 +139,7 @@ impl Frame {
     /// is the hull. Throws `PcmvsError`.
     pub fn sketch(&self) -> Result<Reconstruction, Failed> {
         let present: Vec<usize> = (0..self.slots.len()).filter(|&i| self.slots[i].image.is_some()).collect();
-        let inputs: Vec<ViewInput> = present.iter().map(|&i| self.input(i)).collect::<Result<_, _>>()?;
+        let inputs: Vec<Option<ViewInput>> = present.iter().map(|&i| self.input(i)).collect::<Result<_, _>>()?;
         let made = sketch::rig_of(&self.rig, &present).and_then(|rig| run(&rig, &inputs, &sketch::params(), None));
         made.map_err(|failed| failed.of_cameras(&present))
     }
@@ -124,7 +147,7 @@ impl Frame {
 
 fn run(
     rig: &pcmvs_core::Rig,
-    inputs: &[ViewInput],
+    inputs: &[Option<ViewInput>],
     params: &Params,
     progress: Option<ProgressFunction>,
 ) -> Result<Reconstruction, Failed> {
@@ -142,18 +165,24 @@ impl Frame {
         self.slots.get_mut(camera).ok_or_else(|| Failed::input(&format!("there are cameras 0 to {}", count - 1)))
     }
 
-    fn input(&self, camera: usize) -> Result<ViewInput<'_>, Failed> {
-        let slot = self.slots.get(camera);
-        let image = slot.and_then(|slot| slot.image.as_ref());
-        let missing = || Failed::of_camera("image", "this camera has no picture yet", camera);
-        let (slot, image) = slot.zip(image).ok_or_else(missing)?;
-        let mask = match &slot.matte {
-            Matte::Unknown => Mask::Unknown,
-            Matte::Picture(picture) => Mask::Given(picture.view()),
-            Matte::Key(key) => Mask::ChromaKey(*key),
+    /// A camera's view, or `None` if it has no picture in this frame.
+    fn input(&self, camera: usize) -> Result<Option<ViewInput<'_>>, Failed> {
+        let slot = self.slots.get(camera).ok_or_else(|| missing(camera))?;
+        if slot.absent {
+            return Ok(None);
+        }
+        let image = slot.image.as_ref().ok_or_else(|| missing(camera))?;
+        let mask = match (&slot.matte, &slot.alpha) {
+            (Matte::Picture(picture), _) | (Matte::Alpha, Some(picture)) => Mask::Given(picture.view()),
+            (Matte::Key(key), _) => Mask::ChromaKey(*key),
+            (Matte::Alpha | Matte::Unknown, _) => Mask::Unknown,
         };
-        Ok(ViewInput { image: image.view(), mask })
+        Ok(Some(ViewInput { image: image.view(), mask }))
     }
+}
+
+fn missing(camera: usize) -> Failed {
+    Failed::of_camera("image", "this camera has no picture yet", camera)
 }
 
 fn decode(code: &'static str, camera: usize, file: &[u8]) -> Result<Picture, Failed> {

@@ -1,6 +1,7 @@
 //! pcmvs for browsers, bundlers and Node: a [`Rig`], its [`Frame`]s, their [`Reconstruction`]s. Everything runs on the
 //! calling thread: call it in a worker.
 
+mod diagnostics;
 mod error;
 mod files;
 mod frame;
@@ -21,7 +22,7 @@ pub use rig::Rig;
 use error::Failed;
 use files::Given;
 use serde::Serialize;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use types::{FileSource, SceneObject};
 use wasm_bindgen::prelude::*;
 
@@ -43,9 +44,9 @@ pub fn version() -> String {
 pub fn open_scene(files: &FileSource) -> Result<SceneObject, Failed> {
     let mut scene = pcmvs_scene::open(&Given::new(files)?, Path::new(""))?;
     for frame in 0..scene.frames.len() {
-        let images = scene.frames[frame].images.iter().map(|path| files::normal(&scene.resolve(path))).collect();
-        let masks = scene.frames[frame].masks.iter().flatten();
-        let masks = masks.map(|mask| mask.as_ref().map(|path| files::normal(&scene.resolve(path)))).collect();
+        let normal = |path: &Option<PathBuf>| path.as_ref().map(|path| files::normal(&scene.resolve(path)));
+        let images = scene.frames[frame].images.iter().map(normal).collect();
+        let masks = scene.frames[frame].masks.iter().flatten().map(normal).collect();
         (scene.frames[frame].images, scene.frames[frame].masks) =
             (images, Some(masks).filter(|m: &Vec<_>| !m.is_empty()));
     }

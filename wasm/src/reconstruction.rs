@@ -3,6 +3,7 @@
 //! Arrays are copied once, out of the instance's memory into buffers of their own, so that a worker can transfer them.
 
 use crate::{
+    diagnostics::{ViewReport, Warning},
     error::Failed,
     types::{MeshStage, Up},
 };
@@ -12,6 +13,8 @@ use pcmvs_core::{
     Mesh, PointCloud,
     export::{glb, ply},
 };
+use serde::Serialize;
+use serde_wasm_bindgen::Serializer;
 use wasm_bindgen::prelude::*;
 
 /// A reconstructed frame. Call `free()` when it is no longer needed.
@@ -94,6 +97,20 @@ impl Reconstruction {
     #[wasm_bindgen(getter)]
     pub fn triangles(&self) -> usize {
         self.result.mesh.triangles.len()
+    }
+
+    /// What may make the result worse although nothing failed.
+    #[wasm_bindgen(getter, unchecked_return_type = "Warning[]")]
+    pub fn warnings(&self) -> Result<JsValue, Failed> {
+        let warnings: Vec<Warning> = self.result.warnings.iter().map(Warning::from).collect();
+        Ok(warnings.serialize(&Serializer::json_compatible())?)
+    }
+
+    /// How well each camera's view agrees with the others.
+    #[wasm_bindgen(getter, unchecked_return_type = "ViewReport[]")]
+    pub fn views(&self) -> Result<JsValue, Failed> {
+        let views: Vec<ViewReport> = self.result.diagnostics.iter().map(ViewReport::from).collect();
+        Ok(views.serialize(&Serializer::json_compatible())?)
     }
 
     /// A 64-bit hash of each stage's output, hexadecimal, by the stage's name.

@@ -24,7 +24,7 @@ export interface Scene {
     up?: [number, number, number];
     fps?: number;
     cameras: Camera[];
-    frames: { index: number; images: string[]; masks?: (string | null)[] }[];
+    frames: { index: number; images: (string | null)[]; masks?: (string | null)[] }[];
     background?: { chroma_rgb?: [number, number, number] };
 }
 
@@ -50,13 +50,35 @@ export interface ChromaKey {
 export type Preset = "default" | "paper" | "hull" | "preview";
 export type Stage = "views" | "hull" | "contours" | "coarse" | "detect" | "merge" | "mesh" | "colour";
 
+/** Something that may make a result worse although nothing failed. */
+export interface Warning {
+    /** Its kind, in kebab-case, such as "mask-inverted". A code never changes; later versions may add codes. */
+    code: string;
+    /** Index of the camera that it is about; null if it is not about one. */
+    camera: number | null;
+    /** What is wrong and what to do about it, without that camera. Other cameras in it are numbered. */
+    message: string;
+}
+
+/** How well a camera's view agrees with the others. What could not be measured is null. */
+export interface ViewReport {
+    /** Whether the view takes part in the frame. */
+    used: boolean;
+    /** Intersection over union of the silhouette and the visual hull's picture, 0..1. */
+    silhouetteOverlap: number | null;
+    /** Median distance of the hull's outline from the silhouette's contour in pixels. */
+    contourPx: number | null;
+    /** Median distance of matches from their epipolar lines in pixels. */
+    epipolarPx: number | null;
+}
+
 /** Returns false to cancel. */
 export type Progress = (stage: Stage, done: number, total: number) => boolean | void;
 
 /** The errors that the package throws. */
 export interface PcmvsError extends Error {
     name: "PcmvsError";
-    code: "camera" | "image" | "silhouette" | "duplicate-camera" | "too-few-views" | "empty-hull" | "no-surface"
+    code: "camera" | "image" | "silhouette" | "too-few-views" | "empty-hull" | "no-surface"
         | "out-of-memory" | "invalid-argument" | "wrong-order" | "cancelled" | "input" | "internal";
     /** Index of the camera to blame. */
     camera?: number;

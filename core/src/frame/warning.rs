@@ -142,9 +142,17 @@ impl Warning {
         matches!(self, Self::SamePlace { .. })
     }
 
-    /// What is wrong and what to do, with the cameras as `name` calls them.
+    /// What is wrong and what to do, with the cameras as `name` calls them. It begins with [`Self::camera`].
     pub fn explain(&self, name: impl Fn(u32) -> String) -> String {
-        let problem = match self {
+        match self.camera() {
+            Some(camera) => format!("{}: {}", name(camera), self.problem(&name)),
+            None => self.problem(&name),
+        }
+    }
+
+    /// [`Self::explain`] without the camera that the warning is about.
+    pub fn problem(&self, name: impl Fn(u32) -> String) -> String {
+        match self {
             Self::SamePlace { first, .. } => format!(
                 "it stands at the same place as {}: the two have no parallax to each other, so that one adds little to the \
                  other. If that is not so, correct their R and t",
@@ -199,10 +207,6 @@ impl Warning {
                                             belongs to this camera, and that neighbouring cameras see the same side of the \
                                             object"
                 .into(),
-        };
-        match self.camera() {
-            Some(camera) => format!("{}: {problem}", name(camera)),
-            None => problem,
         }
     }
 }
