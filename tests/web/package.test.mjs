@@ -78,8 +78,32 @@ test("the entry point chooses a build, reports progress, cancels and throws erro
     }
     assert.ok(frame.sketch().triangles > 500);
     const { width, height } = scene.cameras[6];
-    frame.setMaskPixels(6, new Uint8Array(width * height), width, height);
+    frame.setMaskPixels(6, new Uint8Array(width * height), height, width);
     assert.throws(() => frame.sketch(), { code: "silhouette", camera: 6 });
+});
+
+test("cameras that contribute nothing are warnings", async () => {
+    const api = await import(new URL("index.js", pkg));
+    await api.ready;
+    const frame = frameOf(api);
+    frame.setAbsent(4);
+    const { width, height } = scene.cameras[6];
+    frame.setMaskPixels(6, new Uint8Array(width * height), width, height);
+    const made = frame.reconstruct("hull");
+    assert.deepEqual(
+        made.warnings.map(({ code, camera }) => [code, camera]),
+        [
+            ["no-picture", 4],
+            ["empty-silhouette", 6],
+        ],
+    );
+    assert.match(made.warnings[1].message, /^its silhouette is empty/);
+    for (const [i, view] of made.views.entries()) {
+        assert.equal(view.used, i !== 4 && i !== 6);
+        assert.equal(view.epipolarPx, null);
+        if (view.used) assert.ok(view.silhouetteOverlap > 0.95 && view.contourPx < 0.5, JSON.stringify(view));
+    }
+    assert.throws(() => frame.photograph(4), { code: "image", camera: 4 });
 });
 
 test("a rig's memory is what an instance takes, to within a factor of three", async (t) => {

@@ -11,7 +11,8 @@ use crate::{
     types::{ChromaKeyObject, PresetName, ProgressFunction},
 };
 use pcmvs_core::{
-    ChromaKey, Mask, Params, PixelFormat, Serial, View, ViewInput, reconstruct, silhouette::ContourParams,
+    ChromaKey, LeftOut, Mask, Params, PixelFormat, Serial, View, ViewInput, reconstruct,
+    silhouette::{ContourParams, NoContour},
 };
 use pcmvs_scene::Picture;
 use std::rc::Rc;
@@ -121,7 +122,11 @@ impl Frame {
     pub fn photograph(&self, camera: usize) -> Result<Photograph, Failed> {
         let input = self.input(camera)?.ok_or_else(|| missing(camera))?;
         let view = View::new(&self.rig, camera, &input, Some(&ContourParams::default()));
-        view.map(Photograph::new).map_err(|error| Failed::core(&error, None))
+        let view = view.map_err(|error| Failed::core(&error, None))?;
+        if view.left_out == Some(LeftOut::EmptySilhouette) {
+            return Err(Failed::of_camera("silhouette", &NoContour::Empty.to_string(), camera));
+        }
+        Ok(Photograph::new(view))
     }
 
     /// Reconstructs. `progress(stage, done, total)` is called on the way; when it returns false, an error of code
@@ -136,12 +141,12 @@ impl Frame {
     }
 
     /// A coarse visual hull from the cameras that have their pictures so far, to be looked at early. Its only stage output
-    /// is the hull. Throws `PcmvsError`.
+    /// is the hull, and it has neither warnings nor figures of views. Throws `PcmvsError`.
     pub fn sketch(&self) -> Result<Reconstruction, Failed> {
         let present: Vec<usize> = (0..self.slots.len()).filter(|&i| self.slots[i].image.is_some()).collect();
         let inputs: Vec<Option<ViewInput>> = present.iter().map(|&i| self.input(i)).collect::<Result<_, _>>()?;
         let made = sketch::rig_of(&self.rig, &present).and_then(|rig| run(&rig, &inputs, &sketch::params(), None));
-        made.map_err(|failed| failed.of_cameras(&present))
+        made.map(Reconstruction::without_findings).map_err(|failed| failed.of_cameras(&present))
     }
 }
 

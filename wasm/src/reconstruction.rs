@@ -30,6 +30,13 @@ impl Reconstruction {
         Self { result, origin }
     }
 
+    /// The same without warnings and figures of views, which number the cameras of the reconstruction.
+    pub(crate) fn without_findings(mut self) -> Self {
+        self.result.warnings.clear();
+        self.result.diagnostics.clear();
+        self
+    }
+
     fn stage(&self, stage: &MeshStage) -> Result<&Mesh, Failed> {
         match stage.as_string().as_deref() {
             Some("hull") => Ok(&self.result.intermediates.hull),

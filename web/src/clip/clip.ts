@@ -1,11 +1,18 @@
 // A clip: one GLB per frame, added as they are made, and the playhead.
 
+import type { ViewReport } from "pcmvs";
 import type { BufferGeometry } from "three";
 import type { FrameStages, QualityLevel } from "../workers/protocol";
 import { readGeometry } from "./glb";
 
 /** Number of geometries kept ready. Other frames are read from their GLBs again when they are shown. */
 const READY = 48;
+
+/** What a reconstruction found out about its views. Cameras are given by their names. */
+export interface Findings {
+    warnings: { code: string; camera: string | null; message: string }[];
+    views: Map<string, ViewReport>;
+}
 
 export interface ClipFrame {
     /** Number of the frame in its capture. */
@@ -17,6 +24,8 @@ export interface ClipFrame {
     /** Seconds that its reconstruction took. */
     seconds: number;
     stages: FrameStages | null;
+    /** Null for a frame that came as a GLB or is not reconstructed yet. */
+    findings: Findings | null;
 }
 
 export class Clip {
@@ -31,6 +40,8 @@ export class Clip {
     onshow: (frame: ClipFrame, geometry: BufferGeometry) => void = () => {};
     /** The playhead, the frames or whether it plays has changed. */
     onchange: () => void = () => {};
+    /** What was found out about a frame has changed. */
+    onfindings: () => void = () => {};
 
     constructor(
         indices: number[],
@@ -43,6 +54,7 @@ export class Clip {
             triangles: 0,
             seconds: 0,
             stages: null,
+            findings: null,
         }));
     }
 
@@ -59,6 +71,7 @@ export class Clip {
         const frame = this.frames[position];
         this.drop(frame);
         Object.assign(frame, made);
+        this.onfindings();
         const empty = this.current.glb === null;
         if (position === this.at || empty) void this.show(position);
         else this.onchange();

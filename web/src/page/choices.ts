@@ -20,8 +20,8 @@ export function offerChoices(scene: Scene) {
     select("views").replaceChildren(...options.map(([value, text]) => new Option(text, value)));
     const masked = scene.frames.some((frame) => frame.masks?.some((mask) => mask !== null));
     const chroma = scene.background?.chroma_rgb;
-    select("silhouettes").value = masked ? "masks" : "chroma";
-    for (const option of select("silhouettes").options) option.disabled = option.value === "masks" && !masked;
+    // Without mask files and a backdrop's colour, pictures may have an alpha channel.
+    select("silhouettes").value = masked || !chroma ? "masks" : "chroma";
     if (chroma) input("key-colour").value = `#${chroma.map((v) => v.toString(16).padStart(2, "0")).join("")}`;
     const { width, height } = scene.cameras[0];
     const frames = scene.frames.length;

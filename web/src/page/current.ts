@@ -4,6 +4,7 @@ import type { Scene } from "pcmvs";
 import { Clip } from "../clip/clip";
 import { meanUp } from "../viewer/cameras";
 import { $ } from "./dom";
+import { listWarnings, showFindings } from "./findings";
 import { showStage } from "./look";
 import { type Capture, FPS, state } from "./state";
 import { drawTransport, setUpTimeline } from "./transport";
@@ -13,20 +14,23 @@ import { viewer } from "./view";
 export function setCapture(next: Capture) {
     if (state.capture) {
         const { clip } = state.capture;
-        clip.onchange = clip.onshow = () => {};
+        clip.onchange = clip.onshow = clip.onfindings = () => {};
         clip.dispose();
     }
     state.capture = next;
     viewer.clear();
     const { clip } = next;
     clip.onchange = () => drawTransport(clip);
+    clip.onfindings = () => listWarnings(clip);
     clip.onshow = (frame, geometry) => {
         viewer.show(geometry);
         void viewer.drawn().then(() => performance.mark(`shown-${frame.preset ?? "clip"}`));
         showStage(frame);
+        showFindings(frame);
     };
     $<HTMLProgressElement>("progress").value = 0;
     $("name").textContent = next.name;
+    listWarnings(clip);
     setUpTimeline(clip);
     drawTransport(clip);
 }

@@ -3,7 +3,6 @@
 import type { ClipFrame } from "../clip/clip";
 import type { SHADINGS, Shading } from "../viewer/colours";
 import type { StageView } from "../workers/protocol";
-import { shownRig } from "./choices";
 import { $, input, on } from "./dom";
 import { state } from "./state";
 import { strip, viewer } from "./view";
@@ -61,7 +60,7 @@ export function listenToLook() {
     on("reset", "click", () => viewer.frame());
     strip.onlook = (camera) => {
         $("through").hidden = camera === null;
-        if (camera !== null) $("through-name").textContent = shownRig()?.cameras[camera].name ?? "";
+        if (camera !== null) $("through-name").textContent = strip.label(camera);
     };
     on("through-previous", "click", () => strip.turn(-1));
     on("through-next", "click", () => strip.turn(1));

@@ -64,7 +64,7 @@ async function openClip(name: string, entries: Entries, turn: number) {
     const meshes = `${blobs.length} ${blobs.length === 1 ? "mesh" : "meshes"}`;
     $("summary").textContent = `A clip of ${meshes}: there is nothing to reconstruct.`;
     for (const [i, glb] of blobs.entries()) {
-        clip.set(i, { glb, preset: null, triangles: infos[i].triangles, seconds: 0, stages: null });
+        clip.set(i, { glb, preset: null, triangles: infos[i].triangles, seconds: 0, stages: null, findings: null });
         markFrame(i, "made");
     }
     setStatus("Clip opened");

@@ -115,8 +115,16 @@ export class Session {
         return preset === "hull" || preset === "preview" ? ["sketch", preset] : ["sketch", "preview", preset];
     }
 
-    private show(position: number, { glb, ...made }: FrameResult) {
-        this.clip.set(position, { ...made, glb: new Blob([glb], { type: "model/gltf-binary" }) });
+    private show(position: number, { glb, warnings, views, ...made }: FrameResult) {
+        const findings = {
+            warnings: warnings.map(({ code, camera, message }) => ({
+                code,
+                message,
+                camera: camera === null ? null : this.cameras[camera].name,
+            })),
+            views: new Map(views.map((view, i) => [this.cameras[i].name, view])),
+        };
+        this.clip.set(position, { ...made, findings, glb: new Blob([glb], { type: "model/gltf-binary" }) });
     }
 
     private advance(position: number, levels: QualityLevel[], level: QualityLevel, stage: Stage, done: number) {

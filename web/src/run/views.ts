@@ -23,7 +23,10 @@ export function chosenCameras(scene: Scene, views: ViewChoice): number[] {
     return all;
 }
 
-/** A camera's files in a frame. Throws a `JobError` if one is missing. */
+/**
+ * A camera's files in a frame. A file that is missing counts as one that the scene does not have, which the library warns
+ * about. Throws a `JobError` if the frame has no picture at all.
+ */
 export function viewFiles(
     { images, masks }: Scene["frames"][number],
     entries: Entries,
@@ -31,16 +34,16 @@ export function viewFiles(
     silhouettes: SilhouetteChoice,
     key: ChromaKey | null,
 ): ViewFiles {
-    const mask = silhouettes === "masks" ? (masks?.[camera] ?? null) : null;
+    if (!images.some((path) => find(entries, path))) {
+        const path = images.find((path) => path !== null) ?? "every picture";
+        throw new JobError({ code: "input", message: `${path} is missing: drop the whole folder, with its pictures` });
+    }
     return {
         image: find(entries, images[camera]),
-        mask: mask === null ? null : find(entries, mask),
+        mask: silhouettes === "masks" ? find(entries, masks?.[camera] ?? null) : null,
         key: silhouettes === "chroma" ? key : null,
+        unmasked: silhouettes === "none",
     };
 }
 
-function find(entries: Entries, path: string): Entry {
-    const entry = entries.get(path);
-    if (entry) return entry;
-    throw new JobError({ code: "input", message: `${path} is missing: drop the whole folder, with its pictures` });
-}
+const find = (entries: Entries, path: string | null): Entry | null => (path === null ? null : entries.get(path)) ?? null;

@@ -15,7 +15,7 @@ import {
     Vector3,
 } from "three";
 import { cameraToWorld } from "./cameras";
-import { BLANK, FRUSTUM_LINES } from "./colours";
+import { BLANK, FRUSTUM_LINES, MARKED_LINES } from "./colours";
 
 /** Depth of a frustum as a share of the rig's radius. */
 const DEPTH = 0.13;
@@ -58,6 +58,13 @@ export class Frusta {
         frustum.add(plate);
         this.root.add(frustum);
         return plate;
+    }
+
+    /** Draws the frusta of some cameras in a colour of their own. */
+    mark(marked: Set<number>) {
+        for (const [i, frustum] of this.root.children.entries()) {
+            (frustum as LineSegments).material = marked.has(i) ? MARKED_LINES : FRUSTUM_LINES;
+        }
     }
 
     /** Puts a small picture on a camera's frustum. */

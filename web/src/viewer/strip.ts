@@ -1,6 +1,7 @@
 // The cameras as a strip of pictures with their silhouettes, and one photograph over the view.
 
 import type { Camera } from "pcmvs";
+import type { Findings } from "../clip/clip";
 import { JobError, type Pool } from "../workers/pool";
 import type { Failure, PhotographResult, ViewFiles } from "../workers/protocol";
 import type { Viewer } from "./viewer";
@@ -23,6 +24,10 @@ export class Strip {
     private generation = 0;
     private photographs = 0;
     private readonly buttons: HTMLButtonElement[] = [];
+    /** What the buttons' tooltips say besides warnings. */
+    private readonly titles: string[] = [];
+    /** What was found in the frame that is shown. */
+    private findings: Findings | null = null;
     /** The camera that is looked through. */
     private looking: number | null = null;
     onlook: (camera: number | null) => void = () => {};
@@ -43,9 +48,10 @@ export class Strip {
         this.look(null);
         this.rig = rig;
         this.root.replaceChildren();
-        this.buttons.length = 0;
+        this.buttons.length = this.titles.length = 0;
         for (const [i, camera] of rig?.cameras.entries() ?? []) this.addButton(i, camera.name);
         this.viewer.setCameras(rig?.cameras ?? []);
+        this.mark(null);
         const generation = ++this.generation;
         void Promise.resolve(when).then(() => {
             if (generation === this.generation) void this.refresh(rig);
@@ -63,6 +69,7 @@ export class Strip {
         button.addEventListener("click", () => this.look(this.looking === camera ? null : camera));
         this.root.append(button);
         this.buttons.push(button);
+        this.titles.push(button.title);
     }
 
     /** Makes all pictures again, for other files or silhouettes. The camera that is looked through comes first. */
@@ -82,9 +89,41 @@ export class Strip {
             paint(canvas, made, true);
             const { name } = rig.cameras[camera];
             button.toggleAttribute("data-problem", made.problem !== null);
-            button.title = made.problem ? `${name}: ${made.problem}` : `Look through ${name}`;
+            this.titles[camera] = made.problem ? `${name}: ${made.problem}` : `Look through ${name}`;
             this.viewer.setThumbnail(camera, canvas);
         }
+        this.mark(this.findings);
+    }
+
+    /** Marks the cameras by what was found in the frame that is shown: those with warnings, and all silhouettes' overlap. */
+    mark(findings: Findings | null) {
+        this.findings = findings;
+        const warned = new Set<number>();
+        for (const [i, { name }] of this.rig?.cameras.entries() ?? []) {
+            const messages = findings?.warnings.filter(({ camera }) => camera === name).map(({ message }) => message) ?? [];
+            if (messages.length > 0) warned.add(i);
+            const button = this.buttons[i];
+            button.toggleAttribute("data-warning", messages.length > 0);
+            button.title = [this.titles[i], ...messages].join("\n");
+            (button.querySelector("span") as HTMLElement).textContent = this.label(i);
+        }
+        this.viewer.markCameras(warned);
+        this.onlook(this.looking);
+    }
+
+    /** A camera's name and its silhouette's overlap with the hull of all silhouettes. */
+    label(camera: number): string {
+        const name = this.rig?.cameras[camera].name ?? "";
+        const found = this.findings?.views.get(name);
+        if (found && !found.used) return `${name} · not used`;
+        const overlap = found?.silhouetteOverlap;
+        return typeof overlap === "number" ? `${name} · ${(100 * overlap).toFixed(1)} %` : name;
+    }
+
+    /** Looks through the camera with a name, if it is shown. */
+    lookAt(name: string) {
+        const camera = this.rig?.cameras.findIndex((camera) => camera.name === name) ?? -1;
+        if (camera >= 0) this.look(camera);
     }
 
     /** Looks through a camera, or with null from outside again. */
@@ -118,7 +157,10 @@ export class Strip {
         const rig = this.rig as ShownRig;
         try {
             const { cameras } = rig;
-            return await this.pool.run({ type: "photograph", cameras, camera, view: rig.files(camera), width });
+            const view = rig.files(camera);
+            // A warning of the frame says that there is none.
+            if (!view.image) return null;
+            return await this.pool.run({ type: "photograph", cameras, camera, view, width });
         } catch (error) {
             if (!(error instanceof JobError)) throw error;
             const { failure } = error;

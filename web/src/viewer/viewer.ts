@@ -205,6 +205,12 @@ export class Viewer {
         this.draw();
     }
 
+    /** Marks some cameras, such as those with warnings, and no others. */
+    markCameras(marked: Set<number>) {
+        this.frusta.mark(marked);
+        this.draw();
+    }
+
     showCameras(on: boolean) {
         this.frusta.root.visible = on;
         this.draw();

@@ -34,8 +34,9 @@ export async function withFrame<T>(cameras: Camera[], work: (frame: Frame, rig: 
     }
 }
 
-/** Sets a camera's silhouette from its chroma key or its mask. */
-export function setSilhouette(frame: Frame, camera: number, { key }: ViewFiles, mask: Uint8Array | null) {
+/** Sets a camera's silhouette from its chroma key or its mask. Without both it is the picture's alpha channel. */
+export function setSilhouette(frame: Frame, camera: number, { key, unmasked }: ViewFiles, mask: Uint8Array | null) {
     if (key) frame.setChromaKey(camera, key);
     else if (mask) frame.setMask(camera, mask);
+    else if (unmasked) frame.clearMask(camera);
 }

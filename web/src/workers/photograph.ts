@@ -1,7 +1,7 @@
 // A camera's picture without lens distortion, and its silhouette.
 
 import type { Photograph } from "pcmvs";
-import { failureOf } from "./failure";
+import { failureOf, inputError } from "./failure";
 import { setSilhouette, withFrame } from "./frame";
 import type { PhotographJob, PhotographResult } from "./protocol";
 import { readView } from "./reading";
@@ -12,19 +12,20 @@ const TINT = [61, 220, 151] as const;
 export const photograph = (job: PhotographJob) =>
     withFrame(job.cameras, async (frame): Promise<PhotographResult> => {
         const { image, mask } = await readView(job.view);
+        if (!image) throw inputError("this camera has no picture in this frame");
         frame.setImage(job.camera, image);
         let problem: string | null = null;
-        let made = frame.photograph(job.camera);
+        let made: Photograph;
         try {
             setSilhouette(frame, job.camera, job.view, mask);
-            const matted = frame.photograph(job.camera);
-            made.free();
-            made = matted;
+            made = frame.photograph(job.camera);
         } catch (error) {
             // The picture can be shown even if its silhouette is wrong.
             const failure = failureOf(error);
             if (failure.code !== "silhouette") throw error;
             problem = failure.message;
+            frame.clearMask(job.camera);
+            made = frame.photograph(job.camera);
         }
         const [picture, silhouette] = await bitmaps(made, job.width);
         return { picture, silhouette, problem };

@@ -1,6 +1,6 @@
 // The messages between the page and its workers.
 
-import type { Camera, ChromaKey, PcmvsError, Preset, Scene, Stage } from "pcmvs";
+import type { Camera, ChromaKey, PcmvsError, Preset, Scene, Stage, ViewReport, Warning } from "pcmvs";
 
 /** A file that has not been read yet: on disk, inside a zip, or on the page's own host. */
 export type Entry =
@@ -12,9 +12,12 @@ export type Entries = Map<string, Entry>;
 
 /** A camera's files, and where its silhouette comes from. */
 export interface ViewFiles {
-    image: Entry;
+    /** Null if the camera has no picture in this frame. */
+    image: Entry | null;
     mask: Entry | null;
     key: ChromaKey | null;
+    /** Whether there is to be no silhouette, even if the picture has an alpha channel. */
+    unmasked: boolean;
 }
 
 /** How good a mesh is: a preset of the library, or the sketch that is shown before any of them. */
@@ -92,6 +95,9 @@ export interface FrameResult {
     triangles: number;
     seconds: number;
     stages: FrameStages | null;
+    /** Both empty for a sketch. Cameras are indices into those of the job. */
+    warnings: Warning[];
+    views: ViewReport[];
 }
 
 /** An undistorted picture, and its silhouette as an overlay in the accent colour. */

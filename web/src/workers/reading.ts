@@ -30,8 +30,9 @@ async function download(url: string): Promise<Uint8Array<ArrayBuffer>> {
     return bytes;
 }
 
-/** Reads a camera's picture and, if it is used, its mask. */
-export async function readView(view: ViewFiles): Promise<{ image: Uint8Array; mask: Uint8Array | null }> {
+/** Reads a camera's picture, if it has one, and its mask, if that is used. */
+export async function readView(view: ViewFiles): Promise<{ image: Uint8Array | null; mask: Uint8Array | null }> {
+    if (!view.image) return { image: null, mask: null };
     const mask = view.mask && !view.key ? read(view.mask) : null;
     return { image: await read(view.image), mask: await mask };
 }

@@ -16,6 +16,10 @@ export const reconstruct = (job: FrameJob, send: Send) =>
         const load = async (cameras: number[]) => {
             const files = await Promise.all(cameras.map((i) => readView(job.views[i])));
             for (const [n, { image, mask }] of files.entries()) {
+                if (!image) {
+                    frame.setAbsent(cameras[n]);
+                    continue;
+                }
                 frame.setImage(cameras[n], image);
                 setSilhouette(frame, cameras[n], job.views[cameras[n]], mask);
             }
@@ -37,10 +41,12 @@ export const reconstruct = (job: FrameJob, send: Send) =>
             const seconds = (performance.now() - start) / 1000;
             const glb = made.glb(job.up) as Uint8Array<ArrayBuffer>;
             const { triangles } = made;
+            // A sketch numbers the cameras that it has pictures of, and a better mesh follows soon.
+            const [warnings, views] = level === "sketch" ? [[], []] : [made.warnings, made.views];
             const withStages = job.stages && level !== "hull" && level !== "sketch";
             const stages = withStages ? stagesOf(made, rig) : null;
             made.free();
-            const result = { preset: level, glb, triangles, seconds, stages };
+            const result = { preset: level, glb, triangles, seconds, stages, warnings, views };
             send({ type: "result", result }, [glb.buffer, ...buffers(stages)]);
         }
     });

@@ -1,0 +1,35 @@
+// What the library found out about a frame's views: a list of warnings, and marks on the cameras.
+
+import type { Clip, ClipFrame } from "../clip/clip";
+import { $ } from "./dom";
+import { strip } from "./view";
+
+/** Marks the cameras by what was found in a frame. */
+export function showFindings({ findings }: ClipFrame) {
+    strip.mark(findings);
+}
+
+/** Lists the warnings of all frames. A click shows the frame and looks through the camera. */
+export function listWarnings(clip: Clip) {
+    const several = clip.frames.length > 1;
+    const items = clip.frames.flatMap(({ index, findings }, position) =>
+        (findings?.warnings ?? []).map(({ code, camera, message }) => {
+            const where = [...(several ? [`frame ${index}`] : []), ...(camera === null ? [] : [`camera ${camera}`])];
+            const button = document.createElement("button");
+            button.type = "button";
+            button.dataset.code = code;
+            button.textContent = [...where, message].join(": ");
+            button.addEventListener("click", () => {
+                clip.play(false);
+                void clip.show(position);
+                if (camera !== null) strip.lookAt(camera);
+            });
+            const item = document.createElement("li");
+            item.append(button);
+            return item;
+        }),
+    );
+    $("warnings-section").hidden = items.length === 0;
+    $("warnings-title").textContent = items.length === 1 ? "1 warning" : `${items.length} warnings`;
+    $("warnings").replaceChildren(...items);
+}
