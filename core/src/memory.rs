@@ -29,6 +29,8 @@ const PER_PIXEL: u64 = 6;
 const SEARCH: u64 = 16 << 20;
 /// Bytes per pixel of the largest view for reading it: silhouette, distances and contour.
 const READING: u64 = 96;
+/// Bytes per block of the bounding box of the hull's grid: the table of blocks, and room for their lists.
+const PER_TABLE_BLOCK: u64 = 12;
 /// Bytes per block of the hull's grid: the node values, the buffers of marching cubes and the block's part of the mesh.
 const PER_BLOCK: u64 = 9000;
 /// Bytes per vertex of the final mesh: grids and samples of the Poisson solver, the mesh and its colours.
@@ -95,6 +97,16 @@ fn later(pixels: f64, inside: f64, hull_vertices: f64, params: &Params) -> u64 {
         later += share * (3.0 * pixels + if cleaned { 200.0 } else { 140.0 } * inside);
     }
     later as u64
+}
+
+/// Refuses a frame if the grid of its hull would need more than `limit` bytes. `table` is the number of blocks in the grid's
+/// bounding box and `stored` that of the blocks that its surface may pass.
+///
+/// # Errors
+/// [`Error::OutOfMemory`].
+pub fn check_grid(views: &[View], table: u64, stored: u64, limit: Option<u64>) -> Result<()> {
+    let grid = (PER_TABLE_BLOCK * table).max(PER_BLOCK * stored);
+    within(|| PER_PIXEL * pixels(views) + grid, limit)
 }
 
 /// Refuses a frame if its hull's mesh would need more than `limit` bytes. Called before that mesh is extracted.

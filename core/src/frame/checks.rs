@@ -106,7 +106,7 @@ impl<R: Deref<Target = Rig> + Sync> Frame<R> {
             };
             let views: Vec<View> = self.views.iter().filter(|v| v.is_used()).map(posed).collect();
             let smallest = self.params.meshing.smallest_component;
-            let overlap = trial(&views, smallest, executor, &mut workspace).unwrap_or(0.0);
+            let overlap = trial(&views, smallest, self.memory.limit(), executor, &mut workspace).unwrap_or(0.0);
             if overlap > best.map_or(CONVINCING_OVERLAP, |(best, _)| best) {
                 best = Some((overlap, convention));
             }
@@ -124,10 +124,16 @@ impl<R: Deref<Target = Rig> + Sync> Frame<R> {
 }
 
 /// Median overlap of the silhouettes with their hull, or `None` if they have no hull. Components of the hull smaller than the
-/// share `smallest` are dropped.
-fn trial(views: &[View], smallest: f32, executor: &impl Executor, workspace: &mut Workspace) -> Option<f32> {
+/// share `smallest` are dropped. `limit` is that of memory, in bytes.
+fn trial(
+    views: &[View],
+    smallest: f32,
+    limit: Option<u64>,
+    executor: &impl Executor,
+    workspace: &mut Workspace,
+) -> Option<f32> {
     let params = HullParams { voxel_pixels: TRIAL_VOXEL_PIXELS };
-    let hull = VisualHull::with_workspace(views, &params, workspace, &Silent).ok()?;
+    let hull = VisualHull::with_workspace(views, &params, limit, workspace, &Silent).ok()?;
     let mut mesh = hull.mesh(workspace);
     drop_small_components(&mut mesh, smallest, workspace);
     let found = compare(views, &mesh, executor);

@@ -27,7 +27,7 @@ impl<R: Deref<Target = Rig> + Sync> Frame<R> {
         if let Some(old) = self.hull.take() {
             old.recycle_into(workspace);
         }
-        let hull = VisualHull::with_workspace(&self.views, &self.params.hull, workspace, progress)?;
+        let hull = VisualHull::with_workspace(&self.views, &self.params.hull, limit, workspace, progress)?;
         memory::check_hull(&self.views, &hull, limit)?;
         let mut mesh = hull.mesh(workspace);
         self.counts.components_dropped =

@@ -9,14 +9,18 @@ use super::{
 use crate::{
     error::{Error, Result},
     grid::{BLOCK, BLOCK_NODES, SparseGrid},
+    memory,
     progress::{self, Progress},
     rig::MIN_VIEWS,
     stage::Stage,
     view::View,
     workspace::Workspace,
 };
-use alloc::vec::Vec;
+use alloc::{format, vec::Vec};
 use glam::Vec3;
+
+/// Most blocks in the grid's bounding box. A person that fills pictures of 8000 pixels has as many.
+const MAX_BLOCKS: u64 = 1 << 28;
 
 /// Parameters of the visual hull (§0).
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -31,18 +35,20 @@ impl VisualHull {
     ///
     /// # Errors
     /// [`Error::EmptyHull`] if no point lies inside all silhouettes that see it, [`Error::TooFewViews`] if fewer than
-    /// three views have a silhouette, [`Error::Cancelled`].
+    /// three views have a silhouette, [`Error::Cameras`] if the silhouettes bound far more space than cameras resolve,
+    /// [`Error::Cancelled`].
     pub fn new(views: &[View], params: &HullParams, progress: &dyn Progress) -> Result<Self> {
-        Self::with_workspace(views, params, &mut Workspace::default(), progress)
+        Self::with_workspace(views, params, None, &mut Workspace::default(), progress)
     }
 
-    /// [`Self::new`] with memory for reuse.
+    /// [`Self::new`] with memory for reuse, and with at most `limit` bytes (see [`crate::memory`]).
     ///
     /// # Errors
-    /// As for [`Self::new`].
+    /// As for [`Self::new`], and [`Error::OutOfMemory`].
     pub fn with_workspace(
         views: &[View],
         params: &HullParams,
+        limit: Option<u64>,
         workspace: &mut Workspace,
         progress: &dyn Progress,
     ) -> Result<Self> {
@@ -62,17 +68,25 @@ impl VisualHull {
 
         // A block is judged by a ball that contains its nodes and its cells, up to the first nodes of the next block.
         let radius = 0.5 * edge * 1.7320508 + voxel;
-        let max_blocks = dims.iter().product::<u32>() as usize;
+        let table = dims.iter().map(|&n| u64::from(n)).product::<u64>();
+        if table > MAX_BLOCKS || dims.iter().any(|&n| n > u32::from(u16::MAX)) {
+            return Err(too_large(dims));
+        }
+        memory::check_grid(views, table, 0, limit)?;
+        let max_blocks = table as usize;
         let (mut list_starts, mut needed) = (workspace.empty(max_blocks + 1), workspace.empty(max_blocks));
         let mut carver_lists = workspace.take();
         list_starts.push(0);
         let mut crossing = Vec::new();
-        let mut cancelled = Ok(());
+        let mut stopped = Ok(());
         let grid = SparseGrid::new(origin, voxel, dims, |[x, y, z]| {
-            if x == 0 && y == 0 && cancelled.is_ok() {
-                cancelled = progress::step(progress, Stage::Hull, z, 2 * dims[2]);
+            if x == 0 && stopped.is_ok() {
+                stopped = memory::check_grid(views, table, needed.len() as u64, limit);
+                if y == 0 && stopped.is_ok() {
+                    stopped = progress::step(progress, Stage::Hull, z, 2 * dims[2]);
+                }
             }
-            if cancelled.is_err() {
+            if stopped.is_err() {
                 return SparseGrid::OUTSIDE;
             }
             let centre = origin + Vec3::new(x as f32 + 0.5, y as f32 + 0.5, z as f32 + 0.5) * edge;
@@ -89,7 +103,8 @@ impl VisualHull {
                 }
             }
         });
-        cancelled?;
+        stopped?;
+        memory::check_grid(views, table, grid.blocks.len() as u64, limit)?;
         workspace.recycle(search.needed);
 
         let values = workspace.empty(grid.blocks.len() * BLOCK_NODES);
@@ -127,6 +142,16 @@ impl VisualHull {
         (hull.lower, hull.upper) = (lower - Vec3::splat(voxel), upper + Vec3::splat(voxel));
         Ok(hull)
     }
+}
+
+/// Silhouettes that bound so much space contradict the calibration.
+fn too_large(dims: [u32; 3]) -> Error {
+    let [x, y, z] = dims.map(|n| u64::from(n) * BLOCK as u64);
+    let problem = format!(
+        "the silhouettes bound a space of {x} x {y} x {z} voxels, far more than cameras resolve: check that the cameras look \
+         at one object from several sides, and that masks and calibration belong together"
+    );
+    Error::Cameras { problem }
 }
 
 /// Median over the views of the footprint at a point.
