@@ -227,6 +227,7 @@ impl View {
         luma.clear();
         luma.extend(rgb.chunks_exact(3).map(|p| image::luma([p[0], p[1], p[2]])));
         let silhouette = silhouette.map(Arc::new);
-        Ok(Self { index: place as u16, camera: rig.pinholes()[index], rgb, luma, silhouette, given: None, added: 0, left_out })
+        let camera = rig.pinholes()[index];
+        Ok(Self { index: place as u16, camera, rgb, luma, silhouette, given: None, added: 0, left_out })
     }
 }

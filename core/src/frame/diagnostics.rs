@@ -73,7 +73,9 @@ impl Scratch {
             (low, high) = (low.min(p.truncate()), high.max(p.truncate()));
             in_picture |= p.x >= -0.5 && p.y >= -0.5 && p.x < size[0] as f32 - 0.5 && p.y < size[1] as f32 - 0.5;
         }
-        let Some(silhouette) = view.given.as_ref().or(view.silhouette.as_ref()) else { return Comparison { in_picture, ..Comparison::default() } };
+        let Some(silhouette) = view.given.as_ref().or(view.silhouette.as_ref()) else {
+            return Comparison { in_picture, ..Comparison::default() };
+        };
         let clamp = |v: f32, n: i32| libm::floorf(v).clamp(0.0, n as f32) as usize;
         let first = [clamp(low.x - 1.0, size[0]), clamp(low.y - 1.0, size[1])];
         let end = [clamp(high.x + 3.0, size[0]), clamp(high.y + 3.0, size[1])];

@@ -108,17 +108,7 @@ impl VisualHull {
         workspace.recycle(search.needed);
 
         let values = workspace.empty(grid.blocks.len() * BLOCK_NODES);
-        let mut hull = VisualHull {
-            carvers,
-            grid,
-            values,
-            list_starts,
-            carver_lists,
-            needed,
-            lower,
-            upper,
-            footprint,
-        };
+        let mut hull = VisualHull { carvers, grid, values, list_starts, carver_lists, needed, lower, upper, footprint };
         let blocks = hull.grid.blocks.len();
         let (mut lower, mut upper) = (Vec3::INFINITY, Vec3::NEG_INFINITY);
         for slot in 0..blocks {

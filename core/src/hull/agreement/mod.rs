@@ -70,8 +70,7 @@ pub fn contradicting(
         witness::hear(&carvers, &space, own, pixels, &mut verdict, progress)?;
     }
     space.recycle_into(workspace);
-    let mut guilty: Vec<u16> =
-        verdict.guilty(limit, most).into_iter().map(|g| carvers[g as usize].index).collect();
+    let mut guilty: Vec<u16> = verdict.guilty(limit, most).into_iter().map(|g| carvers[g as usize].index).collect();
     guilty.sort_unstable();
     Ok(guilty)
 }
