@@ -91,7 +91,8 @@ impl Silhouette {
     pub(crate) fn with_added(&self, added: &[bool]) -> Self {
         let (w, h) = (self.width as usize, self.height as usize);
         let is_added = |x: usize, y: usize| {
-            (y.saturating_sub(1)..(y + 2).min(h)).any(|y| (x.saturating_sub(1)..(x + 2).min(w)).any(|x| added[y * w + x]))
+            (y.saturating_sub(1)..(y + 2).min(h))
+                .any(|y| (x.saturating_sub(1)..(x + 2).min(w)).any(|x| added[y * w + x]))
         };
         let coverage: Vec<u8> = (0..w * h)
             .map(|i| {

@@ -167,9 +167,10 @@ fn four_cameras_make_one_body() {
     let shot = figure().of_cameras(&[0, 4, 8, 12]);
     let (mesh, _) = hull(&shot);
     assert_eq!(components(&mesh).len(), 1);
-    let (low, high) = mesh.positions.iter().fold((glam::Vec3::INFINITY, glam::Vec3::NEG_INFINITY), |(low, high), &p| {
-        (low.min(p), high.max(p))
-    });
+    let (low, high) = mesh
+        .positions
+        .iter()
+        .fold((glam::Vec3::INFINITY, glam::Vec3::NEG_INFINITY), |(low, high), &p| (low.min(p), high.max(p)));
     assert!((high - low).max_element() < 2.2, "{low} to {high}");
 }
 
