@@ -83,10 +83,26 @@ fn decode_png(file: &[u8]) -> Result<Picture, String> {
     let (format, pixels) = match decoded {
         DynamicImage::ImageLuma8(gray) => (PixelFormat::Gray8, gray.into_raw()),
         DynamicImage::ImageRgba8(rgba) => (PixelFormat::Rgba8, rgba.into_raw()),
-        other if other.color().has_alpha() => (PixelFormat::Rgba8, other.into_rgba8().into_raw()),
+        DynamicImage::ImageLumaA8(gray) => (PixelFormat::Rgba8, with_alpha(gray.as_raw(), |v| v)),
+        DynamicImage::ImageLumaA16(gray) => (PixelFormat::Rgba8, with_alpha(gray.as_raw(), high_byte)),
+        DynamicImage::ImageRgba16(rgba) => (PixelFormat::Rgba8, rgba.as_raw().iter().map(|&v| high_byte(v)).collect()),
         other => (PixelFormat::Rgb8, other.into_rgb8().into_raw()),
     };
     Ok(Picture { width, height, format, pixels })
+}
+
+/// The most significant byte.
+fn high_byte(v: u16) -> u8 {
+    (v >> 8) as u8
+}
+
+/// RGBA from pairs of grey and alpha.
+fn with_alpha<T: Copy>(pairs: &[T], byte: impl Fn(T) -> u8) -> Vec<u8> {
+    let rgba = |pair: &[T]| {
+        let [gray, alpha] = [0, 1].map(|i| byte(pair[i]));
+        [gray, gray, gray, alpha]
+    };
+    pairs.chunks_exact(2).flat_map(rgba).collect()
 }
 
 #[cfg(test)]

@@ -119,7 +119,10 @@ test("warnings are listed, and their cameras are marked", async (t) => {
     const { page, problems, shot } = await openWith(t, faulty);
     await run(page);
     assert.equal(await text(page, "warnings-title"), "2 warnings");
-    assert.match(await text(page, "warnings"), /^\s*camera cam03: it has no picture in this frame.*\s+camera cam05: it has no/);
+    assert.match(
+        await text(page, "warnings"),
+        /^\s*camera cam03: it has no picture in this frame.*\s+camera cam05: it has no/,
+    );
     const marked = await page.$$eval("#strip button[data-warning] span", (spans) => spans.map((s) => s.textContent));
     assert.deepEqual(marked, ["cam03 · not used", "cam05 · not used"]);
     await page.check("#show-cameras");

@@ -46,4 +46,5 @@ export function viewFiles(
     };
 }
 
-const find = (entries: Entries, path: string | null): Entry | null => (path === null ? null : entries.get(path)) ?? null;
+const find = (entries: Entries, path: string | null): Entry | null =>
+    (path === null ? null : entries.get(path)) ?? null;

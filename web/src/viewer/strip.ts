@@ -100,7 +100,8 @@ export class Strip {
         this.findings = findings;
         const warned = new Set<number>();
         for (const [i, { name }] of this.rig?.cameras.entries() ?? []) {
-            const messages = findings?.warnings.filter(({ camera }) => camera === name).map(({ message }) => message) ?? [];
+            const messages =
+                findings?.warnings.filter(({ camera }) => camera === name).map(({ message }) => message) ?? [];
             if (messages.length > 0) warned.add(i);
             const button = this.buttons[i];
             button.toggleAttribute("data-warning", messages.length > 0);
