@@ -201,6 +201,39 @@ static void check_left_out_stages(const struct capture *capture, pcmvs_frame *fr
     check_same(frame, expected, hashes);
 }
 
+/* A camera without picture and one with a black mask contribute nothing, and are named. `black` is a picture's black pixels. */
+static void check_left_out(const struct capture *capture, pcmvs_frame *frame, pcmvs_view *views, unsigned char *black) {
+    static const char *const codes[2] = {"no-picture", "empty-silhouette"};
+    pcmvs_view_report report;
+    pcmvs_warning warning;
+    pcmvs_options options;
+    pcmvs_image mask = *capture->views[4].mask;
+    uint32_t i, count = 7;
+    memcpy(views, capture->views, capture->count * sizeof *views);
+    OK(pcmvs_view_init(&views[2], sizeof views[2]));
+    mask.data = black;
+    views[4].mask = &mask;
+    OK(pcmvs_options_init(&options, sizeof options));
+    options.preset = PCMVS_PRESET_HULL;
+    OK(pcmvs_frame_reconstruct(frame, views, capture->count, &options));
+    OK(pcmvs_frame_warning_count(frame, &count));
+    CHECK(count == 2);
+    for (i = 0; i < 2; i++) {
+        OK(pcmvs_frame_get_warning(frame, i, &warning, sizeof warning));
+        CHECK(warning.camera == (int32_t)(2 + 2 * i) && strcmp(warning.code, codes[i]) == 0);
+        OK(pcmvs_frame_get_view_report(frame, 2 + 2 * i, &report, sizeof report));
+        CHECK(report.used == 0 && report.carves == 0 && report.silhouette_overlap == -1 && report.contour_px == -1);
+    }
+    /* The same stage by stage. */
+    OK(pcmvs_frame_begin(frame, &options));
+    for (i = 0; i < capture->count; i++) {
+        OK(pcmvs_frame_view(frame, i, &views[i]));
+    }
+    OK(pcmvs_frame_colour(frame));
+    OK(pcmvs_frame_warning_count(frame, &count));
+    CHECK(count == 2);
+}
+
 /* A view without a silhouette is reported and causes a warning, and so is a view in which stereo finds nothing. */
 static void check_warnings(const struct capture *capture, pcmvs_frame *frame) {
     pcmvs_options options;
@@ -224,7 +257,9 @@ static void check_warnings(const struct capture *capture, pcmvs_frame *frame) {
     OK(pcmvs_frame_get_view_report(frame, 2, &report, sizeof report));
     CHECK(report.carves == 0 && report.inside == 0);
     OK(pcmvs_frame_get_view_report(frame, 4, &report, sizeof report));
-    CHECK(report.carves == 1 && report.inside > 0 && report.detected == 0);
+    CHECK(report.carves == 1 && report.inside > 0 && report.detected == 0 && report.used == 1);
+    CHECK(report.silhouette_overlap > 0.9 && report.silhouette_overlap <= 1 && report.contour_px >= 0);
+    CHECK(report.contour_px < 1 && report.epipolar_px == -1);
     OK(pcmvs_frame_warning_count(frame, &count));
     CHECK(count == 2);
     OK(pcmvs_frame_get_warning(frame, 0, &warning, sizeof warning));
@@ -238,6 +273,7 @@ static void check_warnings(const struct capture *capture, pcmvs_frame *frame) {
     OK(pcmvs_frame_reconstruct(frame, views, capture->count, &options));
     OK(pcmvs_frame_warning_count(frame, &count));
     CHECK(count == 1);
+    check_left_out(capture, frame, views, pixels);
     free(views);
     free(black);
     free(pixels);
