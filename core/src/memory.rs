@@ -2,9 +2,10 @@
 //!
 //! On one thread, and not counting the pictures that the host passes in, a frame needs at most
 //!
-//! `6 P + max(16 MiB, 96 L, 9000 B, level P + point S + 640 V)` bytes
+//! `6 P + max(16 MiB, 96 L, 12 T, 9000 B, level P + point S + 640 V)` bytes
 //!
-//! where P is the number of pixels of all views, L that of the largest view, B the number of blocks in the hull's grid
+//! where P is the number of pixels of all views, L that of the largest view, T the number of blocks in the
+//! bounding box of the hull's grid, B the number of blocks in the hull's grid
 //! that its surface may pass, S the number of pixels inside the silhouettes and V the number of vertices in the final
 //! mesh. `level` is 3 for detection at full resolution and 3/4 at half resolution, where S counts a quarter as well.
 //! `point` is 140, or 200 if the clouds are downsampled or cleaned of conflicts (§5). Both are 0 for the hull alone. The
