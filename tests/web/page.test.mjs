@@ -160,7 +160,7 @@ test("each stage, surface and camera looks different", async (t) => {
     await page.keyboard.press("c");
     await page.waitForSelector("#photo:not([hidden])");
     // With the overlap of its silhouette.
-    assert.match(await text(page, "through-name"), new RegExp(`^${scene.cameras[0].name} · 99\\.\\d %$`));
+    assert.match(await text(page, "through-name"), new RegExp(`^${scene.cameras[0].name} · 9\\d\\.\\d %$`));
     await shot("through-camera");
     await page.keyboard.press("Escape");
     assert.equal(await page.isVisible("#photo"), false);

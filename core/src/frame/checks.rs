@@ -58,7 +58,7 @@ impl<R: Deref<Target = Rig> + Sync> Frame<R> {
         if again {
             self.carve_and_compare(executor, progress)?;
         }
-        let overlaps = self.views.iter().zip(&self.compared).filter(|(view, _)| view.is_used());
+        let overlaps = self.views.iter().zip(&self.compared).filter(|(view, _)| is_evidence(view));
         if median(overlaps.filter_map(|(_, found)| found.overlap)).is_some_and(|overlap| overlap < DOUBTFUL_OVERLAP)
             && let Some(error) = self.other_convention(executor)
         {
@@ -99,12 +99,12 @@ impl<R: Deref<Target = Rig> + Sync> Frame<R> {
                 camera: Pinhole::new(&read[self.rig.order()[view.index as usize] as usize], origin),
                 rgb: Vec::new(),
                 luma: Vec::new(),
-                silhouette: view.silhouette.clone(),
+                silhouette: view.given.as_ref().or(view.silhouette.as_ref()).cloned(),
                 given: None,
                 added: 0,
                 left_out: None,
             };
-            let views: Vec<View> = self.views.iter().filter(|v| v.is_used()).map(posed).collect();
+            let views: Vec<View> = self.views.iter().filter(|view| is_evidence(view)).map(posed).collect();
             let smallest = self.params.meshing.smallest_component;
             let overlap = trial(&views, smallest, self.memory.limit(), executor, &mut workspace).unwrap_or(0.0);
             if overlap > best.map_or(CONVINCING_OVERLAP, |(best, _)| best) {
@@ -121,6 +121,11 @@ impl<R: Deref<Target = Rig> + Sync> Frame<R> {
             ),
         })
     }
+}
+
+/// Whether a view's silhouette says something about the poses: with wrong poses views contradict each other.
+fn is_evidence(view: &View) -> bool {
+    matches!(view.left_out, None | Some(LeftOut::Contradicts))
 }
 
 /// Median overlap of the silhouettes with their hull, or `None` if they have no hull. Components of the hull smaller than the
