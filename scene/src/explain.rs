@@ -66,8 +66,10 @@ impl Scene {
                 Warning::EmptySilhouette { .. }
                 | Warning::FullSilhouette { .. }
                 | Warning::MaskInverted { .. }
+                | Warning::SilhouetteSetAside { .. }
+                | Warning::SilhouetteCompleted { .. }
                 | Warning::SilhouetteDisagrees { .. } => mask.or(image),
-                Warning::NoStereoPoints { .. } => image,
+                Warning::CameraContradicts { .. } | Warning::NoStereoPoints { .. } => image,
                 _ => None,
             }
         });
