@@ -130,13 +130,13 @@ enum pcmvs_status
   PCMVS_STATUS_WRONG_ORDER = 6,
   // The progress callback asked to stop.
   PCMVS_STATUS_CANCELLED = 7,
-  // A camera's calibration cannot be used.
+  // A camera's calibration cannot be used, or the cameras as a whole cannot: their axes or poses contradict each other.
   PCMVS_STATUS_CAMERA = 8,
   // A picture does not fit its camera or its own description.
   PCMVS_STATUS_IMAGE = 9,
-  // A silhouette cannot be used.
+  // A silhouette cannot be used, or all masks are inverted.
   PCMVS_STATUS_SILHOUETTE = 10,
-  // Two cameras have the same position and direction.
+  // Two cameras have the same position and direction. No longer returned: cameras at the same place are a warning.
   PCMVS_STATUS_DUPLICATE_CAMERA = 11,
   // There are fewer cameras, or fewer silhouettes, than the method needs.
   PCMVS_STATUS_TOO_FEW_VIEWS = 12,
@@ -470,13 +470,14 @@ typedef struct pcmvs_chroma_key {
 } pcmvs_chroma_key;
 
 // One camera's picture and the source of its silhouette. At most one of `mask`, `clean_plate` and `chroma_key` may be set.
-// If none is set, the view has no silhouette and does not carve the hull.
+// If none is set, the view has no silhouette and does not carve the hull. If `image` is not set either, the camera has no
+// picture in this frame: the view contributes nothing, which is a warning of the frame.
 typedef struct pcmvs_view {
   // Set by `pcmvs_view_init`.
   uint32_t struct_size;
   // Zero.
   uint32_t reserved;
-  // The picture. It has the size for which the camera was calibrated.
+  // The picture. It has the size for which the camera was calibrated. NULL if the camera has none in this frame.
   const struct pcmvs_image *image;
   // A mask of the same size, white on the object and black elsewhere. Grey values are coverage; the contour is where the
   // coverage is one half. May be NULL.
@@ -642,7 +643,7 @@ typedef struct pcmvs_stage_report {
 // Diagnostics of one camera's view. Members of stages that have not run are zero. Later versions may add members at the
 // end.
 typedef struct pcmvs_view_report {
-  // 1 if the view has a silhouette and therefore carves the hull, otherwise 0.
+  // 1 if the view has a silhouette and therefore carves the hull, otherwise 0. A view that is not used does not carve.
   uint32_t carves;
   // Share of the picture that is inside the silhouette, 0 to 1. 0 without a silhouette.
   float inside;
@@ -654,6 +655,16 @@ typedef struct pcmvs_view_report {
   float gains[3];
   // Zero.
   uint32_t reserved;
+  // 1 if the view takes part in the frame, otherwise 0: it has no picture, its silhouette is empty or inverted, or the
+  // object lies beside it. A warning of the frame tells which.
+  uint32_t used;
+  // Intersection over union of the silhouette and the visual hull's picture, 0 to 1. -1 without a silhouette.
+  float silhouette_overlap;
+  // Median distance of the hull's outline in the picture from the silhouette's contour, in pixels. -1 without a
+  // silhouette.
+  float contour_px;
+  // Median distance of matches in other views from their epipolar lines, in pixels. -1 if it has not been measured.
+  float epipolar_px;
 } pcmvs_view_report;
 
 // Something in a frame that may make its result worse although no call failed.
@@ -773,7 +784,7 @@ pcmvs_status pcmvs_frame_reconstruct(struct pcmvs_frame *frame,
 pcmvs_status pcmvs_frame_begin(struct pcmvs_frame *frame,
                                const struct pcmvs_options *options);
 
-// Reads the picture and silhouette of one camera. A second call for the same camera replaces them, until the stage
+// Reads the picture and silhouette of one camera, or takes note that it has none in this frame. A second call for the same camera replaces them, until the stage
 // `PCMVS_STAGE_VIEWS` is complete. May be called on several threads at once, for different cameras.
 pcmvs_status pcmvs_frame_view(struct pcmvs_frame *frame,
                               uint32_t camera,
@@ -908,11 +919,13 @@ pcmvs_status pcmvs_frame_copy_gains(const struct pcmvs_frame *frame,
                                     size_t stride,
                                     size_t *count);
 
-// Returns the number of warnings about the stages that are complete.
-pcmvs_status pcmvs_frame_warning_count(const struct pcmvs_frame *frame, uint32_t *count);
+// Returns the number of warnings about the cameras and about the stages that are complete. After a stage has failed, the
+// warnings about the views remain.
+pcmvs_status pcmvs_frame_warning_count(const struct pcmvs_frame *frame,
+                                       uint32_t *count);
 
-// Returns a warning. `index` is less than `pcmvs_frame_warning_count`; warnings come in the order of the stages, then of
-// the cameras. `size` is `sizeof *warning`.
+// Returns a warning. `index` is less than `pcmvs_frame_warning_count`; warnings about the cameras come first, then those of
+// the stages in their order, and for each stage those of the cameras in theirs. `size` is `sizeof *warning`.
 pcmvs_status pcmvs_frame_get_warning(const struct pcmvs_frame *frame,
                                      uint32_t index,
                                      struct pcmvs_warning *warning,
