@@ -784,8 +784,9 @@ pcmvs_status pcmvs_frame_reconstruct(struct pcmvs_frame *frame,
 pcmvs_status pcmvs_frame_begin(struct pcmvs_frame *frame,
                                const struct pcmvs_options *options);
 
-// Reads the picture and silhouette of one camera, or takes note that it has none in this frame. A second call for the same camera replaces them, until the stage
-// `PCMVS_STAGE_VIEWS` is complete. May be called on several threads at once, for different cameras.
+// Reads the picture and silhouette of one camera, or takes note that it has none in this frame. A second call for the
+// same camera replaces them, until the stage `PCMVS_STAGE_VIEWS` is complete. May be called on several threads at once,
+// for different cameras.
 pcmvs_status pcmvs_frame_view(struct pcmvs_frame *frame,
                               uint32_t camera,
                               const struct pcmvs_view *view);

@@ -180,8 +180,9 @@ pub unsafe extern "C" fn pcmvs_frame_begin(frame: *mut pcmvs_frame, options: *co
     unsafe { exclusive(frame, |frame, work| begin(frame, work, options)) }
 }
 
-/// Reads the picture and silhouette of one camera, or takes note that it has none in this frame. A second call for the same camera replaces them, until the stage
-/// `PCMVS_STAGE_VIEWS` is complete. May be called on several threads at once, for different cameras.
+/// Reads the picture and silhouette of one camera, or takes note that it has none in this frame. A second call for the
+/// same camera replaces them, until the stage `PCMVS_STAGE_VIEWS` is complete. May be called on several threads at once,
+/// for different cameras.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn pcmvs_frame_view(
     frame: *mut pcmvs_frame,
