@@ -48,7 +48,8 @@ fn what_is_explained_is_not_held_against_others() {
     assert_eq!(said(&statements).guilty(18.0, 8), [7, 6]);
     assert_eq!(said(&statements).guilty(18.5, 8), [7]);
     let either: &[Excluders] = &[[6, NONE, NONE], [7, NONE, NONE]];
-    let statements: Vec<(u16, f32, &[Excluders])> = (0..5).flat_map(|from| [(from, 20.0, alone), (from, 6.0, either)]).collect();
+    let statements: Vec<(u16, f32, &[Excluders])> =
+        (0..5).flat_map(|from| [(from, 20.0, alone), (from, 6.0, either)]).collect();
     assert_eq!(said(&statements).guilty(1.0, 8), [7], "explained by the view at fault");
 }
 
@@ -78,7 +79,8 @@ fn what_a_mesh_leaves_uncovered_is_measured() {
     let pixels = |radius: f32| 400.0 * radius / libm::sqrtf(16.0 - radius * radius);
     let disc = |radius: f32| core::f32::consts::PI * radius * radius;
     let found = area(0.5);
-    let (least, most) = (disc(pixels(0.6) - 1.5) - disc(pixels(0.5) + 2.0), disc(pixels(0.6) - 1.5) - disc(pixels(0.5) + 0.5));
+    let (least, most) =
+        (disc(pixels(0.6) - 1.5) - disc(pixels(0.5) + 2.0), disc(pixels(0.6) - 1.5) - disc(pixels(0.5) + 0.5));
     assert!((least..most).contains(&found), "{found}, not between {least} and {most}");
     let length = contour_length(silhouette) as f32;
     let expected = core::f32::consts::TAU * pixels(0.6);
