@@ -55,6 +55,13 @@ impl<R: Deref<Target = Rig> + Sync> Frame<R> {
                 again = true;
             }
         }
+        for (view, found) in self.views.iter_mut().zip(&self.compared) {
+            if view.is_used() && !found.in_picture {
+                view.left_out = Some(LeftOut::BesidePicture);
+                // What its silhouette shows is not the object, and must not be asked for.
+                again |= view.silhouette.is_some();
+            }
+        }
         if again {
             self.carve_and_compare(executor, progress)?;
         }
@@ -69,11 +76,6 @@ impl<R: Deref<Target = Rig> + Sync> Frame<R> {
             let region =
                 Region { centre: (lower + upper) * 0.5, radius: (upper - lower).length(), footprint: hull.footprint() };
             self.contradicted = blame(&self.views, &self.compared, region);
-        }
-        for (view, found) in self.views.iter_mut().zip(&self.compared) {
-            if view.is_used() && !found.in_picture {
-                view.left_out = Some(LeftOut::BesidePicture);
-            }
         }
         Ok(())
     }
