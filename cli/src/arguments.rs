@@ -13,6 +13,8 @@ pub struct Arguments {
 }
 
 const EXIT_STATUS: &str = "Exit status: 0 success, 1 other errors, 2 wrong usage or input, 3 cancelled.";
+const CHECK_STATUS: &str =
+    "Exit status: 0 nothing is doubtful, 4 something is, 1 other errors, 2 wrong usage or input, 3 cancelled.";
 
 #[derive(Debug, Subcommand)]
 pub enum Command {
@@ -23,6 +25,18 @@ pub enum Command {
     /// have changed.
     #[command(after_help = EXIT_STATUS)]
     Reconstruct(Reconstruct),
+    /// Check how well the cameras' calibration fits their pictures
+    ///
+    /// Prints for each camera how well its silhouette fits the hull of all silhouettes, how far its contour and its matches
+    /// miss those of the other cameras, and its brightness. Names cameras that were moved, and pictures that are exchanged.
+    #[command(after_help = CHECK_STATUS)]
+    Check(Check),
+    /// Correct the cameras' calibration by their pictures
+    ///
+    /// Writes SCENE2/scene.json with corrected cameras. Its pictures and masks are those of SCENE. Nothing is written if the
+    /// correction does not agree better with matches that it was not made from.
+    #[command(after_help = EXIT_STATUS)]
+    Refine(Refine),
     /// Convert a calibrated capture to a scene
     ///
     /// Writes SCENE/scene.json, and copies the pictures to SCENE/images and the masks to SCENE/masks.
@@ -54,6 +68,9 @@ pub struct Reconstruct {
     /// scene.json
     #[arg(long, value_enum, default_value_t = MaskSource::File)]
     pub masks: MaskSource,
+    /// First correct the calibration by the pictures, as `pcmvs refine` does
+    #[arg(long)]
+    pub refine: bool,
     /// Number of threads. It does not change the result [default: all cores]
     #[arg(long, value_name = "N")]
     pub threads: Option<NonZeroUsize>,
@@ -69,6 +86,49 @@ pub struct Reconstruct {
     /// Also write the point cloud or mesh of each stage to OUT/stages/frame_FFFF/*.ply
     #[arg(long)]
     pub stages: bool,
+}
+
+#[derive(Debug, Args)]
+pub struct Check {
+    /// Folder that contains scene.json, or the path of scene.json
+    pub scene: PathBuf,
+    /// Print the result as JSON
+    #[arg(long)]
+    pub json: bool,
+    #[command(flatten)]
+    pub evidence: Evidence,
+    /// Cameras to use, by their position in scene.json, such as 0,2,4..8 (8 is included) [default: all]
+    #[arg(long, value_name = "LIST", value_parser = parse_list)]
+    pub cameras: Option<List>,
+}
+
+#[derive(Debug, Args)]
+pub struct Refine {
+    /// Folder that contains scene.json, or the path of scene.json
+    pub scene: PathBuf,
+    /// Folder of the new scene
+    #[arg(short, long = "output", value_name = "SCENE2")]
+    pub output: PathBuf,
+    #[command(flatten)]
+    pub evidence: Evidence,
+    /// Also correct focal lengths and principal points
+    #[arg(long)]
+    pub intrinsics: bool,
+}
+
+/// What a calibration is judged by.
+#[derive(Debug, Args)]
+pub struct Evidence {
+    /// Frames to use together, such as 0,3,10..20 (20 is included). More than a few take long and add little [default: up to
+    /// 4, evenly over the scene]
+    #[arg(long, value_name = "LIST", value_parser = parse_list)]
+    pub frames: Option<List>,
+    /// Source of the silhouettes: mask files, or the backdrop's colour in scene.json
+    #[arg(long, value_enum, default_value_t = MaskSource::File)]
+    pub masks: MaskSource,
+    /// Number of threads. It does not change the result [default: all cores]
+    #[arg(long, value_name = "N")]
+    pub threads: Option<NonZeroUsize>,
 }
 
 #[derive(Debug, Args)]

@@ -1,6 +1,8 @@
 //! The command `pcmvs` as a function. It adds what the core leaves to its host: files, threads, clocks and the terminal.
 
 mod arguments;
+mod calibration;
+mod check;
 mod fingerprint;
 mod frame;
 mod import;
@@ -10,6 +12,7 @@ mod output;
 mod overrides;
 mod progress;
 mod reconstruct;
+mod refine;
 mod report;
 mod threads;
 mod warning;
@@ -21,7 +24,8 @@ use clap::Parser;
 use std::{ffi::OsString, sync::atomic::AtomicBool};
 
 /// Runs the command until it is done or `cancelled` becomes true. The first argument is the program's name. Returns the
-/// exit status: 0 success, 1 other errors, 2 wrong usage or input, 3 cancelled. Messages go to stderr.
+/// exit status: 0 success, 1 other errors, 2 wrong usage or input, 3 cancelled, 4 a check found something doubtful.
+/// Messages go to stderr.
 pub fn run(arguments: impl IntoIterator<Item = OsString>, cancelled: &AtomicBool) -> u8 {
     let arguments = match Arguments::try_parse_from(arguments) {
         Ok(arguments) => arguments,
@@ -32,17 +36,22 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>, cancelled: &AtomicBool
         }
     };
     let result = match arguments.command {
-        Command::Reconstruct(options) => reconstruct::run(&options, cancelled),
-        Command::Import(options) => import::run(&options),
+        Command::Reconstruct(options) => reconstruct::run(&options, cancelled).map(|()| 0),
+        Command::Check(options) => check::run(&options, cancelled).map(|fine| if fine { 0 } else { DOUBTFUL }),
+        Command::Refine(options) => refine::run(&options, cancelled).map(|()| 0),
+        Command::Import(options) => import::run(&options).map(|()| 0),
     };
     match result {
-        Ok(()) => 0,
+        Ok(status) => status,
         Err(failure) => {
             eprintln!("error: {failure}");
             status(&failure)
         }
     }
 }
+
+/// Exit status of a check that found something doubtful.
+const DOUBTFUL: u8 = 4;
 
 /// Exit status of a failed command.
 pub const fn status(failure: &Failure) -> u8 {

@@ -2,6 +2,7 @@
 
 use crate::{
     arguments::{Format, MaskSource, Reconstruct},
+    calibration,
     fingerprint::Fingerprint,
     frame::Job,
     inputs::Silhouettes,
@@ -11,7 +12,7 @@ use crate::{
     threads::Threads,
     warning::WarningReport,
 };
-use pcmvs_core::{Camera, ChromaKey, Params, Rig, Warning};
+use pcmvs_core::{Camera, ChromaKey, Params, Rig, Warning, calibration::CalibrationParams};
 use pcmvs_scene::{Disk, Failure, Scene, SceneCamera};
 use std::{
     num::NonZeroUsize,
@@ -36,22 +37,27 @@ pub fn run(options: &Reconstruct, cancelled: &AtomicBool) -> Result<(), Failure>
     if options.output.exists() && !options.output.is_dir() {
         return Err(Failure::Input(format!("{}: is a file: name a folder", options.output.display())));
     }
-    let cameras = cameras(&scene)?;
-    let rig = Rig::new(&cameras).map_err(|error| scene.explain(&error, None))?;
+    let mut cameras = scene_cameras(&scene)?;
     let mut params = Params::preset(options.preset.preset());
     for assignment in &options.overrides {
         params = overrides::set(&params, assignment).map_err(Failure::Input)?;
     }
     let silhouettes = silhouettes(options.masks, &scene)?;
-    let settings = settings(options.format, &params, &cameras, silhouettes)?;
-    let threads = match options.threads {
-        Some(threads) => threads,
-        None => thread::available_parallelism().unwrap_or(NonZeroUsize::MIN),
-    };
+    let threads = thread_count(options.threads);
     let pool = Threads::new(threads)?;
+    let console = Console::new(cancelled);
+    let mut calibration = None;
+    if options.refine {
+        let run = calibration::Run { scene: &scene, silhouettes, threads: &pool, console: &console };
+        let found = run.calibrate(&cameras, &calibration::evidence(&scene, None)?, &CalibrationParams::default())?;
+        found.print(&scene, &console);
+        cameras = found.cameras().to_vec();
+        calibration = Some(found.to_json(&scene));
+    }
+    let rig = Rig::new(&cameras).map_err(|error| scene.explain(&error, None))?;
+    let settings = settings(options.format, &params, &cameras, silhouettes)?;
     let settings_text = settings.clone().finish();
     let earlier = Earlier::read(&options.output, &settings_text);
-    let console = Console::new(cancelled);
     let about_rig = warnings_about(&rig, &scene);
     about_rig.iter().for_each(|warning| console.warn(warning));
     if options.strict && !about_rig.is_empty() {
@@ -83,6 +89,7 @@ pub fn run(options: &Reconstruct, cancelled: &AtomicBool) -> Result<(), Failure>
         threads: threads.get(),
         params: json::to_value(&params),
         settings: settings_text,
+        calibration,
         peak_memory: peak_memory(),
         warnings: about_rig,
         frames: Vec::new(),
@@ -105,8 +112,13 @@ pub fn run(options: &Reconstruct, cancelled: &AtomicBool) -> Result<(), Failure>
     }
 }
 
+/// The number of threads that was asked for, or that of the machine's cores.
+pub fn thread_count(asked: Option<NonZeroUsize>) -> NonZeroUsize {
+    asked.unwrap_or_else(|| thread::available_parallelism().unwrap_or(NonZeroUsize::MIN))
+}
+
 /// The cameras as the core takes them.
-fn cameras(scene: &Scene) -> Result<Vec<Camera>, Failure> {
+pub fn scene_cameras(scene: &Scene) -> Result<Vec<Camera>, Failure> {
     let camera = |c: &SceneCamera| {
         c.camera()
             .map_err(|problem| Failure::Input(format!("camera `{}`: {}: {problem}", c.name, scene.path.display())))
@@ -115,7 +127,7 @@ fn cameras(scene: &Scene) -> Result<Vec<Camera>, Failure> {
 }
 
 /// Where the silhouettes come from.
-fn silhouettes(masks: MaskSource, scene: &Scene) -> Result<Silhouettes, Failure> {
+pub fn silhouettes(masks: MaskSource, scene: &Scene) -> Result<Silhouettes, Failure> {
     if masks == MaskSource::File {
         return Ok(Silhouettes::Files);
     }

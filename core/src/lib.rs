@@ -96,6 +96,7 @@
 
 extern crate alloc;
 
+pub mod calibration;
 pub mod camera;
 mod chessboard;
 pub mod coarse;

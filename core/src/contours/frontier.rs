@@ -60,7 +60,7 @@ pub fn frontier(view: &View, hull: &VisualHull, params: &FrontierParams) -> Poin
 
 /// Calls `f` with a point on the contour and the outward unit normal in the image, once per pixel cell that the contour
 /// passes.
-fn contour(silhouette: &Silhouette, mut f: impl FnMut(Vec2, Vec2)) {
+pub(crate) fn contour(silhouette: &Silhouette, mut f: impl FnMut(Vec2, Vec2)) {
     let (w, h) = (silhouette.width as usize, silhouette.height as usize);
     let d = silhouette.distances();
     for y in 0..h - 1 {

@@ -4,6 +4,7 @@
 mod frontier;
 mod implicit;
 
+pub(crate) use frontier::contour;
 pub use frontier::{FrontierParams, frontier};
 pub use implicit::{ImplicitParams, implicit};
 

@@ -1,0 +1,244 @@
+//! Checks and refines the calibration of a scene by some of its frames.
+
+use crate::{
+    json::to_value,
+    progress::Console,
+    threads::Threads,
+};
+use pcmvs_core::{
+    Camera, ChromaKey, Executor, Mask, Params, Preset, Progress, Rig, View, ViewInput,
+    calibration::{Calibration, CalibrationParams, CameraReport, Finding, Verdict, calibrate},
+};
+use pcmvs_scene::{Failure, Picture, Scene, SceneFrame};
+use serde_json::{Value, json};
+use std::{fs, path::Path};
+
+/// Frames that are used if none are asked for.
+const FRAMES: usize = 4;
+
+/// What the check and the refinement share.
+pub struct Run<'a> {
+    pub scene: &'a Scene,
+    /// Silhouettes from the backdrop's colour instead of mask files.
+    pub key: Option<ChromaKey>,
+    pub threads: &'a Threads,
+    pub console: &'a Console<'a>,
+}
+
+/// What was found, and in which frames.
+pub struct Found {
+    pub calibration: Calibration,
+    pub frames: Vec<u32>,
+    /// Cameras whose pictures are exchanged in the scene, and whose calibrations are therefore exchanged here.
+    pub exchanged: Option<[usize; 2]>,
+}
+
+/// The frames to use: those asked for, or a few that are spread over the scene.
+pub fn evidence<'s>(scene: &'s Scene, asked: Option<&[u32]>) -> Result<Vec<&'s SceneFrame>, Failure> {
+    if let Some(asked) = asked {
+        let find = |index: &u32| {
+            scene.frames.iter().find(|frame| frame.index == *index).ok_or_else(|| {
+                Failure::Input(format!("--frames {index}: {} has no frame {index}", scene.path.display()))
+            })
+        };
+        return asked.iter().map(find).collect();
+    }
+    let count = scene.frames.len().min(FRAMES);
+    Ok((0..count).map(|i| &scene.frames[i * scene.frames.len() / count]).collect())
+}
+
+impl Run<'_> {
+    /// Calibrates the cameras by some frames. If two cameras' pictures are exchanged, their calibrations are, and the
+    /// result is that of the exchanged ones.
+    pub fn calibrate(
+        &self,
+        cameras: &[Camera],
+        frames: &[&SceneFrame],
+        params: &CalibrationParams,
+    ) -> Result<Found, Failure> {
+        let calibration = self.once(cameras, frames, params)?;
+        let mut found = Found { calibration, frames: frames.iter().map(|f| f.index).collect(), exchanged: None };
+        let swapped = found.calibration.findings.iter().find_map(|finding| match finding {
+            Finding::CamerasSwapped { first, second } => Some([*first as usize, *second as usize]),
+            _ => None,
+        });
+        if let Some([a, b]) = swapped
+            && (cameras[a].width, cameras[a].height) == (cameras[b].width, cameras[b].height)
+        {
+            let mut exchanged = cameras.to_vec();
+            exchanged.swap(a, b);
+            let mut again = self.once(&exchanged, frames, params)?;
+            again.findings.insert(0, Finding::CamerasSwapped { first: a as u32, second: b as u32 });
+            again.verdict = Verdict::Improved;
+            found.calibration = again;
+            found.exchanged = Some([a, b]);
+        }
+        Ok(found)
+    }
+
+    fn once(
+        &self,
+        cameras: &[Camera],
+        frames: &[&SceneFrame],
+        params: &CalibrationParams,
+    ) -> Result<Calibration, Failure> {
+        let rig = Rig::new(cameras).map_err(|error| self.scene.explain(&error, None))?;
+        let views: Vec<Vec<View>> = frames.iter().map(|frame| self.views(&rig, frame)).collect::<Result<_, _>>()?;
+        let views: Vec<&[View]> = views.iter().map(Vec::as_slice).collect();
+        let progress = self.console.frame(frames.first().map_or(0, |frame| frame.index));
+        let progress: &dyn Progress = &progress;
+        let frame = if let [frame] = frames { Some(*frame) } else { None };
+        calibrate(&rig, &views, params, self.threads, progress).map_err(|error| self.scene.explain(&error, frame))
+    }
+
+    /// The views of a frame, in the rig's order, without their colours.
+    fn views(&self, rig: &Rig, frame: &SceneFrame) -> Result<Vec<View>, Failure> {
+        let contour = Params::preset(Preset::Default).contour;
+        let order = rig.order();
+        let made = self.threads.map(order.len(), |place| {
+            if self.console.is_cancelled() {
+                return Err(Failure::Cancelled);
+            }
+            let camera = order[place] as usize;
+            let image = self.picture(frame, camera, &frame.images[camera])?;
+            let path = frame.mask(camera).filter(|_| self.key.is_none());
+            let mask = path.map(|path| self.picture(frame, camera, path)).transpose()?;
+            let mask = match (self.key, &mask) {
+                (Some(key), _) => Mask::ChromaKey(key),
+                (None, Some(mask)) => Mask::Given(mask.view()),
+                (None, None) => Mask::Unknown,
+            };
+            let input = ViewInput { image: image.view(), mask };
+            let view = View::new(rig, camera, &input, contour.as_ref());
+            let view = view.map_err(|error| self.scene.explain(&error, Some(frame)))?;
+            Ok(View { rgb: Vec::new(), ..view })
+        });
+        made.into_iter().collect()
+    }
+
+    fn picture(&self, frame: &SceneFrame, camera: usize, path: &Path) -> Result<Picture, Failure> {
+        let file = self.scene.resolve(path);
+        let name = &self.scene.cameras[camera].name;
+        let place = format!("frame {}: camera `{name}`: {}", frame.index, file.display());
+        let bytes = fs::read(&file).map_err(|e| {
+            Failure::Input(format!("{place}: cannot be read ({e}): check the path in scene.json"))
+        })?;
+        Picture::decode(&bytes).map_err(|problem| Failure::Input(format!("{place}: {problem}")))
+    }
+}
+
+/// A number with a fixed number of digits, or a dash.
+fn number(value: Option<f64>, digits: usize) -> String {
+    value.map_or_else(|| String::from("-"), |v| format!("{v:.digits$}"))
+}
+
+/// A number as JSON, rounded to what it is worth.
+fn rounded(value: Option<f64>) -> Value {
+    value.map_or(Value::Null, |v| to_value(&((v * 1e4).round() / 1e4)))
+}
+
+impl Found {
+    /// The cameras to go on with.
+    pub fn cameras(&self) -> &[Camera] {
+        &self.calibration.cameras
+    }
+
+    /// What became of the refinement, in one sentence.
+    pub fn summary(&self) -> String {
+        let Calibration { verdict, epipolar_bias_px, points, .. } = &self.calibration;
+        let bias = epipolar_bias_px.map_or_else(String::new, |[before, after]| {
+            format!(": epipolar lines miss by {before:.2} px, and by {after:.2} px with a refined calibration")
+        });
+        let verdict = match verdict {
+            Verdict::Improved => "the calibration can be improved",
+            Verdict::Kept => "a refined calibration would not be better",
+            Verdict::Undecided => "there are too few matches to judge the calibration",
+        };
+        format!("{verdict} ({points} points){bias}")
+    }
+
+    /// The findings, with the names of the cameras: code, index of the camera and message.
+    pub fn warnings(&self, scene: &Scene) -> Vec<(&'static str, Option<u32>, String)> {
+        let name = |camera: u32| format!("`{}`", scene.cameras[camera as usize].name);
+        let message = |finding: &Finding| match finding.cameras() {
+            [Some(first), Some(second)] => format!("cameras {} and {}: {finding}", name(first), name(second)),
+            [Some(camera), None] => format!("camera {}: {finding}", name(camera)),
+            _ => finding.to_string(),
+        };
+        let findings = self.calibration.findings.iter();
+        findings.map(|finding| (finding.code(), finding.cameras()[0], message(finding))).collect()
+    }
+
+    /// Writes one line per camera and the warnings.
+    pub fn print(&self, scene: &Scene, console: &Console) {
+        console.line("camera           overlap  contour px      epipolar px     moved px      gain");
+        for (camera, report) in scene.cameras.iter().zip(&self.calibration.reports) {
+            let CameraReport { given, refined, moved_px, uncertainty, silhouette_overlap, gain } = report;
+            let change = |before: Option<f64>, after: Option<f64>| {
+                format!("{:>5} -> {:<5}", number(before, 2), number(after, 2))
+            };
+            let sigma = uncertainty.map(|of| of.object_px);
+            console.line(&format!(
+                "{:16} {:>7}  {}  {}  {:>5} ±{:<5}  {}",
+                camera.name,
+                number(*silhouette_overlap, 3),
+                change(given.contour_px, refined.contour_px),
+                change(given.epipolar_px, refined.epipolar_px),
+                number(Some(*moved_px), 2),
+                number(sigma, 2),
+                number(*gain, 3),
+            ));
+        }
+        console.line(&self.summary());
+        for (_, _, message) in self.warnings(scene) {
+            console.line(&format!("warning: {message}"));
+        }
+    }
+
+    /// All figures.
+    pub fn to_json(&self, scene: &Scene) -> Value {
+        let camera = |(camera, report): (&pcmvs_scene::SceneCamera, &CameraReport)| {
+            let CameraReport { given, refined, moved_px, uncertainty, silhouette_overlap, gain } = report;
+            json!({
+                "name": camera.name,
+                "silhouette_overlap": rounded(*silhouette_overlap),
+                "contour_px": rounded(given.contour_px),
+                "epipolar_px": rounded(given.epipolar_px),
+                "matches": given.matches,
+                "match_noise_px": rounded(given.noise_px),
+                "gain": rounded(*gain),
+                // Cameras' clocks are not compared.
+                "time_offset": null,
+                "refined": {
+                    "contour_px": rounded(refined.contour_px),
+                    "epipolar_px": rounded(refined.epipolar_px),
+                    "moved_px": rounded(Some(*moved_px)),
+                    "sigma_px": rounded(uncertainty.map(|of| of.object_px)),
+                    "direction_sigma_px": rounded(uncertainty.map(|of| of.direction_px)),
+                    "roll_sigma_px": rounded(uncertainty.map(|of| of.roll_px)),
+                    "centre_sigma_px": rounded(uncertainty.map(|of| of.centre_px)),
+                },
+            })
+        };
+        let Calibration { verdict, reports, held_out, epipolar_bias_px, points, .. } = &self.calibration;
+        let pair = |values: &Option<[f64; 2]>| {
+            values.map_or(Value::Null, |[given, refined]| json!([rounded(Some(given)), rounded(Some(refined))]))
+        };
+        json!({
+            "frames": self.frames,
+            "verdict": match verdict {
+                Verdict::Improved => "improved",
+                Verdict::Kept => "kept",
+                Verdict::Undecided => "undecided",
+            },
+            "points": points,
+            "epipolar_bias_px": pair(epipolar_bias_px),
+            "held_out_loss": pair(held_out),
+            "exchanged": self.exchanged,
+            "cameras": scene.cameras.iter().zip(reports).map(camera).collect::<Vec<_>>(),
+            "warnings": self.warnings(scene).into_iter().map(|(code, camera, message)| json!({
+                "code": code, "frame": null, "camera": camera, "message": message,
+            })).collect::<Vec<_>>(),
+        })
+    }
+}

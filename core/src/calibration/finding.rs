@@ -1,0 +1,84 @@
+//! What the calibration stage finds wrong.
+
+use core::fmt;
+
+/// Something that the pictures contradict. Cameras are numbered as given to [`crate::Rig::new`].
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
+pub enum Finding {
+    /// The calibration as a whole does not fit the pictures.
+    CalibrationInconsistent {
+        /// How far the cameras are off, as the median over the cameras, in pixels at the object.
+        pixels: f64,
+    },
+    /// One camera has moved since it was calibrated.
+    CameraBumped {
+        /// Index of the camera.
+        camera: u32,
+        /// How far it is off in pixels at the object.
+        pixels: f64,
+    },
+    /// The pictures of two cameras are exchanged.
+    CamerasSwapped {
+        /// Index of the first camera.
+        first: u32,
+        /// Index of the second camera.
+        second: u32,
+    },
+    /// A camera contradicts all others, and no other pose of it agrees with them.
+    CameraContradicts {
+        /// Index of the camera.
+        camera: u32,
+        /// How far its contour misses the tangents of the others, in pixels.
+        pixels: f64,
+    },
+}
+
+impl Finding {
+    /// Stable name of the kind of finding, in kebab-case.
+    pub const fn code(&self) -> &'static str {
+        match self {
+            Self::CalibrationInconsistent { .. } => "calibration-inconsistent",
+            Self::CameraBumped { .. } => "camera-bumped",
+            Self::CamerasSwapped { .. } => "cameras-swapped",
+            Self::CameraContradicts { .. } => "camera-contradicts",
+        }
+    }
+
+    /// Indices of the cameras concerned: none, one or two.
+    pub const fn cameras(&self) -> [Option<u32>; 2] {
+        match self {
+            Self::CalibrationInconsistent { .. } => [None, None],
+            Self::CameraBumped { camera, .. } | Self::CameraContradicts { camera, .. } => [Some(*camera), None],
+            Self::CamerasSwapped { first, second } => [Some(*first), Some(*second)],
+        }
+    }
+}
+
+impl fmt::Display for Finding {
+    /// The finding and the remedy, without the names of the cameras.
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        match self {
+            Self::CalibrationInconsistent { pixels } => write!(
+                f,
+                "the calibration does not fit the pictures: the cameras are off by {pixels:.1} px. Refine it, or \
+                 calibrate again"
+            ),
+            Self::CameraBumped { pixels, .. } => write!(
+                f,
+                "the camera has moved by {pixels:.1} px since it was calibrated. Refine the calibration, or calibrate \
+                 again"
+            ),
+            Self::CamerasSwapped { .. } => write!(
+                f,
+                "the pictures of the two cameras seem to be exchanged: each silhouette fits the other camera. Exchange \
+                 their pictures and masks"
+            ),
+            Self::CameraContradicts { pixels, .. } => write!(
+                f,
+                "its silhouette misses those of the other cameras by {pixels:.1} px, and no other pose makes it fit. \
+                 Check that its picture and mask belong to this camera and to this instant"
+            ),
+        }
+    }
+}

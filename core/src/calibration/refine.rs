@@ -1,0 +1,322 @@
+//! From views to a checked and refined calibration.
+
+use super::{
+    adjust::{Priors, adjust, covariance},
+    brightness::gains,
+    finding::Finding,
+    instant::Instant,
+    matching::{self, Brightness},
+    model::{FOCAL, Model, PARAMETERS, SHIFT},
+    overlap::overlaps,
+    report::{Calibration, CameraReport, Uncertainty, Verdict},
+    residuals::{all_tangencies, epipolar_bias, held_out_loss, is_held_out, residuals},
+    statistics::{median, robust_sigma},
+    swap::swapped,
+    tangents::{self, misses},
+    track::{Source, Track},
+};
+use crate::{
+    error::{Error, Result},
+    executor::Executor,
+    hull::HullParams,
+    progress::{self, Progress},
+    rig::Rig,
+    stage::Stage,
+    view::View,
+};
+use alloc::{vec, vec::Vec};
+use glam::DVec3;
+
+/// Parameters of the calibration.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct CalibrationParams {
+    /// Voxels of the hull that guides matching, in pixels of footprint.
+    pub voxel_pixels: f32,
+    /// Rounds of matching and adjustment. Each starts from the cameras of the one before.
+    pub rounds: u32,
+    /// How far matches may be from where they are expected in the first round, in pixels.
+    pub reach_pixels: u32,
+    /// Also refines focal length and principal point of each camera. Rings of few cameras determine them weakly.
+    pub intrinsics: bool,
+}
+
+impl Default for CalibrationParams {
+    fn default() -> Self {
+        Self { voxel_pixels: 3.0, rounds: 3, reach_pixels: 8, intrinsics: false }
+    }
+}
+
+/// Reach in the rounds after the first one, in pixels.
+const LATER_REACH: usize = 3;
+/// Prior standard deviations of directions and roll in pixels, and of the centre in footprints. Centres are known better:
+/// a camera that is touched turns more than it shifts.
+const TURN_PIXELS: f64 = 3.0;
+const SHIFT_PIXELS: f64 = 1.0;
+/// Prior standard deviations of the focal length as a share of it, and of the principal point in pixels.
+const FOCAL_SHARE: f64 = 0.003;
+const PRINCIPAL_PIXELS: f64 = 3.0;
+/// Scales of the loss in pixels for aligning contours: from gross errors to small ones.
+const CONTOUR_SCALES: [f64; 6] = [32.0, 16.0, 8.0, 4.0, 2.0, 1.0];
+/// Contours are aligned before matching only if that makes their misses smaller by this factor.
+const ALIGNED: f64 = 0.7;
+/// Least standard deviation of a point of tangency in pixels.
+const CONTOUR_SIGMA: f64 = 0.3;
+/// Scales of the loss in standard deviations for the first round, and for later ones.
+const FIRST_SCALES: [f64; 4] = [32.0, 12.0, 5.0, 3.0];
+const LATER_SCALES: [f64; 2] = [5.0, 3.0];
+/// Refined cameras must make the loss of what was held out smaller by this factor.
+const BETTER: f64 = 0.97;
+/// Median correction in pixels from which a calibration is called inconsistent.
+const INCONSISTENT: f64 = 0.5;
+/// A camera was bumped if its correction is this many pixels, and this many times the median correction.
+const BUMPED: [f64; 2] = [1.5, 4.0];
+/// A camera contradicts the others if after all its contour misses by this many pixels, and this many times the median.
+const CONTRADICTS: [f64; 2] = [3.0, 4.0];
+/// Points at which corrections are measured, per camera.
+const MEASURED: usize = 400;
+
+/// Checks and refines the cameras of a rig by the views of one or more frames of a take. Each frame has one view per
+/// camera, in the order of [`Rig::order`], as [`crate::Frame::views`] gives them. Their pictures and silhouettes were made
+/// with the given calibration.
+///
+/// # Errors
+/// [`Error::ViewCount`], those of the hull, and [`Error::Cancelled`].
+pub fn calibrate(
+    rig: &Rig,
+    frames: &[&[View]],
+    params: &CalibrationParams,
+    executor: &impl Executor,
+    progress: &dyn Progress,
+) -> Result<Calibration> {
+    let count = rig.cameras().len();
+    if let Some(views) = frames.iter().find(|views| views.len() != count) {
+        return Err(Error::ViewCount { given: views.len() as u32, cameras: count as u32 });
+    }
+    let ordered = rig.order().iter().map(|&i| &rig.cameras()[i as usize]);
+    let given: Vec<Model> = ordered.map(|camera| Model::new(camera, rig.origin())).collect();
+    let instants: Vec<Instant> = frames.iter().map(|views| Instant::new(views, executor)).collect();
+    let steps = params.rounds + 2;
+    let hull = HullParams { voxel_pixels: params.voxel_pixels };
+    progress::step(progress, Stage::Detect, 0, steps)?;
+
+    let overlaps = overlaps(&instants, &given, &hull, executor, progress)?;
+    let swapped = swapped(&given, &instants, &all_tangencies(&instants, &given));
+    let mut models = align_contours(&given, &instants);
+    progress::step(progress, Stage::Detect, 1, steps)?;
+
+    let priors = Priors { sigmas: prior_sigmas(&given, params.intrinsics), given: given.clone() };
+    let mut evidence = Evidence::default();
+    for round in 0..params.rounds {
+        let reach = if round == 0 { params.reach_pixels as usize } else { LATER_REACH };
+        evidence = Evidence::new(rig, &instants, &models, &hull, reach, executor, progress)?;
+        let scales: &[f64] = if round == 0 { &FIRST_SCALES } else { &LATER_SCALES };
+        adjust(&mut models, &mut evidence.tracks, &priors, scales);
+        progress::step(progress, Stage::Detect, round + 2, steps)?;
+    }
+    Ok(Judge { rig, instants: &instants, given: &given, models: &models, evidence: &evidence, priors: &priors }
+        .result(&overlaps, swapped))
+}
+
+/// Standard deviations of the parameters of each camera.
+fn prior_sigmas(models: &[Model], intrinsics: bool) -> Vec<[f64; PARAMETERS]> {
+    let of = |model: &Model| {
+        let (focal, depth) = (model.focal(), model.centre().length());
+        let mut sigmas = [0.0; PARAMETERS];
+        sigmas[..2].fill(TURN_PIXELS / focal);
+        sigmas[2] = TURN_PIXELS / (0.25 * model.width());
+        sigmas[SHIFT..FOCAL].fill(SHIFT_PIXELS * depth / focal);
+        if intrinsics {
+            sigmas[FOCAL] = FOCAL_SHARE;
+            sigmas[FOCAL + 1..].fill(PRINCIPAL_PIXELS);
+        }
+        sigmas
+    };
+    models.iter().map(of).collect()
+}
+
+/// Turns the cameras so that their contours agree: this finds errors of any size, of all cameras or of one. Returns the
+/// given cameras if their contours agree about as well.
+fn align_contours(given: &[Model], instants: &[Instant]) -> Vec<Model> {
+    let mut models = given.to_vec();
+    let mut sigmas = prior_sigmas(given, false);
+    sigmas.iter_mut().for_each(|of| of[SHIFT..].fill(0.0));
+    let priors = Priors { given: given.to_vec(), sigmas };
+    let miss = |models: &[Model]| {
+        let mut sizes: Vec<f64> = misses(models.len(), &all_tangencies(instants, models)).into_iter().flatten().collect();
+        // The mean, because a single camera may be far off.
+        let count = sizes.len();
+        sizes.drain(..).sum::<f64>() / count.max(1) as f64
+    };
+    for scale in CONTOUR_SCALES {
+        let mut tracks = tangents::tracks(&models, &all_tangencies(instants, &models), 1.0);
+        adjust(&mut models, &mut tracks, &priors, &[scale]);
+    }
+    if miss(&models) < ALIGNED * miss(given) { models } else { given.to_vec() }
+}
+
+/// What the cameras are adjusted to.
+#[derive(Default)]
+struct Evidence {
+    tracks: Vec<Track>,
+    brightness: Vec<Brightness>,
+    /// Standard deviation of points of tangency in pixels.
+    contour_sigma: f64,
+}
+
+impl Evidence {
+    fn new(
+        rig: &Rig,
+        instants: &[Instant],
+        models: &[Model],
+        hull: &HullParams,
+        reach: usize,
+        executor: &impl Executor,
+        progress: &dyn Progress,
+    ) -> Result<Self> {
+        let mut evidence = Self::default();
+        let found = all_tangencies(instants, models);
+        let sizes: Vec<f64> = found.iter().map(|t| t.miss).collect();
+        evidence.contour_sigma = robust_sigma(&sizes).unwrap_or(1.0).max(CONTOUR_SIGMA);
+        for instant in instants {
+            let (mesh, footprint) = instant.hull(models, hull, progress)?;
+            let (tracks, brightness) = matching::tracks(rig, instant, models, (&mesh, footprint), reach, executor);
+            evidence.tracks.extend(tracks);
+            evidence.brightness.extend(brightness);
+            let used: Vec<_> = tangents::tangencies(models, &instant.outlines)
+                .into_iter()
+                .enumerate()
+                .filter(|&(k, _)| !is_held_out(k))
+                .map(|(_, tangency)| tangency)
+                .collect();
+            evidence.tracks.extend(tangents::tracks(models, &used, evidence.contour_sigma));
+        }
+        Ok(evidence)
+    }
+}
+
+/// Compares the refined cameras with the given ones.
+struct Judge<'a> {
+    rig: &'a Rig,
+    instants: &'a [Instant],
+    given: &'a [Model],
+    models: &'a [Model],
+    evidence: &'a Evidence,
+    priors: &'a Priors,
+}
+
+impl Judge<'_> {
+    fn result(&self, overlaps: &[Option<f64>], swapped: Option<[usize; 2]>) -> Calibration {
+        let Self { rig, instants, given, models, evidence, .. } = self;
+        let tracks = &evidence.tracks;
+        let before = residuals(instants, given, tracks);
+        let after = residuals(instants, models, tracks);
+        let mut noise: Vec<f64> = after.iter().filter_map(|r| r.noise_px).collect();
+        let sigmas = [median(&mut noise).unwrap_or(1.0).max(0.05), evidence.contour_sigma];
+        let loss = |models: &[Model]| held_out_loss(instants, models, tracks, sigmas);
+        let held_out = loss(given).zip(loss(models)).map(|(before, after)| [before, after]);
+        let verdict = match held_out {
+            None => Verdict::Undecided,
+            Some([before, after]) if after < BETTER * before => Verdict::Improved,
+            Some(_) => Verdict::Kept,
+        };
+        let (moved, uncertain) = (self.moved(), self.uncertainties());
+        let gains = gains(given.len(), &evidence.brightness);
+        let mut reports = vec![CameraReport::default(); given.len()];
+        let mut cameras = rig.cameras().to_vec();
+        for (place, &index) in rig.order().iter().enumerate() {
+            reports[index as usize] = CameraReport {
+                given: before[place],
+                refined: after[place],
+                moved_px: moved[place],
+                uncertainty: uncertain[place],
+                silhouette_overlap: overlaps[place],
+                gain: gains[place],
+            };
+            if verdict == Verdict::Improved {
+                cameras[index as usize] = models[place].camera(rig.origin());
+            }
+        }
+        let bias = epipolar_bias(given, tracks).zip(epipolar_bias(models, tracks)).map(|(a, b)| [a, b]);
+        let points = tracks.iter().filter(|track| track.source == Source::Texture).count() as u32;
+        let findings = self.findings(verdict, &reports, swapped);
+        Calibration { cameras, verdict, reports, held_out, epipolar_bias_px: bias, points, findings }
+    }
+
+    fn findings(&self, verdict: Verdict, reports: &[CameraReport], swapped: Option<[usize; 2]>) -> Vec<Finding> {
+        let mut findings = Vec::new();
+        let order = self.rig.order();
+        let swapped = swapped.map(|places| places.map(|place| order[place]));
+        if let Some([a, b]) = swapped {
+            findings.push(Finding::CamerasSwapped { first: a.min(b), second: a.max(b) });
+        }
+        let is_swapped = |camera: u32| swapped.is_some_and(|cameras| cameras.contains(&camera));
+        let mut misses: Vec<f64> = reports.iter().filter_map(|r| r.refined.contour_px).collect();
+        let usual_miss = median(&mut misses).unwrap_or(0.0);
+        let contradicts = |r: &CameraReport| {
+            r.refined.contour_px.filter(|&miss| miss > CONTRADICTS[0].max(CONTRADICTS[1] * usual_miss))
+        };
+        let mut moved: Vec<f64> = reports.iter().map(|r| r.moved_px).collect();
+        let usual = median(&mut moved).unwrap_or(0.0);
+        for (camera, report) in (0..).zip(reports).filter(|&(camera, _)| !is_swapped(camera)) {
+            if let Some(pixels) = contradicts(report) {
+                findings.push(Finding::CameraContradicts { camera, pixels });
+            } else if verdict == Verdict::Improved && report.moved_px > BUMPED[0].max(BUMPED[1] * usual) {
+                findings.push(Finding::CameraBumped { camera, pixels: report.moved_px });
+            }
+        }
+        if verdict == Verdict::Improved && usual > INCONSISTENT {
+            findings.push(Finding::CalibrationInconsistent { pixels: usual });
+        }
+        findings
+    }
+
+    /// Points that a camera sees, evenly from all.
+    fn seen_by(&self, place: usize) -> Vec<DVec3> {
+        let sees = |track: &&Track| track.observations.iter().any(|seen| usize::from(seen.camera) == place);
+        let all: Vec<DVec3> = self.evidence.tracks.iter().filter(sees).map(|track| track.point).collect();
+        let step = all.len().div_ceil(MEASURED).max(1);
+        all.into_iter().step_by(step).collect()
+    }
+
+    /// How far each camera's picture of the object has moved, in pixels.
+    fn moved(&self) -> Vec<f64> {
+        let of = |place: usize| {
+            let points = self.seen_by(place);
+            let moves = points.iter().filter_map(|&point| {
+                Some((self.models[place].project(point)? - self.given[place].project(point)?).length_squared())
+            });
+            let squares: Vec<f64> = moves.collect();
+            libm::sqrt(squares.iter().sum::<f64>() / squares.len().max(1) as f64)
+        };
+        (0..self.models.len()).map(of).collect()
+    }
+
+    fn uncertainties(&self) -> Vec<Option<Uncertainty>> {
+        let scale = LATER_SCALES[LATER_SCALES.len() - 1];
+        let Some(blocks) = covariance(self.models, &self.evidence.tracks, self.priors, scale) else {
+            return vec![None; self.models.len()];
+        };
+        let of = |(place, block): (usize, [[f64; PARAMETERS]; PARAMETERS])| {
+            let model = &self.models[place];
+            let points = self.seen_by(place);
+            let (mut sum, mut count) = (0.0, 0_u32);
+            for at in points.iter().filter_map(|&point| model.linearise(point)) {
+                for k in 0..PARAMETERS {
+                    for l in 0..PARAMETERS {
+                        sum += 0.5 * block[k][l] * at.by_camera[k].dot(at.by_camera[l]);
+                    }
+                }
+                count += 1;
+            }
+            let root = |a: f64, b: f64| libm::sqrt(0.5 * (a + b));
+            (count > 0).then(|| Uncertainty {
+                direction_px: root(block[0][0], block[1][1]) * model.focal(),
+                roll_px: libm::sqrt(block[2][2]) * 0.25 * model.width(),
+                centre_px: root(block[SHIFT][SHIFT], block[SHIFT + 1][SHIFT + 1]) * model.focal()
+                    / model.centre().length(),
+                object_px: libm::sqrt(sum / f64::from(count)),
+            })
+        };
+        blocks.into_iter().enumerate().map(of).collect()
+    }
+}

@@ -1,0 +1,55 @@
+//! A view's luma as matching reads it: smoothed a little, so that noise counts less and interpolation between pixels
+//! blurs less.
+
+use alloc::{vec, vec::Vec};
+use glam::Vec2;
+
+/// Luma smoothed with the weights 1 2 1 in both directions, in 1/16 of a grey level.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Smooth {
+    pub(super) width: usize,
+    pub(super) height: usize,
+    pub(super) values: Vec<u16>,
+}
+
+impl Smooth {
+    /// Smooths packed luma. Pixels of the border are repeated outside.
+    pub(super) fn new(luma: &[u8], width: usize, height: usize) -> Self {
+        let mut rows = vec![0_u16; width * height];
+        for (line, out) in luma.chunks_exact(width).zip(rows.chunks_exact_mut(width)) {
+            for x in 0..width {
+                let [l, c, r] = [line[x.saturating_sub(1)], line[x], line[(x + 1).min(width - 1)]].map(u16::from);
+                out[x] = l + 2 * c + r;
+            }
+        }
+        let mut values = vec![0_u16; width * height];
+        for y in 0..height {
+            let [above, below] = [y.saturating_sub(1), (y + 1).min(height - 1)];
+            for x in 0..width {
+                values[y * width + x] = rows[above * width + x] + 2 * rows[y * width + x] + rows[below * width + x];
+            }
+        }
+        Self { width, height, values }
+    }
+
+    /// Interpolated bilinearly, in grey levels; `None` outside the picture.
+    #[inline]
+    pub(super) fn sample(&self, p: Vec2) -> Option<f32> {
+        let (w, h) = (self.width, self.height);
+        if !(p.x >= 0.0 && p.y >= 0.0 && p.x < (w - 1) as f32 && p.y < (h - 1) as f32) {
+            return None;
+        }
+        let (x, y) = (p.x as i32 as usize, p.y as i32 as usize);
+        let (fx, fy) = (p.x - x as f32, p.y - y as f32);
+        let v = &self.values[y * w + x..][..w + 2];
+        let [a, b, c, d] = [v[0], v[1], v[w], v[w + 1]].map(f32::from);
+        let (top, bottom) = (a + (b - a) * fx, c + (d - c) * fx);
+        Some((top + (bottom - top) * fy) * (1.0 / 16.0))
+    }
+
+    /// Value of a pixel in grey levels.
+    #[inline]
+    pub(super) fn at(&self, x: usize, y: usize) -> f32 {
+        f32::from(self.values[y * self.width + x]) * (1.0 / 16.0)
+    }
+}
