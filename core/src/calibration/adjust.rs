@@ -22,17 +22,19 @@ const CONVERGED: f64 = 1e-6;
 pub(super) struct Priors {
     /// The cameras from which deviations count.
     pub(super) given: Vec<Model>,
-    /// Standard deviation of each parameter of each camera; zero for a parameter that stays as it is.
-    pub(super) sigmas: Vec<[f64; PARAMETERS]>,
+    /// For each camera the inverse of the covariance of its deviation. A parameter whose diagonal element is zero stays as
+    /// it is.
+    pub(super) information: Vec<[[f64; PARAMETERS]; PARAMETERS]>,
 }
 
 /// The sum over the cameras of the squared deviations in standard deviations.
 fn prior_cost(models: &[Model], priors: &Priors) -> f64 {
     let mut sum = 0.0;
-    for ((model, given), sigmas) in models.iter().zip(&priors.given).zip(&priors.sigmas) {
-        for (d, sigma) in model.deviation(given).into_iter().zip(sigmas) {
-            if *sigma > 0.0 {
-                sum += d * d / (sigma * sigma);
+    for ((model, given), information) in models.iter().zip(&priors.given).zip(&priors.information) {
+        let deviation = model.deviation(given);
+        for (row, a) in information.iter().zip(deviation) {
+            for (value, b) in row.iter().zip(deviation) {
+                sum += value * a * b;
             }
         }
     }
@@ -76,10 +78,10 @@ impl Equations {
     fn new(models: &[Model], tracks: &[Track], points: &[DVec3], priors: &Priors, scale: f64, damping: f64) -> Self {
         let mut count = 0;
         let free: Vec<(usize, Vec<usize>)> = priors
-            .sigmas
+            .information
             .iter()
-            .map(|sigmas| {
-                let of: Vec<usize> = (0..PARAMETERS).filter(|&k| sigmas[k] > 0.0).collect();
+            .map(|information| {
+                let of: Vec<usize> = (0..PARAMETERS).filter(|&k| information[k][k] > 0.0).collect();
                 let first = count;
                 count += of.len();
                 (first, of)
@@ -88,11 +90,15 @@ impl Equations {
         let (mut matrix, mut right) = (DMatrix::zeros(count, count), DVector::zeros(count));
         for (i, model) in models.iter().enumerate() {
             let deviation = model.deviation(&priors.given[i]);
-            for (at, &k) in free[i].1.iter().enumerate() {
-                let precision = 1.0 / (priors.sigmas[i][k] * priors.sigmas[i][k]);
-                let row = free[i].0 + at;
-                matrix[(row, row)] += precision;
-                right[row] -= precision * deviation[k];
+            let (first, parameters) = &free[i];
+            for (row, &k) in parameters.iter().enumerate() {
+                for (column, &l) in parameters.iter().enumerate() {
+                    let value = priors.information[i][k][l];
+                    right[first + row] -= value * deviation[l];
+                    if column <= row {
+                        matrix[(first + row, first + column)] += value;
+                    }
+                }
             }
         }
         // First the cameras' own blocks, which are damped, then the elimination of the points.

@@ -17,6 +17,7 @@ mod model;
 mod outline;
 mod overlap;
 mod patch;
+mod prior;
 mod refine;
 mod report;
 mod residuals;

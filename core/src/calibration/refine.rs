@@ -6,8 +6,9 @@ use super::{
     finding::Finding,
     instant::Instant,
     matching::{self, Brightness},
-    model::{FOCAL, Model, PARAMETERS, SHIFT},
+    model::{Model, PARAMETERS, SHIFT},
     overlap::overlaps,
+    prior::{Spread, spreads},
     report::{Calibration, CameraReport, Uncertainty, Verdict},
     residuals::{all_tangencies, epipolar_bias, held_out_loss, is_held_out, residuals},
     statistics::{median, robust_sigma},
@@ -48,13 +49,6 @@ impl Default for CalibrationParams {
 
 /// Reach in the rounds after the first one, in pixels.
 const LATER_REACH: usize = 3;
-/// Prior standard deviations of directions and roll in pixels, and of the centre in footprints. Centres are known better:
-/// a camera that is touched turns more than it shifts.
-const TURN_PIXELS: f64 = 3.0;
-const SHIFT_PIXELS: f64 = 1.0;
-/// Prior standard deviations of the focal length as a share of it, and of the principal point in pixels.
-const FOCAL_SHARE: f64 = 0.003;
-const PRINCIPAL_PIXELS: f64 = 3.0;
 /// Scales of the loss in pixels for aligning contours: from gross errors to small ones.
 const CONTOUR_SCALES: [f64; 6] = [32.0, 16.0, 8.0, 4.0, 2.0, 1.0];
 /// Contours are aligned before matching only if that makes their misses smaller by this factor.
@@ -104,43 +98,25 @@ pub fn calibrate(
     let mut models = align_contours(&given, &instants);
     progress::step(progress, Stage::Detect, 1, steps)?;
 
-    let priors = Priors { sigmas: prior_sigmas(&given, params.intrinsics), given: given.clone() };
+    let mut priors = Spread::priors(&given, &vec![Spread::FIRST; count], params.intrinsics);
     let mut evidence = Evidence::default();
     for round in 0..params.rounds {
         let reach = if round == 0 { params.reach_pixels as usize } else { LATER_REACH };
         evidence = Evidence::new(rig, &instants, &models, &hull, reach, executor, progress)?;
         let scales: &[f64] = if round == 0 { &FIRST_SCALES } else { &LATER_SCALES };
         adjust(&mut models, &mut evidence.tracks, &priors, scales);
+        priors = Spread::priors(&given, &spreads(&given, &models), params.intrinsics);
         progress::step(progress, Stage::Detect, round + 2, steps)?;
     }
     Ok(Judge { rig, instants: &instants, given: &given, models: &models, evidence: &evidence, priors: &priors }
         .result(&overlaps, swapped))
 }
 
-/// Standard deviations of the parameters of each camera.
-fn prior_sigmas(models: &[Model], intrinsics: bool) -> Vec<[f64; PARAMETERS]> {
-    let of = |model: &Model| {
-        let (focal, depth) = (model.focal(), model.centre().length());
-        let mut sigmas = [0.0; PARAMETERS];
-        sigmas[..2].fill(TURN_PIXELS / focal);
-        sigmas[2] = TURN_PIXELS / (0.25 * model.width());
-        sigmas[SHIFT..FOCAL].fill(SHIFT_PIXELS * depth / focal);
-        if intrinsics {
-            sigmas[FOCAL] = FOCAL_SHARE;
-            sigmas[FOCAL + 1..].fill(PRINCIPAL_PIXELS);
-        }
-        sigmas
-    };
-    models.iter().map(of).collect()
-}
-
 /// Turns the cameras so that their contours agree: this finds errors of any size, of all cameras or of one. Returns the
 /// given cameras if their contours agree about as well.
 fn align_contours(given: &[Model], instants: &[Instant]) -> Vec<Model> {
     let mut models = given.to_vec();
-    let mut sigmas = prior_sigmas(given, false);
-    sigmas.iter_mut().for_each(|of| of[SHIFT..].fill(0.0));
-    let priors = Priors { given: given.to_vec(), sigmas };
+    let priors = Spread::priors(given, &vec![Spread { shift: 0.0, ..Spread::FIRST }; given.len()], false);
     let miss = |models: &[Model]| {
         let mut sizes: Vec<f64> = misses(models.len(), &all_tangencies(instants, models)).into_iter().flatten().collect();
         // The mean, because a single camera may be far off.
