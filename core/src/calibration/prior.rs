@@ -14,6 +14,10 @@ const PRINCIPAL_PIXELS: f64 = 3.0;
 /// Bounds of the standard deviations that are estimated, in pixels.
 const AIM_BOUNDS: [f64; 2] = [0.05, 5.0];
 const SHIFT_BOUNDS: [f64; 2] = [0.02, 3.0];
+/// Matches share errors that do not average out: of interpolation, of the surface's shape, of the lens model. All evidence
+/// together is therefore worth less than single matches suggest, by this factor in standard deviations. The priors are
+/// narrower by it instead, which is the same.
+pub(super) const SHARED: f64 = 2.0;
 /// A correction that is this many times the usual one is the camera's own.
 const OWN: f64 = 3.0;
 
@@ -95,7 +99,7 @@ impl Spread {
     }
 }
 
-/// The spread of each camera's error, from the corrections that have been found.
+/// The spread of each camera's error, from the corrections that have been found, narrower by [`SHARED`].
 ///
 /// A correction that all cameras share, such as a pitch of the whole ring, moves the object and hardly changes how well
 /// the cameras agree. Priors that are no wider than the corrections differ keep it small, so that the world stays in place.
@@ -109,7 +113,7 @@ pub(super) fn spreads(given: &[Model], models: &[Model]) -> Vec<Spread> {
     let aims = corrections.iter().map(|of| size(core::array::from_fn(|k| of.aim[k] - middle[k])));
     let (aims, shifts) = (aims.collect(), corrections.iter().map(|of| size(of.shift)).collect());
     let (aims, shifts) = (with_own(aims, AIM_BOUNDS), with_own(shifts, SHIFT_BOUNDS));
-    aims.into_iter().zip(shifts).map(|(aim, shift)| Spread { aim, shift }).collect()
+    aims.into_iter().zip(shifts).map(|(aim, shift)| Spread { aim: aim / SHARED, shift: shift / SHARED }).collect()
 }
 
 /// The usual size for each camera, except for those whose own is much larger.

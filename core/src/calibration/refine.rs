@@ -8,7 +8,7 @@ use super::{
     matching::{self, Brightness},
     model::{Model, PARAMETERS, SHIFT},
     overlap::overlaps,
-    prior::{Spread, spreads},
+    prior::{SHARED, Spread, spreads},
     report::{Calibration, CameraReport, Uncertainty, Verdict},
     residuals::{all_tangencies, epipolar_bias, held_out_loss, is_held_out, residuals},
     statistics::{median, robust_sigma},
@@ -284,13 +284,13 @@ impl Judge<'_> {
                 }
                 count += 1;
             }
-            let root = |a: f64, b: f64| libm::sqrt(0.5 * (a + b));
+            let root = |a: f64, b: f64| libm::sqrt(0.5 * (a + b)) * SHARED;
             (count > 0).then(|| Uncertainty {
                 direction_px: root(block[0][0], block[1][1]) * model.focal(),
-                roll_px: libm::sqrt(block[2][2]) * 0.25 * model.width(),
+                roll_px: libm::sqrt(block[2][2]) * SHARED * 0.25 * model.width(),
                 centre_px: root(block[SHIFT][SHIFT], block[SHIFT + 1][SHIFT + 1]) * model.focal()
                     / model.centre().length(),
-                object_px: libm::sqrt(sum / f64::from(count)),
+                object_px: libm::sqrt(sum / f64::from(count)) * SHARED,
             })
         };
         blocks.into_iter().enumerate().map(of).collect()
