@@ -8,7 +8,7 @@ use core::fmt;
 pub enum Finding {
     /// The calibration as a whole does not fit the pictures.
     CalibrationInconsistent {
-        /// How far the cameras are off, as the median over the cameras, in pixels at the object.
+        /// Mean over all pairs of neighbouring cameras of how far matches lie from their epipolar lines, in pixels.
         pixels: f64,
     },
     /// One camera has moved since it was calibrated.
@@ -61,7 +61,7 @@ impl fmt::Display for Finding {
         match self {
             Self::CalibrationInconsistent { pixels } => write!(
                 f,
-                "the calibration does not fit the pictures: the cameras are off by {pixels:.1} px. Refine it, or \
+                "the calibration does not fit the pictures: epipolar lines miss matches by {pixels:.2} px. Refine it, or \
                  calibrate again"
             ),
             Self::CameraBumped { pixels, .. } => write!(

@@ -60,12 +60,14 @@ const FIRST_SCALES: [f64; 4] = [32.0, 12.0, 5.0, 3.0];
 const LATER_SCALES: [f64; 2] = [5.0, 3.0];
 /// Refined cameras must make the loss of what was held out smaller by this factor.
 const BETTER: f64 = 0.97;
-/// Median correction in pixels from which a calibration is called inconsistent.
+/// Mean distance of matches from epipolar lines, in pixels, from which a calibration is called inconsistent.
 const INCONSISTENT: f64 = 0.5;
 /// A camera was bumped if its correction is this many pixels, and this many times the median correction.
 const BUMPED: [f64; 2] = [1.5, 4.0];
 /// A camera contradicts the others if after all its contour misses by this many pixels, and this many times the median.
 const CONTRADICTS: [f64; 2] = [3.0, 4.0];
+/// A camera with fewer observations keeps its given pose.
+const DETERMINED: u32 = 30;
 /// Points at which corrections are measured, per camera.
 const MEASURED: usize = 400;
 
@@ -108,8 +110,30 @@ pub fn calibrate(
         priors = Spread::priors(&given, &spreads(&given, &models), params.intrinsics);
         progress::step(progress, Stage::Detect, round + 2, steps)?;
     }
+    restore(&given, &mut models, &instants, &evidence);
     Ok(Judge { rig, instants: &instants, given: &given, models: &models, evidence: &evidence, priors: &priors }
         .result(&overlaps, swapped))
+}
+
+/// Puts cameras back to the given pose that are not determined, or whose contours contradict those of all others wherever
+/// they are put: such a camera did not move, but shows something else.
+fn restore(given: &[Model], models: &mut [Model], instants: &[Instant], evidence: &Evidence) {
+    let tangencies = all_tangencies(instants, models);
+    let contradicting = contradicting(&misses(models.len(), &tangencies));
+    let mut seen = vec![0; models.len()];
+    evidence.tracks.iter().flat_map(|t| &t.observations).for_each(|seen_by| seen[usize::from(seen_by.camera)] += 1);
+    for i in 0..models.len() {
+        if contradicting[i].is_some() || seen[i] < DETERMINED {
+            models[i] = given[i];
+        }
+    }
+}
+
+/// For each camera by how many pixels its contour misses the others, if that is far more than usual.
+fn contradicting(misses: &[Option<f64>]) -> Vec<Option<f64>> {
+    let usual = median(&mut misses.iter().flatten().copied().collect::<Vec<f64>>()).unwrap_or(0.0);
+    let limit = CONTRADICTS[0].max(CONTRADICTS[1] * usual);
+    misses.iter().map(|miss| miss.filter(|&miss| miss > limit)).collect()
 }
 
 /// Turns the cameras so that their contours agree: this finds errors of any size, of all cameras or of one. Returns the
@@ -214,11 +238,11 @@ impl Judge<'_> {
         }
         let bias = epipolar_bias(given, tracks).zip(epipolar_bias(models, tracks)).map(|(a, b)| [a, b]);
         let points = tracks.iter().filter(|track| track.source == Source::Texture).count() as u32;
-        let findings = self.findings(verdict, &reports, swapped);
+        let findings = self.findings(verdict, &reports, swapped, bias);
         Calibration { cameras, verdict, reports, held_out, epipolar_bias_px: bias, points, findings }
     }
 
-    fn findings(&self, verdict: Verdict, reports: &[CameraReport], swapped: Option<[usize; 2]>) -> Vec<Finding> {
+    fn findings(&self, verdict: Verdict, reports: &[CameraReport], swapped: Option<[usize; 2]>, bias: Option<[f64; 2]>) -> Vec<Finding> {
         let mut findings = Vec::new();
         let order = self.rig.order();
         let swapped = swapped.map(|places| places.map(|place| order[place]));
@@ -226,22 +250,23 @@ impl Judge<'_> {
             findings.push(Finding::CamerasSwapped { first: a.min(b), second: a.max(b) });
         }
         let is_swapped = |camera: u32| swapped.is_some_and(|cameras| cameras.contains(&camera));
-        let mut misses: Vec<f64> = reports.iter().filter_map(|r| r.refined.contour_px).collect();
-        let usual_miss = median(&mut misses).unwrap_or(0.0);
-        let contradicts = |r: &CameraReport| {
-            r.refined.contour_px.filter(|&miss| miss > CONTRADICTS[0].max(CONTRADICTS[1] * usual_miss))
-        };
+        let misses: Vec<Option<f64>> = reports.iter().map(|r| r.refined.contour_px).collect();
+        let contradicting = contradicting(&misses);
         let mut moved: Vec<f64> = reports.iter().map(|r| r.moved_px).collect();
-        let usual = median(&mut moved).unwrap_or(0.0);
+        let limit = BUMPED[0].max(BUMPED[1] * median(&mut moved).unwrap_or(0.0));
         for (camera, report) in (0..).zip(reports).filter(|&(camera, _)| !is_swapped(camera)) {
-            if let Some(pixels) = contradicts(report) {
+            if let Some(pixels) = contradicting[camera as usize] {
                 findings.push(Finding::CameraContradicts { camera, pixels });
-            } else if verdict == Verdict::Improved && report.moved_px > BUMPED[0].max(BUMPED[1] * usual) {
+            } else if verdict == Verdict::Improved && report.moved_px > limit {
                 findings.push(Finding::CameraBumped { camera, pixels: report.moved_px });
             }
         }
-        if verdict == Verdict::Improved && usual > INCONSISTENT {
-            findings.push(Finding::CalibrationInconsistent { pixels: usual });
+        // A single camera that was bumped raises the mean, but says nothing about the others.
+        let bumped = findings.iter().any(|finding| matches!(finding, Finding::CameraBumped { .. }));
+        if let Some([pixels, _]) = bias.filter(|_| verdict == Verdict::Improved && !bumped)
+            && pixels > INCONSISTENT
+        {
+            findings.push(Finding::CalibrationInconsistent { pixels });
         }
         findings
     }

@@ -62,10 +62,8 @@ pub(super) fn pair(models: &[Model], outlines: &[Vec<Corner>], cameras: [usize; 
     let up = base.cross(ahead);
     let (Some(ends_a), Some(ends_b)) = (ends(a, of_a, ahead, up), ends(b, of_b, ahead, up)) else { return };
     for (end_a, end_b) in ends_a.into_iter().zip(ends_b) {
+        let (Some(end_a), Some(end_b)) = (end_a, end_b) else { continue };
         let (p, q) = (of_a[end_a], of_b[end_b]);
-        if !p.is_contour || !q.is_contour {
-            continue;
-        }
         let miss_b = b.ideal_epipolar_distance(q.pixel, a.centre(), a.ray_of_ideal(p.pixel));
         let miss_a = a.ideal_epipolar_distance(p.pixel, b.centre(), b.ray_of_ideal(q.pixel));
         let miss = 0.5 * (miss_a.abs() + miss_b.abs());
@@ -73,25 +71,25 @@ pub(super) fn pair(models: &[Model], outlines: &[Vec<Corner>], cameras: [usize; 
     }
 }
 
-/// The corners with the smallest and the largest slope of their plane through the base; `None` if some plane is too
-/// steep.
-fn ends(model: &Model, corners: &[Corner], ahead: DVec3, up: DVec3) -> Option<[usize; 2]> {
-    let (mut least, mut most) = ((f64::INFINITY, 0), (f64::NEG_INFINITY, 0));
-    for (i, corner) in corners.iter().enumerate() {
+/// The corners with the smallest and the largest slope of their plane through the base, or none at an end near which the
+/// silhouette is cut off: the body may go on there. `None` if some plane is too steep.
+fn ends(model: &Model, corners: &[Corner], ahead: DVec3, up: DVec3) -> Option<[Option<usize>; 2]> {
+    let mut slopes = Vec::with_capacity(corners.len());
+    for corner in corners {
         let ray = model.ray_of_ideal(corner.pixel);
         let along = ray.dot(ahead);
         if !(along > LEAST_COSINE * ray.length()) {
             return None;
         }
-        let slope = ray.dot(up) / along;
-        if slope < least.0 {
-            least = (slope, i);
-        }
-        if slope > most.0 {
-            most = (slope, i);
-        }
+        slopes.push(ray.dot(up) / along);
     }
-    Some([least.1, most.1])
+    let first = |is_better: &dyn Fn(f64, f64) -> bool| {
+        (0..slopes.len()).reduce(|best, i| if is_better(slopes[i], slopes[best]) { i } else { best })
+    };
+    let (least, most) = (first(&|a, b| a < b)?, first(&|a, b| a > b)?);
+    let middle = 0.5 * (slopes[least] + slopes[most]);
+    let cut = |upper: bool| corners.iter().zip(&slopes).any(|(c, &slope)| !c.is_contour && (slope > middle) == upper);
+    Some([(!cut(false)).then_some(least), (!cut(true)).then_some(most)])
 }
 
 /// The median miss over the tangencies of each camera, in pixels; `None` for fewer than four.
