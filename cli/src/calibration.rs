@@ -1,17 +1,18 @@
 //! Checks and refines the calibration of a scene by some of its frames.
 
 use crate::{
+    inputs::{FrameFiles, Silhouettes},
     json::to_value,
     progress::Console,
     threads::Threads,
+    warning::WarningReport,
 };
 use pcmvs_core::{
-    Camera, ChromaKey, Executor, Mask, Params, Preset, Progress, Rig, View, ViewInput,
+    Camera, Executor, Params, Preset, Progress, Rig, View,
     calibration::{Calibration, CalibrationParams, CameraReport, Finding, Verdict, calibrate},
 };
-use pcmvs_scene::{Failure, Picture, Scene, SceneFrame};
+use pcmvs_scene::{Failure, Scene, SceneCamera, SceneFrame};
 use serde_json::{Value, json};
-use std::{fs, path::Path};
 
 /// Frames that are used if none are asked for.
 const FRAMES: usize = 4;
@@ -19,8 +20,7 @@ const FRAMES: usize = 4;
 /// What the check and the refinement share.
 pub struct Run<'a> {
     pub scene: &'a Scene,
-    /// Silhouettes from the backdrop's colour instead of mask files.
-    pub key: Option<ChromaKey>,
+    pub silhouettes: Silhouettes,
     pub threads: &'a Threads,
     pub console: &'a Console<'a>,
 }
@@ -94,36 +94,23 @@ impl Run<'_> {
     /// The views of a frame, in the rig's order, without their colours.
     fn views(&self, rig: &Rig, frame: &SceneFrame) -> Result<Vec<View>, Failure> {
         let contour = Params::preset(Preset::Default).contour;
-        let order = rig.order();
+        let files = FrameFiles::read(self.scene, frame, self.silhouettes)?;
+        files.warnings.iter().for_each(|warning| self.console.warn(warning));
+        let pictures = files.decode(self.scene, frame, self.silhouettes, self.threads)?;
+        let (order, inputs) = (rig.order(), pictures.inputs());
         let made = self.threads.map(order.len(), |place| {
             if self.console.is_cancelled() {
                 return Err(Failure::Cancelled);
             }
             let camera = order[place] as usize;
-            let image = self.picture(frame, camera, &frame.images[camera])?;
-            let path = frame.mask(camera).filter(|_| self.key.is_none());
-            let mask = path.map(|path| self.picture(frame, camera, path)).transpose()?;
-            let mask = match (self.key, &mask) {
-                (Some(key), _) => Mask::ChromaKey(key),
-                (None, Some(mask)) => Mask::Given(mask.view()),
-                (None, None) => Mask::Unknown,
+            let view = match &inputs[camera] {
+                Some(input) => View::new(rig, camera, input, contour.as_ref()),
+                None => View::absent(rig, camera),
             };
-            let input = ViewInput { image: image.view(), mask };
-            let view = View::new(rig, camera, &input, contour.as_ref());
             let view = view.map_err(|error| self.scene.explain(&error, Some(frame)))?;
             Ok(View { rgb: Vec::new(), ..view })
         });
         made.into_iter().collect()
-    }
-
-    fn picture(&self, frame: &SceneFrame, camera: usize, path: &Path) -> Result<Picture, Failure> {
-        let file = self.scene.resolve(path);
-        let name = &self.scene.cameras[camera].name;
-        let place = format!("frame {}: camera `{name}`: {}", frame.index, file.display());
-        let bytes = fs::read(&file).map_err(|e| {
-            Failure::Input(format!("{place}: cannot be read ({e}): check the path in scene.json"))
-        })?;
-        Picture::decode(&bytes).map_err(|problem| Failure::Input(format!("{place}: {problem}")))
     }
 }
 
@@ -157,16 +144,21 @@ impl Found {
         format!("{verdict} ({points} points){bias}")
     }
 
-    /// The findings, with the names of the cameras: code, index of the camera and message.
-    pub fn warnings(&self, scene: &Scene) -> Vec<(&'static str, Option<u32>, String)> {
-        let name = |camera: u32| format!("`{}`", scene.cameras[camera as usize].name);
+    /// The findings, with the names of the cameras.
+    pub fn warnings(&self, scene: &Scene) -> Vec<WarningReport> {
+        let name = |camera: u32| scene.cameras[camera as usize].name.clone();
         let message = |finding: &Finding| match finding.cameras() {
-            [Some(first), Some(second)] => format!("cameras {} and {}: {finding}", name(first), name(second)),
-            [Some(camera), None] => format!("camera {}: {finding}", name(camera)),
+            [Some(first), Some(second)] => format!("cameras `{}` and `{}`: {finding}", name(first), name(second)),
+            [Some(camera), None] => format!("camera `{}`: {finding}", name(camera)),
             _ => finding.to_string(),
         };
-        let findings = self.calibration.findings.iter();
-        findings.map(|finding| (finding.code(), finding.cameras()[0], message(finding))).collect()
+        let report = |finding: &Finding| WarningReport {
+            code: finding.code().to_owned(),
+            frame: None,
+            camera: finding.cameras()[0].map(name),
+            message: format!("{}: {}", scene.path.display(), message(finding)),
+        };
+        self.calibration.findings.iter().map(report).collect()
     }
 
     /// Writes one line per camera and the warnings.
@@ -190,14 +182,12 @@ impl Found {
             ));
         }
         console.line(&self.summary());
-        for (_, _, message) in self.warnings(scene) {
-            console.line(&format!("warning: {message}"));
-        }
+        self.warnings(scene).iter().for_each(|warning| console.warn(warning));
     }
 
     /// All figures.
     pub fn to_json(&self, scene: &Scene) -> Value {
-        let camera = |(camera, report): (&pcmvs_scene::SceneCamera, &CameraReport)| {
+        let camera = |(camera, report): (&SceneCamera, &CameraReport)| {
             let CameraReport { given, refined, moved_px, uncertainty, silhouette_overlap, gain } = report;
             json!({
                 "name": camera.name,
@@ -236,9 +226,7 @@ impl Found {
             "held_out_loss": pair(held_out),
             "exchanged": self.exchanged,
             "cameras": scene.cameras.iter().zip(reports).map(camera).collect::<Vec<_>>(),
-            "warnings": self.warnings(scene).into_iter().map(|(code, camera, message)| json!({
-                "code": code, "frame": null, "camera": camera, "message": message,
-            })).collect::<Vec<_>>(),
+            "warnings": self.warnings(scene),
         })
     }
 }

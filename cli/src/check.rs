@@ -4,7 +4,7 @@ use crate::{
     arguments::Check,
     calibration::{Run, evidence},
     progress::Console,
-    reconstruct::{chroma_key, scene_cameras, thread_count},
+    reconstruct::{scene_cameras, silhouettes, thread_count},
     threads::Threads,
 };
 use pcmvs_core::calibration::CalibrationParams;
@@ -18,11 +18,11 @@ pub fn run(options: &Check, cancelled: &AtomicBool) -> Result<bool, Failure> {
         scene.select_cameras(&list.0)?;
     }
     let cameras = scene_cameras(&scene)?;
-    let key = chroma_key(options.evidence.masks, &scene)?;
+    let silhouettes = silhouettes(options.evidence.masks, &scene)?;
     let threads = Threads::new(thread_count(options.evidence.threads))?;
     let console = Console::new(cancelled);
     let frames = evidence(&scene, options.evidence.frames.as_ref().map(|list| list.0.as_slice()))?;
-    let run = Run { scene: &scene, key, threads: &threads, console: &console };
+    let run = Run { scene: &scene, silhouettes, threads: &threads, console: &console };
     let found = run.calibrate(&cameras, &frames, &CalibrationParams::default())?;
     found.print(&scene, &console);
     if options.json {

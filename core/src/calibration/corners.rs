@@ -67,7 +67,8 @@ mod tests {
             Smooth::new(&(0..w * h).map(|i| f(i % w, i / w)).collect::<Vec<u8>>(), w, h)
         };
         assert!(corners(&picture(&|_, _| 90), 8, |_| true).is_empty());
-        assert!(corners(&picture(&|x, y| if 2 * x + y > 110 { 200 } else { 20 }), 8, |_| true).is_empty());
+        let edge = |x: usize, y: usize| ((2.0 * x as f32 + y as f32 - 110.0) * 30.0 + 110.0).clamp(20.0, 200.0) as u8;
+        assert!(corners(&picture(&edge), 8, |_| true).is_empty());
         let found = corners(&picture(&|x, y| if x > 40 && y > 30 { 200 } else { 20 }), 8, |_| true);
         assert!(!found.is_empty());
         for [x, y] in found {

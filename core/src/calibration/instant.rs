@@ -46,7 +46,8 @@ impl Instant {
             let view = &views[i];
             let (w, h) = (view.camera.width as usize, view.camera.height as usize);
             let smooth = Smooth::new(&view.luma, w, h);
-            let silhouette = view.silhouette.clone();
+            // A silhouette that was set aside may be that of a camera that was bumped.
+            let silhouette = view.silhouette.clone().or_else(|| view.set_aside.clone());
             let deep = (INSIDE * Silhouette::UNITS) as i16;
             let wanted = |i: usize| {
                 silhouette.as_ref().is_some_and(|s| s.distances()[i] > deep && s.distances()[i] != Silhouette::UNKNOWN)
@@ -59,18 +60,26 @@ impl Instant {
         Self { pictures, outlines }
     }
 
-    /// The mesh of the visual hull as the cameras now stand, and its footprint.
+    /// The mesh of the visual hull as the cameras now stand, and its footprint. Cameras that are `excluded` do not carve.
     ///
     /// # Errors
     /// Those of [`VisualHull::new`].
-    pub(super) fn hull(&self, models: &[Model], params: &HullParams, progress: &dyn Progress) -> Result<(Mesh, f32)> {
+    pub(super) fn hull(
+        &self,
+        models: &[Model],
+        excluded: impl Fn(usize) -> bool,
+        params: &HullParams,
+        progress: &dyn Progress,
+    ) -> Result<(Mesh, f32)> {
         let views: Vec<View> = (0..models.len())
             .map(|i| View {
                 index: i as u16,
                 camera: models[i].pinhole(),
                 rgb: Vec::new(),
                 luma: Vec::new(),
-                silhouette: self.pictures[i].silhouette.clone(),
+                silhouette: self.pictures[i].silhouette.clone().filter(|_| !excluded(i)),
+                set_aside: None,
+                left_out: None,
             })
             .collect();
         let mut workspace = Workspace::default();

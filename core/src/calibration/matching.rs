@@ -11,7 +11,7 @@ use alloc::{vec, vec::Vec};
 use glam::{DVec2, DVec3, Mat2, Vec2, Vec3};
 
 /// Neighbours in which each view is matched.
-const NEIGHBOURS: u32 = 4;
+const NEIGHBOURS: usize = 4;
 /// Distance in pixels at which the hull's depth is compared to find how a window is warped.
 const AROUND: usize = 3;
 /// The depths on both sides of a corner may deviate from a plane by this many footprints.
@@ -53,7 +53,7 @@ pub(super) fn tracks(
                 sigma: OWN_SIGMA,
             };
             let mut observations = vec![own];
-            for &other in rig.neighbours(view, NEIGHBOURS) {
+            for &other in rig.neighbours(view).iter().take(NEIGHBOURS) {
                 let there = other as usize;
                 let Some((expected, affine)) = around.seen_by(&pinholes[there], &rasters[there], footprint) else {
                     continue;

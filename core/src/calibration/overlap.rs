@@ -25,7 +25,7 @@ pub(super) fn overlaps(
 ) -> Result<Vec<Option<f64>>> {
     let mut sums = vec![(0.0, 0_u32); models.len()];
     for instant in instants {
-        let mesh = match instant.hull(models, hull, progress) {
+        let mesh = match instant.hull(models, |_| false, hull, progress) {
             Ok((mesh, _)) => mesh,
             // Silhouettes that agree nowhere overlap nowhere, which the contours' residuals describe better.
             Err(Error::EmptyHull) => continue,

@@ -177,8 +177,9 @@ impl Evidence {
         let found = all_tangencies(instants, models);
         let sizes: Vec<f64> = found.iter().map(|t| t.miss).collect();
         evidence.contour_sigma = robust_sigma(&sizes).unwrap_or(1.0).max(CONTOUR_SIGMA);
+        let contradicting = contradicting(&misses(models.len(), &found));
         for instant in instants {
-            let (mesh, footprint) = instant.hull(models, hull, progress)?;
+            let (mesh, footprint) = instant.hull(models, |i| contradicting[i].is_some(), hull, progress)?;
             let (tracks, brightness) = matching::tracks(rig, instant, models, (&mesh, footprint), reach, executor);
             evidence.tracks.extend(tracks);
             evidence.brightness.extend(brightness);

@@ -16,6 +16,8 @@ pub struct Faults {
     pub blur: f64,
     /// Rotation of the given calibration against the true one, in pixels at the principal point.
     pub calibration: f64,
+    /// Single cameras whose given calibration is turned in addition, by index, and by how many pixels right and down.
+    pub bumped: Vec<(usize, [f64; 2])>,
     /// Largest difference of a camera's clock in seconds.
     pub clock: f64,
     /// Indices of cameras without masks.
@@ -48,11 +50,19 @@ impl Faults {
 
     /// The given calibration of a camera.
     pub fn calibrated(&self, camera: &Camera, index: usize) -> Camera {
-        if self.calibration == 0.0 {
+        let mut shift = [0.0; 2];
+        if self.calibration != 0.0 {
+            let (sine, cosine) =
+                libm::sincos(core::f64::consts::PI * self.random(Stream::Calibration, index, 0).signed());
+            shift = [self.calibration * cosine, self.calibration * sine];
+        }
+        for (_, [x, y]) in self.bumped.iter().filter(|(bumped, _)| *bumped == index) {
+            shift = [shift[0] + x, shift[1] + y];
+        }
+        if shift == [0.0; 2] {
             return *camera;
         }
-        let (sine, cosine) = libm::sincos(core::f64::consts::PI * self.random(Stream::Calibration, index, 0).signed());
-        let (x, y) = (self.calibration * cosine, self.calibration * sine);
+        let [x, y] = shift;
         let (fx, fy) = (camera.k[0][0], camera.k[1][1]);
         let by = turn(-libm::atan(y / fy), libm::atan(x / fx), 0.0);
         // Columns of the row-major array's matrix are its rows, so `turned` is Rᵀ · byᵀ with world directions as rows.

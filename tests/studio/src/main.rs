@@ -108,6 +108,7 @@ fn run(a: &Arguments) -> io::Result<()> {
         gain: a.gain,
         blur: a.blur,
         calibration: a.calibration,
+        bumped: Vec::new(),
         clock: a.clock,
         unmasked: a.unmasked.clone(),
         missing: a.missing.clone(),

@@ -1,0 +1,174 @@
+//! The calibration is checked and refined by what the cameras record.
+
+use facts::{Shot, Threads, errors::quantile};
+use glam::DVec3;
+use pcmvs_core::{
+    Camera, Executor, Serial, Silent, View,
+    calibration::{Calibration, CalibrationParams, Finding, Verdict, calibrate},
+};
+use std::sync::LazyLock;
+use studio::{Capture, Faults, Ring, Subject, score};
+
+const CAMERAS: u32 = 12;
+
+fn cameras() -> Vec<Camera> {
+    Ring { count: CAMERAS, ..Ring::default() }.sized(512, 384).cameras()
+}
+
+fn record(faults: &Faults) -> Shot {
+    Shot::new(Subject::Figure, &cameras(), faults)
+}
+
+fn calibrated_by(shots: &[&Shot], executor: &impl Executor) -> Calibration {
+    let rig = shots[0].rig();
+    let views: Vec<Vec<View>> = shots
+        .iter()
+        .map(|shot| {
+            let mut views = shot.views(&rig);
+            views.sort_by_key(|view| view.index);
+            views
+        })
+        .collect();
+    let views: Vec<&[View]> = views.iter().map(Vec::as_slice).collect();
+    calibrate(&rig, &views, &CalibrationParams::default(), executor, &Silent).expect("the scene is sound")
+}
+
+fn calibrated(shot: &Shot) -> Calibration {
+    calibrated_by(&[shot], &Serial)
+}
+
+/// Points of the true surface that two cameras see.
+fn points(shot: &Shot) -> Vec<DVec3> {
+    score::seen(shot.truth(), &cameras(), 2, 300).into_iter().map(|(point, _)| point).collect()
+}
+
+/// Distances in pixels of true points from their epipolar lines, ascending, over all pairs of neighbouring cameras.
+fn epipolar_errors(found: &[Camera], points: &[DVec3]) -> Vec<f64> {
+    let truth = cameras();
+    let ray = |camera: &Camera, point: DVec3, of: &Camera| {
+        let (pixel, _) = of.project(point).expect("cameras look at the subject");
+        let r = glam::DMat3::from_cols_array_2d(&camera.r);
+        r * camera.normalise(pixel).extend(1.0)
+    };
+    let mut errors = Vec::new();
+    for i in 0..truth.len() {
+        let j = (i + 1) % truth.len();
+        let (a, b) = (&found[i], &found[j]);
+        for &point in points {
+            let normal = (b.centre() - a.centre()).cross(ray(a, point, &truth[i])).normalize();
+            errors.push(ray(b, point, &truth[j]).dot(normal).abs() * b.k[0][0]);
+        }
+    }
+    errors.sort_by(f64::total_cmp);
+    errors
+}
+
+static CLEAN: LazyLock<Shot> = LazyLock::new(|| record(&Faults { noise: 2.0, gain: 0.05, ..Faults::default() }));
+
+fn bumped(by: [f64; 2]) -> Shot {
+    record(&Faults { bumped: vec![(4, by)], noise: 2.0, ..Faults::default() })
+}
+
+#[test]
+fn wrong_directions_of_all_cameras_are_corrected_to_a_tenth_of_a_pixel() {
+    for pixels in [1.0, 3.0] {
+        let shot = record(&Faults { calibration: pixels, noise: 2.0, gain: 0.05, ..Faults::default() });
+        let (found, points) = (calibrated(&shot), points(&shot));
+        assert_eq!(found.verdict, Verdict::Improved);
+        assert!(quantile(&epipolar_errors(&shot.cameras, &points), 0.5) > 0.5 * pixels);
+        let errors = epipolar_errors(&found.cameras, &points);
+        let [middle, most] = [0.5, 0.95].map(|share| quantile(&errors, share));
+        assert!(middle < 0.05 && most < 0.15, "{pixels} px: {middle} {most}");
+        assert!(found.findings.iter().any(|finding| matches!(finding, Finding::CalibrationInconsistent { .. })));
+    }
+}
+
+#[test]
+fn a_good_calibration_is_kept() {
+    let found = calibrated(&CLEAN);
+    assert_eq!(found.verdict, Verdict::Kept, "{:?}", found.held_out);
+    assert_eq!(found.cameras, CLEAN.cameras);
+    assert_eq!(found.findings, []);
+}
+
+#[test]
+fn a_bumped_camera_is_named_and_corrected() {
+    for by in [[2.0, 0.0], [-7.0, 7.0], [0.0, 25.0]] {
+        let shot = bumped(by);
+        let found = calibrated(&shot);
+        let pixels = libm::hypot(by[0], by[1]);
+        assert!(
+            matches!(found.findings[..], [Finding::CameraBumped { camera: 4, pixels: p }] if (p / pixels - 1.0).abs() < 0.1),
+            "{by:?}: {:?}",
+            found.findings
+        );
+        let errors = epipolar_errors(&found.cameras, &points(&shot));
+        assert!(quantile(&errors, 0.95) < 0.1, "{by:?}: {}", quantile(&errors, 0.95));
+    }
+}
+
+/// The other cameras, and with them the world, stay where they are.
+#[test]
+fn the_world_stays_in_place() {
+    let shot = bumped([-7.0, 7.0]);
+    let found = calibrated(&shot);
+    let footprint = shot.footprint(DVec3::new(0.0, 0.0, 0.9));
+    for (i, (found, given)) in found.cameras.iter().zip(&shot.cameras).enumerate() {
+        let moved = (found.centre() - given.centre()).length() / footprint;
+        assert!(moved < 0.3, "camera {i}: the centre moved by {moved} footprints");
+        let turned = found.direction().cross(given.direction()).length() * given.k[0][0];
+        assert!(i == 4 || turned < 0.2, "camera {i}: turned by {turned} px");
+    }
+}
+
+#[test]
+fn exchanged_pictures_are_named() {
+    let mut shot = record(&Faults::default());
+    shot.frame.images.swap(2, 7);
+    shot.frame.masks.swap(2, 7);
+    let found = calibrated(&shot);
+    assert!(found.findings.contains(&Finding::CamerasSwapped { first: 2, second: 7 }), "{:?}", found.findings);
+}
+
+#[test]
+fn a_picture_of_another_instant_is_named_and_its_camera_does_not_move() {
+    let mut shot = record(&Faults::default());
+    let later = Capture::new(Subject::Figure, &cameras(), &[0.6], &Faults::default());
+    shot.frame.images[3] = later.frames[0].images[3].clone();
+    shot.frame.masks[3] = later.frames[0].masks[3].clone();
+    let found = calibrated(&shot);
+    assert!(
+        matches!(found.findings[..], [Finding::CameraContradicts { camera: 3, .. }]),
+        "{:?}",
+        found.findings
+    );
+    assert_eq!(found.cameras[3], shot.cameras[3]);
+}
+
+#[test]
+fn frames_of_a_take_are_used_together() {
+    let faults = Faults { calibration: 1.0, noise: 6.0, ..Faults::default() };
+    let capture = Capture::new(Subject::Figure, &cameras(), &[0.0, 0.4, 0.8], &faults);
+    let shot = |frame: usize| Shot { cameras: capture.cameras.clone(), frame: capture.frames[frame].clone() };
+    let shots = [0, 1, 2].map(shot);
+    let points = points(&shots[0]);
+    let error = |shots: &[&Shot]| {
+        let found = calibrated_by(shots, &Serial);
+        quantile(&epipolar_errors(&found.cameras, &points), 0.8)
+    };
+    let (one, all) = (error(&[&shots[0]]), error(&[&shots[0], &shots[1], &shots[2]]));
+    assert!(all < one, "one frame {one}, three frames {all}");
+}
+
+#[test]
+fn neither_threads_nor_the_order_of_the_cameras_change_the_result() {
+    let shot = bumped([-7.0, 7.0]);
+    let found = calibrated(&shot);
+    assert_eq!(calibrated_by(&[&shot], &Threads(3)), found);
+    let order = [4, 0, 7, 2, 9, 5, 1, 8, 6, 3, 11, 10];
+    let permuted = calibrated(&shot.of_cameras(&order));
+    for (i, &camera) in order.iter().enumerate() {
+        assert_eq!(permuted.cameras[i], found.cameras[camera]);
+        assert_eq!(permuted.reports[i], found.reports[camera]);
+    }
+}
