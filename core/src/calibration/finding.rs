@@ -29,8 +29,8 @@ pub enum Finding {
     CameraContradicts {
         /// Index of the camera.
         camera: u32,
-        /// How far its contour misses the tangents of the others, in pixels.
-        pixels: f64,
+        /// How far its contour misses the tangents of the others, in pixels, if it has been measured.
+        contour_px: Option<f64>,
     },
 }
 
@@ -74,11 +74,13 @@ impl fmt::Display for Finding {
                 "the pictures of the two cameras seem to be exchanged: each silhouette fits the other camera. Exchange \
                  their pictures and masks"
             ),
-            Self::CameraContradicts { pixels, .. } => write!(
-                f,
-                "its silhouette misses those of the other cameras by {pixels:.1} px, and no other pose makes it fit. \
-                 Check that its picture and mask belong to this camera and to this instant"
-            ),
+            Self::CameraContradicts { contour_px, .. } => {
+                write!(f, "its silhouette contradicts those of the other cameras, and no other pose makes it fit")?;
+                if let Some(pixels) = contour_px {
+                    write!(f, " (their tangents miss its contour by {pixels:.1} px)")?;
+                }
+                write!(f, ". Check that its picture and mask belong to this camera and to this instant")
+            }
         }
     }
 }

@@ -1,12 +1,12 @@
 //! Matches the corners of each view in its neighbours. The hull tells where to look and how the window is warped.
 
 use super::{
-    instant::Instant,
+    instant::{Guide, Instant},
     model::Model,
     patch,
     track::{Observation, Source, Track},
 };
-use crate::{camera::Pinhole, executor::Executor, point_cloud::Mesh, raster::Raster, rig::Rig};
+use crate::{camera::Pinhole, executor::Executor, raster::Raster, rig::Rig};
 use alloc::{vec, vec::Vec};
 use glam::{DVec2, DVec3, Mat2, Vec2, Vec3};
 
@@ -33,14 +33,15 @@ pub(super) fn tracks(
     rig: &Rig,
     instant: &Instant,
     models: &[Model],
-    (hull, footprint): (&Mesh, f32),
+    guide: &Guide,
     reach: usize,
     executor: &impl Executor,
 ) -> (Vec<Track>, Vec<Brightness>) {
+    let footprint = guide.footprint;
     let pinholes: Vec<Pinhole> = models.iter().map(Model::pinhole).collect();
     let rasters = executor.map(models.len(), |i| {
         let mut raster = Raster::default();
-        raster.render(hull, &pinholes[i]);
+        raster.render(&guide.mesh, &pinholes[i]);
         raster
     });
     let found = executor.map(models.len(), |view| {

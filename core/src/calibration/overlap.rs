@@ -1,10 +1,12 @@
 //! How well the silhouettes fit the hull that they carve together.
 
-use super::{instant::Instant, model::Model};
+use super::{
+    instant::{GuideParams, Instant},
+    model::Model,
+};
 use crate::{
     error::{Error, Result},
     executor::Executor,
-    hull::HullParams,
     progress::Progress,
     raster::Raster,
     silhouette::Silhouette,
@@ -19,14 +21,14 @@ use alloc::{vec, vec::Vec};
 pub(super) fn overlaps(
     instants: &[Instant],
     models: &[Model],
-    hull: &HullParams,
+    hull: &GuideParams,
     executor: &impl Executor,
     progress: &dyn Progress,
 ) -> Result<Vec<Option<f64>>> {
     let mut sums = vec![(0.0, 0_u32); models.len()];
     for instant in instants {
         let mesh = match instant.hull(models, |_| false, hull, progress) {
-            Ok((mesh, _)) => mesh,
+            Ok(guide) => guide.mesh,
             // Silhouettes that agree nowhere overlap nowhere, which the contours' residuals describe better.
             Err(Error::EmptyHull) => continue,
             Err(error) => return Err(error),

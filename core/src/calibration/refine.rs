@@ -4,13 +4,13 @@ use super::{
     adjust::{Priors, adjust, covariance},
     brightness::gains,
     finding::Finding,
-    instant::Instant,
+    instant::{GuideParams, Instant},
     matching::{self, Brightness},
     model::{Model, PARAMETERS, SHIFT},
     overlap::overlaps,
     prior::{SHARED, Spread, spreads},
     report::{Calibration, CameraReport, Uncertainty, Verdict},
-    residuals::{all_tangencies, epipolar_bias, held_out_loss, is_held_out, residuals},
+    residuals::{Residuals, all_tangencies, epipolar_bias, held_out_loss, is_held_out, residuals},
     statistics::{median, robust_sigma},
     swap::swapped,
     tangents::{self, misses},
@@ -19,7 +19,8 @@ use super::{
 use crate::{
     error::{Error, Result},
     executor::Executor,
-    hull::HullParams,
+    hull::{AgreementParams, HullParams},
+    params::{Params, Preset},
     progress::{self, Progress},
     rig::Rig,
     stage::Stage,
@@ -33,6 +34,8 @@ use glam::DVec3;
 pub struct CalibrationParams {
     /// Voxels of the hull that guides matching, in pixels of footprint.
     pub voxel_pixels: f32,
+    /// Agreement of the silhouettes that carve it. Without it all of them do.
+    pub agreement: Option<AgreementParams>,
     /// Rounds of matching and adjustment. Each starts from the cameras of the one before.
     pub rounds: u32,
     /// How far matches may be from where they are expected in the first round, in pixels.
@@ -43,7 +46,8 @@ pub struct CalibrationParams {
 
 impl Default for CalibrationParams {
     fn default() -> Self {
-        Self { voxel_pixels: 3.0, rounds: 3, reach_pixels: 8, intrinsics: false }
+        let agreement = Params::preset(Preset::Default).agreement;
+        Self { voxel_pixels: 3.0, agreement, rounds: 3, reach_pixels: 8, intrinsics: false }
     }
 }
 
@@ -66,6 +70,10 @@ const INCONSISTENT: f64 = 0.5;
 const BUMPED: [f64; 2] = [1.5, 4.0];
 /// A camera contradicts the others if after all its contour misses by this many pixels, and this many times the median.
 const CONTRADICTS: [f64; 2] = [3.0, 4.0];
+/// A camera is supported by texture if it has at least this many matches,
+const SUPPORTING: u32 = 100;
+/// and their median distance from epipolar lines is at most this, in pixels, or this many times that of all cameras.
+const SUPPORTED: [f64; 2] = [0.5, 3.0];
 /// A camera with fewer observations keeps its given pose.
 const DETERMINED: u32 = 30;
 /// Points at which corrections are measured, per camera.
@@ -92,7 +100,7 @@ pub fn calibrate(
     let given: Vec<Model> = ordered.map(|camera| Model::new(camera, rig.origin())).collect();
     let instants: Vec<Instant> = frames.iter().map(|views| Instant::new(views, executor)).collect();
     let steps = params.rounds + 2;
-    let hull = HullParams { voxel_pixels: params.voxel_pixels };
+    let hull = GuideParams { hull: HullParams { voxel_pixels: params.voxel_pixels }, agreement: params.agreement };
     progress::step(progress, Stage::Detect, 0, steps)?;
 
     let overlaps = overlaps(&instants, &given, &hull, executor, progress)?;
@@ -110,20 +118,38 @@ pub fn calibrate(
         priors = Spread::priors(&given, &spreads(&given, &models), params.intrinsics);
         progress::step(progress, Stage::Detect, round + 2, steps)?;
     }
-    restore(&given, &mut models, &instants, &evidence);
-    Ok(Judge { rig, instants: &instants, given: &given, models: &models, evidence: &evidence, priors: &priors }
-        .result(&overlaps, swapped))
+    let contradicts = contradicts(&models, &instants, &evidence);
+    restore(&given, &mut models, &contradicts, &evidence);
+    let judge = Judge {
+        rig,
+        instants: &instants,
+        given: &given,
+        models: &models,
+        evidence: &evidence,
+        priors: &priors,
+        contradicts: &contradicts,
+    };
+    Ok(judge.result(&overlaps, swapped))
 }
 
-/// Puts cameras back to the given pose that are not determined, or whose contours contradict those of all others wherever
-/// they are put: such a camera did not move, but shows something else.
-fn restore(given: &[Model], models: &mut [Model], instants: &[Instant], evidence: &Evidence) {
-    let tangencies = all_tangencies(instants, models);
-    let contradicting = contradicting(&misses(models.len(), &tangencies));
+/// Which cameras contradict the others wherever they are put: their contours do, or their silhouettes do and no texture
+/// speaks for them. Such a camera did not move, but shows something else.
+fn contradicts(models: &[Model], instants: &[Instant], evidence: &Evidence) -> Vec<bool> {
+    let found = residuals(instants, models, &evidence.tracks);
+    let by_contour = contradicting(&found.iter().map(|r| r.contour_px).collect::<Vec<_>>());
+    let mut sizes: Vec<f64> = found.iter().filter_map(|r| r.epipolar_px).collect();
+    let limit = SUPPORTED[0].max(SUPPORTED[1] * median(&mut sizes).unwrap_or(0.0));
+    let is_supported = |r: &Residuals| r.matches >= SUPPORTING && r.epipolar_px.is_some_and(|d| d < limit);
+    let is_one = |i: usize| by_contour[i].is_some() || evidence.is_apart(i, instants) && !is_supported(&found[i]);
+    (0..models.len()).map(is_one).collect()
+}
+
+/// Puts cameras back to the given pose that contradict the others or are not determined.
+fn restore(given: &[Model], models: &mut [Model], contradicts: &[bool], evidence: &Evidence) {
     let mut seen = vec![0; models.len()];
     evidence.tracks.iter().flat_map(|t| &t.observations).for_each(|seen_by| seen[usize::from(seen_by.camera)] += 1);
     for i in 0..models.len() {
-        if contradicting[i].is_some() || seen[i] < DETERMINED {
+        if contradicts[i] || seen[i] < DETERMINED {
             models[i] = given[i];
         }
     }
@@ -142,7 +168,8 @@ fn align_contours(given: &[Model], instants: &[Instant]) -> Vec<Model> {
     let mut models = given.to_vec();
     let priors = Spread::priors(given, &vec![Spread { shift: 0.0, ..Spread::FIRST }; given.len()], false);
     let miss = |models: &[Model]| {
-        let mut sizes: Vec<f64> = misses(models.len(), &all_tangencies(instants, models)).into_iter().flatten().collect();
+        let mut sizes: Vec<f64> =
+            misses(models.len(), &all_tangencies(instants, models)).into_iter().flatten().collect();
         // The mean, because a single camera may be far off.
         let count = sizes.len();
         sizes.drain(..).sum::<f64>() / count.max(1) as f64
@@ -161,26 +188,34 @@ struct Evidence {
     brightness: Vec<Brightness>,
     /// Standard deviation of points of tangency in pixels.
     contour_sigma: f64,
+    /// For each camera the number of frames in which its silhouette shows what the others do not have.
+    apart: Vec<usize>,
 }
 
 impl Evidence {
+    /// Whether a camera's silhouette shows what the others do not have in most frames.
+    fn is_apart(&self, place: usize, instants: &[Instant]) -> bool {
+        2 * self.apart[place] > instants.len()
+    }
+
     fn new(
         rig: &Rig,
         instants: &[Instant],
         models: &[Model],
-        hull: &HullParams,
+        hull: &GuideParams,
         reach: usize,
         executor: &impl Executor,
         progress: &dyn Progress,
     ) -> Result<Self> {
-        let mut evidence = Self::default();
+        let mut evidence = Self { apart: vec![0; models.len()], ..Self::default() };
         let found = all_tangencies(instants, models);
         let sizes: Vec<f64> = found.iter().map(|t| t.miss).collect();
         evidence.contour_sigma = robust_sigma(&sizes).unwrap_or(1.0).max(CONTOUR_SIGMA);
         let contradicting = contradicting(&misses(models.len(), &found));
         for instant in instants {
-            let (mesh, footprint) = instant.hull(models, |i| contradicting[i].is_some(), hull, progress)?;
-            let (tracks, brightness) = matching::tracks(rig, instant, models, (&mesh, footprint), reach, executor);
+            let guide = instant.hull(models, |i| contradicting[i].is_some(), hull, progress)?;
+            guide.apart.iter().for_each(|&place| evidence.apart[usize::from(place)] += 1);
+            let (tracks, brightness) = matching::tracks(rig, instant, models, &guide, reach, executor);
             evidence.tracks.extend(tracks);
             evidence.brightness.extend(brightness);
             let used: Vec<_> = tangents::tangencies(models, &instant.outlines)
@@ -203,6 +238,8 @@ struct Judge<'a> {
     models: &'a [Model],
     evidence: &'a Evidence,
     priors: &'a Priors,
+    /// By place.
+    contradicts: &'a [bool],
 }
 
 impl Judge<'_> {
@@ -243,7 +280,13 @@ impl Judge<'_> {
         Calibration { cameras, verdict, reports, held_out, epipolar_bias_px: bias, points, findings }
     }
 
-    fn findings(&self, verdict: Verdict, reports: &[CameraReport], swapped: Option<[usize; 2]>, bias: Option<[f64; 2]>) -> Vec<Finding> {
+    fn findings(
+        &self,
+        verdict: Verdict,
+        reports: &[CameraReport],
+        swapped: Option<[usize; 2]>,
+        bias: Option<[f64; 2]>,
+    ) -> Vec<Finding> {
         let mut findings = Vec::new();
         let order = self.rig.order();
         let swapped = swapped.map(|places| places.map(|place| order[place]));
@@ -251,13 +294,13 @@ impl Judge<'_> {
             findings.push(Finding::CamerasSwapped { first: a.min(b), second: a.max(b) });
         }
         let is_swapped = |camera: u32| swapped.is_some_and(|cameras| cameras.contains(&camera));
-        let misses: Vec<Option<f64>> = reports.iter().map(|r| r.refined.contour_px).collect();
-        let contradicting = contradicting(&misses);
+        let contradicts =
+            |camera: u32| order.iter().position(|&i| i == camera).is_some_and(|place| self.contradicts[place]);
         let mut moved: Vec<f64> = reports.iter().map(|r| r.moved_px).collect();
         let limit = BUMPED[0].max(BUMPED[1] * median(&mut moved).unwrap_or(0.0));
         for (camera, report) in (0..).zip(reports).filter(|&(camera, _)| !is_swapped(camera)) {
-            if let Some(pixels) = contradicting[camera as usize] {
-                findings.push(Finding::CameraContradicts { camera, pixels });
+            if contradicts(camera) {
+                findings.push(Finding::CameraContradicts { camera, contour_px: report.refined.contour_px });
             } else if verdict == Verdict::Improved && report.moved_px > limit {
                 findings.push(Finding::CameraBumped { camera, pixels: report.moved_px });
             }

@@ -82,12 +82,7 @@ pub(super) fn residuals(instants: &[Instant], models: &[Model], tracks: &[Track]
 
 /// The mean loss of what was held out, or `None` if too little was. `sigmas` are the standard deviations in pixels of
 /// matches and of tangencies.
-pub(super) fn held_out_loss(
-    instants: &[Instant],
-    models: &[Model],
-    tracks: &[Track],
-    sigmas: [f64; 2],
-) -> Option<f64> {
+pub(super) fn held_out_loss(instants: &[Instant], models: &[Model], tracks: &[Track], sigmas: [f64; 2]) -> Option<f64> {
     let loss = |d: f64, sigma: f64| libm::log1p(d * d / (sigma * sigma * JUDGE * JUDGE));
     let (mut sum, mut count) = (0.0, 0_u32);
     distances(models, tracks, |_, d, held_out| {

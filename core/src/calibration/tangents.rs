@@ -98,7 +98,9 @@ pub(super) fn misses(cameras: usize, tangencies: &[Tangency]) -> Vec<Option<f64>
     for t in tangencies {
         t.cameras.iter().for_each(|&c| of[c as usize].push(t.miss));
     }
-    of.into_iter().map(|mut misses| if misses.len() < 4 { None } else { super::statistics::median(&mut misses) }).collect()
+    of.into_iter()
+        .map(|mut misses| if misses.len() < 4 { None } else { super::statistics::median(&mut misses) })
+        .collect()
 }
 
 /// The tangencies as tracks of two observations.

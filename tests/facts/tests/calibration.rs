@@ -139,8 +139,9 @@ fn a_picture_of_another_instant_is_named_and_its_camera_does_not_move() {
     let found = calibrated(&shot);
     assert!(
         matches!(found.findings[..], [Finding::CameraContradicts { camera: 3, .. }]),
-        "{:?}",
-        found.findings
+        "{:?} {:?}",
+        found.findings,
+        found.reports[3]
     );
     assert_eq!(found.cameras[3], shot.cameras[3]);
 }
