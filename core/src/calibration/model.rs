@@ -118,10 +118,10 @@ impl Model {
         if !(c.z > 0.0) {
             return None;
         }
-        Some(self.to_pixel(self.given.distort(DVec2::new(c.x / c.z, c.y / c.z))))
+        Some(self.pixel_of(self.given.distort(DVec2::new(c.x / c.z, c.y / c.z))))
     }
 
-    fn to_pixel(&self, p: DVec2) -> DVec2 {
+    fn pixel_of(&self, p: DVec2) -> DVec2 {
         let k = &self.k;
         DVec2::new(k[0][0] * p.x + k[0][1] * p.y + k[0][2], k[1][1] * p.y + k[1][2])
     }
@@ -142,7 +142,7 @@ impl Model {
         let by = |v: DVec3| along_x * v.x + along_y * v.y + along_z * v.z;
         let zoom = DVec2::new(k[0][0] * real.x + k[0][1] * real.y, k[1][1] * real.y);
         Some(Projection {
-            pixel: self.to_pixel(real),
+            pixel: self.pixel_of(real),
             by_camera: [
                 by(DVec3::X.cross(c)),
                 by(DVec3::Y.cross(c)),
