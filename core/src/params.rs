@@ -109,7 +109,7 @@ impl Params {
             method: Method::Pcmvs,
             contour: Some(ContourParams { reach_pixels: 4.5 }),
             hull: HullParams { voxel_pixels: 1.5 },
-            agreement: Some(AgreementParams { blame: 0.08, uncovered: 0.1, largest_share: 0.25 }),
+            agreement: Some(AgreementParams { blame: AgreementParams::BLAME, uncovered: 0.1, largest_share: 0.25 }),
             coarse: Some(coarse),
             detection,
             frontier: Some(FrontierParams { longest_pixels: 40.0 }),

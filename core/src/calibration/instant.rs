@@ -104,7 +104,7 @@ impl Instant {
                 Err(error) => return Err(error.clone()),
             };
             let room = most.saturating_sub(set_aside.len());
-            let guilty = contradicting(&views, mesh, &agreement, room, &mut workspace, progress)?;
+            let guilty = contradicting(&views, mesh, agreement.blame, room, &mut workspace, progress)?;
             if guilty.is_empty() {
                 break;
             }
@@ -145,7 +145,7 @@ fn carve(
     workspace: &mut Workspace,
     progress: &dyn Progress,
 ) -> Result<(Mesh, f32)> {
-    let hull = VisualHull::with_workspace(views, params, workspace, progress)?;
+    let hull = VisualHull::with_workspace(views, params, None, workspace, progress)?;
     let mut mesh = hull.mesh(workspace);
     drop_small_components(&mut mesh, SMALLEST_PART, workspace);
     Ok((mesh, hull.footprint()))

@@ -38,7 +38,7 @@ impl<R: Deref<Target = Rig> + Sync> Frame<R> {
             let guilty = contradicting(
                 &self.views,
                 &self.intermediates.hull,
-                &params,
+                params.blame,
                 room.min(silhouettes.saturating_sub(MIN_VIEWS as usize)),
                 &mut self.memory.workspace,
                 progress,

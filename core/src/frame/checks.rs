@@ -2,7 +2,6 @@
 //! the object, and poses in another convention.
 
 use super::{
-    blame::{Region, blame},
     diagnostics::{Comparison, compare},
     state::Frame,
 };
@@ -10,7 +9,7 @@ use crate::{
     camera::Pinhole,
     error::{Error, Result},
     executor::Executor,
-    hull::{HullParams, VisualHull},
+    hull::{AgreementParams, HullParams, VisualHull, contradicting},
     left_out::LeftOut,
     math::ordered,
     progress::{Progress, Silent},
@@ -30,6 +29,9 @@ const INVERTED_BORDER: f32 = 0.6;
 const DOUBTFUL_OVERLAP: f32 = 0.5;
 /// Poses are in another convention if the median overlap with them exceeds this.
 const CONVINCING_OVERLAP: f32 = 0.75;
+/// A view that is believed is named if at least this share of the pixels speak against it that would be needed to set it
+/// aside.
+const NAMED: f32 = 0.6;
 /// Spacing of the hull's grid for another convention, in pixels of footprint.
 const TRIAL_VOXEL_PIXELS: f32 = 4.0;
 
@@ -43,13 +45,13 @@ impl<R: Deref<Target = Rig> + Sync> Frame<R> {
             view.left_out = view.left_out.filter(|reason| !reason.is_found_with_hull());
         }
         self.compared.clear();
-        self.contradicted.clear();
+        self.contradicting.clear();
         let doubtful = set_aside_inverted(&mut self.views)?;
         self.carve_and_compare(executor, progress)?;
         let mut again = false;
         for place in doubtful {
             // Of an object that leaves the picture on most sides, the hull covers the silhouette and not its inverse.
-            let &Comparison { overlap, inverted, .. } = &self.compared[place];
+            let Comparison { overlap, inverted, .. } = self.compared[place];
             if inverted <= overlap {
                 self.views[place].left_out = None;
                 again = true;
@@ -71,12 +73,14 @@ impl<R: Deref<Target = Rig> + Sync> Frame<R> {
         {
             return Err(error);
         }
-        if let Some(hull) = &self.hull {
-            let (lower, upper) = hull.bounds();
-            let region =
-                Region { centre: (lower + upper) * 0.5, radius: (upper - lower).length(), footprint: hull.footprint() };
-            self.contradicted = blame(&self.views, &self.compared, region);
-        }
+        self.contradicting = contradicting(
+            &self.views,
+            &self.intermediates.hull,
+            NAMED * AgreementParams::BLAME,
+            self.views.len(),
+            &mut self.memory.workspace,
+            progress,
+        )?;
         Ok(())
     }
 

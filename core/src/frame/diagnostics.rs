@@ -26,7 +26,7 @@ pub struct ViewDiagnostics {
 }
 
 /// A silhouette against the hull's picture.
-#[derive(Debug, Clone, Default)]
+#[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Comparison {
     /// Intersection over union. `None` without a silhouette, or if both are empty.
     pub overlap: Option<f32>,
@@ -36,16 +36,7 @@ pub(super) struct Comparison {
     pub contour: Option<f32>,
     /// Whether any vertex of the hull's mesh lies in the picture.
     pub in_picture: bool,
-    /// Share of the silhouette that the hull's picture lacks, without a margin along the contour.
-    pub lacks: f32,
-    /// Pixels that it lacks: at most [`LACKING`], evenly spread.
-    pub lacking: Vec<[u16; 2]>,
 }
-
-/// Most pixels that are kept of those that the hull's picture lacks.
-const LACKING: usize = 64;
-/// Margin along the contour within which the hull's picture may lack pixels: contours err by as much.
-const MARGIN_PIXELS: f32 = 1.5;
 
 /// Buffers for one comparison after another.
 #[derive(Debug, Default)]
@@ -92,8 +83,7 @@ impl Scratch {
         }
         let part = Part { covered, first, size: [w, h], silhouette };
         let [overlap, inverted] = part.overlaps();
-        let (lacks, lacking) = part.lacking();
-        Comparison { overlap, inverted, contour: part.contour(distances), in_picture, lacks, lacking }
+        Comparison { overlap, inverted, contour: part.contour(distances), in_picture }
     }
 }
 
@@ -112,32 +102,6 @@ impl Part<'_> {
         let [w, _] = self.size;
         let start = (self.first[1] + y) * self.silhouette.width as usize + self.first[0];
         (&self.covered[y * w..][..w], &self.silhouette.distances()[start..][..w])
-    }
-
-    /// Share of the silhouette, without a margin along its contour, that is not covered, and some pixels there.
-    fn lacking(&self) -> (f32, Vec<[u16; 2]>) {
-        let margin = (MARGIN_PIXELS * Silhouette::UNITS) as i16;
-        let deep = |d: i16| d > margin && d != Silhouette::UNKNOWN;
-        let (width, height) = (self.silhouette.width as usize, self.silhouette.height as usize);
-        let (columns, rows) =
-            (self.first[0]..self.first[0] + self.size[0], self.first[1]..self.first[1] + self.size[1]);
-        let covered = |x: usize, y: usize| {
-            let inside = columns.contains(&x) && rows.contains(&y);
-            inside && self.covered[(y - self.first[1]) * self.size[0] + x - self.first[0]]
-        };
-        let (mut all, mut lacking) = (0u32, Vec::new());
-        for y in 0..height {
-            let row = &self.silhouette.distances()[y * width..][..width];
-            for x in (0..width).filter(|&x| deep(row[x])) {
-                all += 1;
-                if !covered(x, y) {
-                    lacking.push([x as u16, y as u16]);
-                }
-            }
-        }
-        let share = lacking.len() as f32 / all.max(1) as f32;
-        let every = lacking.len().div_ceil(LACKING).max(1);
-        (share, lacking.into_iter().step_by(every).collect())
     }
 
     /// Intersection over union with the silhouette and with its inverse, over the pixels that have a source.

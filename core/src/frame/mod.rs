@@ -2,7 +2,6 @@
 //! defined only here. [`crate::reconstruct`], the C ABI and the WebAssembly module all use [`Frame`].
 
 mod agreement;
-mod blame;
 mod checks;
 mod diagnostics;
 mod intermediates;

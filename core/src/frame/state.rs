@@ -44,9 +44,8 @@ pub struct Frame<R> {
     pub(super) hull: Option<VisualHull>,
     /// How each view's silhouette agrees with the hull, in the rig's order. Empty before the hull is carved.
     pub(super) compared: Vec<Comparison>,
-    /// How many other views each view's silhouette contradicts, in the rig's order; zero unless it is at fault. Empty
-    /// before the hull is carved.
-    pub(super) contradicted: Vec<u32>,
+    /// Places in the rig's order of the views that are believed although they contradict others.
+    pub(super) contradicting: Vec<u16>,
     /// The views at the octave of detection, unless that is the view itself. Each is computed on first use.
     octaves: Vec<Once<Option<PyramidLevel<'static>>>>,
     /// One slot per view for its points, used until the stage `Detect` is complete.
@@ -76,7 +75,7 @@ impl<R: Deref<Target = Rig>> Frame<R> {
             views: Vec::new(),
             hull: None,
             compared: Vec::new(),
-            contradicted: Vec::new(),
+            contradicting: Vec::new(),
             octaves: (0..count).map(|_| Once::new()).collect(),
             found: slots(count),
             intermediates: Intermediates::default(),
@@ -243,7 +242,7 @@ impl<R: Deref<Target = Rig>> Frame<R> {
         }
         self.octaves.iter_mut().for_each(|octave| *octave = Once::new());
         self.compared.clear();
-        self.contradicted.clear();
+        self.contradicting.clear();
         self.reached = None;
     }
 

@@ -75,8 +75,6 @@ pub enum Warning {
     SilhouetteDisagrees {
         /// Index of the camera.
         camera: u32,
-        /// Number of views that it contradicts.
-        contradicted: u32,
         /// Its overlap with the hull of all silhouettes, 0 to 1.
         overlap: f32,
         /// The median overlap of all cameras.
@@ -188,8 +186,8 @@ impl Warning {
                  whether the camera was moved since its calibration, was exchanged with another one, or is out of step",
                 100.0 * overlap
             ),
-            Self::SilhouetteDisagrees { contradicted, overlap, median, .. } => format!(
-                "its silhouette excludes what {contradicted} other views show, and overlaps with the hull to {:.1} % (median \
+            Self::SilhouetteDisagrees { overlap, median, .. } => format!(
+                "its silhouette excludes what several other views show, and overlaps with the hull to {:.1} % (median \
                  of all: {:.1} %): check whether its mask lacks a part, whether the camera was moved since its calibration, \
                  and whether its picture is of the same instant and of this camera",
                 100.0 * overlap,
@@ -265,9 +263,9 @@ impl<R: Deref<Target = Rig>> Frame<R> {
             return Vec::new();
         };
         let named = (0..self.cameras() as u32).filter_map(|camera| {
-            let contradicted = *self.contradicted.get(self.rig().place(camera as usize)?)?;
+            let place = self.rig().place(camera as usize)? as u16;
             let &(overlap, _) = overlaps.iter().find(|found| found.1 == camera)?;
-            (contradicted > 0).then_some(Warning::SilhouetteDisagrees { camera, contradicted, overlap, median })
+            self.contradicting.contains(&place).then_some(Warning::SilhouetteDisagrees { camera, overlap, median })
         });
         let named: Vec<Warning> = named.collect();
         if named.is_empty() && median < CONTRADICT_BELOW {

@@ -77,12 +77,7 @@ pub(super) struct Space {
 
 impl Space {
     /// The cells that at most `tolerated` views exclude.
-    pub fn new(
-        carvers: &[Carver],
-        tolerated: u32,
-        workspace: &mut Workspace,
-        progress: &dyn Progress,
-    ) -> Result<Self> {
+    pub fn new(carvers: &[Carver], tolerated: u32, workspace: &mut Workspace, progress: &dyn Progress) -> Result<Self> {
         let half = half_edge(carvers);
         Ok(Self { half, support: support(carvers, half, tolerated, workspace, progress)? })
     }
@@ -165,4 +160,3 @@ fn support(
     }
     Ok(support)
 }
-

@@ -58,9 +58,8 @@ pub(super) fn needed_support(carvers: &[Carver], support: &[u16], half: f32, wor
     let cell = 2.0 * half / CELLS as f32;
     let centre = |i: usize| cell_corner(i, half) + Vec3::splat(0.5 * cell);
     let mut rays: Vec<Rays> = carvers.iter().map(|carver| Rays::new(carver, cell)).collect();
-    let occupied = |support: &[u16]| -> Vec<u32> {
-        (0..support.len()).filter(|&i| support[i] > 0).map(|i| i as u32).collect()
-    };
+    let occupied =
+        |support: &[u16]| -> Vec<u32> { (0..support.len()).filter(|&i| support[i] > 0).map(|i| i as u32).collect() };
     let occupied = occupied(support);
     for &i in &occupied {
         let p = centre(i as usize);

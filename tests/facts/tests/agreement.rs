@@ -60,7 +60,7 @@ fn named(warnings: &[Warning], code: &str) -> Vec<usize> {
 /// Turns a camera so that its picture moves by some pixels to the right and down.
 fn bump(shot: &mut Shot, camera: usize, pixels: f64) {
     let camera = &mut shot.cameras[camera];
-    let angle = pixels * 0.5f64.sqrt() / camera.k[0][0];
+    let angle = pixels * core::f64::consts::FRAC_1_SQRT_2 / camera.k[0][0];
     let turn = DMat3::from_rotation_x(-angle) * DMat3::from_rotation_y(angle);
     let rotation = turn * DMat3::from_cols_array_2d(&camera.r).transpose();
     camera.r = rotation.transpose().to_cols_array_2d();

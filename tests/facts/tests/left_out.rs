@@ -131,7 +131,7 @@ fn silhouettes_that_agree_and_one_that_does_not() {
     shot.cameras[4].k[0][2] += 4.0;
     let moved = made(&shot, Preset::Hull, &some(&shot));
     let named = moved.warnings.iter().filter_map(|warning| match warning {
-        Warning::SilhouetteDisagrees { camera, contradicted: 3.., .. } => Some(*camera),
+        Warning::SilhouetteDisagrees { camera, .. } | Warning::CameraContradicts { camera, .. } => Some(*camera),
         _ => None,
     });
     assert_eq!(named.collect::<Vec<_>>(), [4]);

@@ -37,15 +37,21 @@ pub struct AgreementParams {
     pub largest_share: f32,
 }
 
+impl AgreementParams {
+    /// The value of [`Self::blame`] in the presets. Ordinary noise, mattes and calibration reach half of it.
+    pub const BLAME: f32 = 0.08;
+}
+
 /// The places in the rig's order of the views whose silhouettes contradict the others, in ascending order. `mesh` is the
-/// mesh of the hull of all views that carve it; it is empty if their hull is. There are at most `most`, the worst.
+/// mesh of the hull of all views that carve it; it is empty if their hull is. `blame` is [`AgreementParams::blame`]. There
+/// are at most `most`, the worst.
 ///
 /// # Errors
 /// [`crate::Error::Cancelled`].
 pub fn contradicting(
     views: &[View],
     mesh: &Mesh,
-    params: &AgreementParams,
+    blame: f32,
     most: usize,
     workspace: &mut Workspace,
     progress: &dyn Progress,
@@ -58,7 +64,7 @@ pub fn contradicting(
         uncovered.push(coverage.uncovered(&carver.silhouette));
         contours += coverage::contour_length(&carver.silhouette);
     }
-    let limit = params.blame * contours as f32 / carvers.len().max(1) as f32;
+    let limit = blame * contours as f32 / carvers.len().max(1) as f32;
     // Every uncovered pixel stands for the pixels around it that were not looked at.
     let pixels = uncovered.iter().map(|pixels| pixels.len() as f32 * coverage::PIXELS_PER_SAMPLE).sum::<f32>();
     if most == 0 || pixels < limit {

@@ -84,8 +84,7 @@ pub(super) fn solve(
             GridLevel::refine(&levels, &samples, level, iso, workspace)
         };
         steps.step()?;
-        let mut rhs =
-            right_hand_side(&levels, &mut sparse, &samples, &next.grid, level, workspace, || steps.step())?;
+        let mut rhs = right_hand_side(&levels, &mut sparse, &samples, &next.grid, level, workspace, || steps.step())?;
         steps.step()?;
         workspace.recycle(cells);
         cells = system::cells(&samples, &next.grid, level, workspace);
