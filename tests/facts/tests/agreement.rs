@@ -4,10 +4,9 @@ use facts::{
     Shot,
     topology::{assert_sound, components},
 };
-use glam::DMat3;
 use pcmvs_core::{Frame, Memory, Mesh, Params, Preset, Serial, Silent, Warning};
 use std::sync::LazyLock;
-use studio::{Faults, Ring, Subject, capture::record};
+use studio::{Faults, Ring, Spots, Subject, dome, masks::clear_columns};
 
 const CAMERAS: u32 = 16;
 /// The camera at fault.
@@ -59,23 +58,9 @@ fn named(warnings: &[Warning], code: &str) -> Vec<usize> {
 
 /// Turns a camera so that its picture moves by some pixels to the right and down.
 fn bump(shot: &mut Shot, camera: usize, pixels: f64) {
-    let camera = &mut shot.cameras[camera];
-    let angle = pixels * core::f64::consts::FRAC_1_SQRT_2 / camera.k[0][0];
-    let turn = DMat3::from_rotation_x(-angle) * DMat3::from_rotation_y(angle);
-    let rotation = turn * DMat3::from_cols_array_2d(&camera.r).transpose();
-    camera.r = rotation.transpose().to_cols_array_2d();
-    camera.t = (turn * glam::DVec3::from_array(camera.t)).to_array();
-}
-
-/// Clears a mask in some columns of the object's bounding box, given as shares of its width.
-fn cut(shot: &mut Shot, camera: usize, columns: core::ops::Range<f64>) {
-    let width = shot.cameras[camera].width as usize;
-    let mask = shot.frame.masks[camera].as_mut().expect("the camera has a mask");
-    let on_object = || mask.iter().enumerate().filter(|&(_, &v)| v > 127).map(|(i, _)| i % width);
-    let (low, high) = (on_object().min().expect("an object"), on_object().max().expect("an object"));
-    let at = |share: f64| low + (share * (high - low + 1) as f64) as usize;
-    let cleared = at(columns.start)..at(columns.end);
-    mask.iter_mut().enumerate().filter(|&(i, _)| cleared.contains(&(i % width))).for_each(|(_, v)| *v = 0);
+    let shift = pixels * core::f64::consts::FRAC_1_SQRT_2;
+    let faults = Faults { bumped: vec![(camera, [shift, shift])], ..Faults::default() };
+    shot.cameras[camera] = faults.calibrated(&shot.cameras[camera], camera);
 }
 
 /// What stage days do to every camera a little is no contradiction.
@@ -97,7 +82,8 @@ fn nobody_is_at_fault_in_an_ordinary_capture() {
 #[test]
 fn a_mask_without_a_limb_carves_nothing() {
     let mut shot = figure();
-    cut(&mut shot, ONE, 0.0..0.25);
+    let mask = shot.frame.masks[ONE].as_mut().expect("the camera has a mask");
+    clear_columns(mask, RING.width, 0.0..0.25);
     let (mesh, warnings) = hull(&shot);
     assert_eq!(named(&warnings, "silhouette-set-aside"), [ONE], "{warnings:?}");
     assert_eq!(warnings.len(), 1, "{warnings:?}");
@@ -119,8 +105,7 @@ fn a_camera_that_was_moved_is_left_out() {
 #[test]
 fn two_cameras_that_were_exchanged_are_left_out() {
     let mut shot = figure();
-    shot.frame.images.swap(ONE, ONE + 1);
-    shot.frame.masks.swap(ONE, ONE + 1);
+    shot.frame.exchange(ONE, ONE + 1);
     let (mesh, warnings) = hull(&shot);
     assert_eq!(named(&warnings, "camera-contradicts"), [ONE, ONE + 1], "{warnings:?}");
     assert_hull_of_others(&shot, &mesh, &[ONE, ONE + 1], "two cameras were exchanged");
@@ -129,9 +114,7 @@ fn two_cameras_that_were_exchanged_are_left_out() {
 #[test]
 fn a_camera_out_of_step_is_left_out() {
     let mut shot = figure();
-    let mut late = record(Subject::Figure, &shot.cameras[ONE..=ONE], 0, 0.5, &Faults::default());
-    shot.frame.images[ONE] = late.images.remove(0);
-    shot.frame.masks[ONE] = late.masks.remove(0);
+    shot.frame.retake(ONE, &shot.cameras[ONE], Subject::Figure, 0.5);
     let (mesh, warnings) = hull(&shot);
     assert_eq!(named(&warnings, "camera-contradicts"), [ONE], "{warnings:?}");
     assert_hull_of_others(&shot, &mesh, &[ONE], "a camera is late");
@@ -142,21 +125,7 @@ fn a_camera_out_of_step_is_left_out() {
 fn holes_in_every_mask_are_filled() {
     let mut shot = figure();
     let whole = volume(&hull(&shot).0);
-    for (camera, mask) in shot.frame.masks.iter_mut().enumerate() {
-        let (width, mask) = (shot.cameras[camera].width as usize, mask.as_mut().expect("all have masks"));
-        let on_object: Vec<usize> = (0..mask.len()).filter(|&i| mask[i] == 255).collect();
-        for hole in 0..4 {
-            // Different places in every view.
-            let centre = on_object[(on_object.len() / 5 * (hole + 1) + camera * 97) % on_object.len()];
-            let (cx, cy) = ((centre % width) as f64, (centre / width) as f64);
-            for (i, v) in mask.iter_mut().enumerate() {
-                let (dx, dy) = ((i % width) as f64 - cx, (i / width) as f64 - cy);
-                if dx * dx + dy * dy < 16.0 {
-                    *v = 0;
-                }
-            }
-        }
-    }
+    shot.frame.spoil_masks(&Faults { holes: Spots { count: 4, diameter: 8.0 }, ..Faults::default() }, 0);
     let found = volume(&hull(&shot).0);
     assert!((found / whole - 1.0).abs() < 0.01, "{found} m³ instead of {whole}");
 }
@@ -178,12 +147,9 @@ fn four_cameras_make_one_body() {
 /// all of them.
 #[test]
 fn views_of_a_part_count_for_what_they_see() {
-    let half = |look_at: f64, count: u32, seed: u64| {
-        let look_at = glam::DVec3::new(0.0, 0.0, look_at);
-        Ring { count, look_at, fov: 0.32, seed, ..Ring::default() }.sized(480, 360).cameras()
-    };
-    let mut cameras = half(1.35, 12, 1);
-    cameras.extend(half(0.45, 6, 2));
+    let upper = Ring { count: 12, ..*RING }.aimed(1.35, 0.32);
+    let lower = Ring { count: 6, seed: 2, ..*RING }.aimed(0.45, 0.32);
+    let cameras = dome(&[upper, lower]);
     let shot = Shot::new(Subject::Figure, &cameras, &Faults::default());
     let (mesh, warnings) = hull(&shot);
     assert_eq!(warnings, []);

@@ -6,7 +6,7 @@ use facts::{
 };
 use pcmvs_core::{Params, Preset};
 use std::sync::LazyLock;
-use studio::{Capture, Faults, Ring, Subject};
+use studio::{Faults, Ring, Subject};
 
 static RING: LazyLock<Ring> = LazyLock::new(|| Ring { count: 12, ..Ring::default() }.sized(320, 240));
 
@@ -50,6 +50,20 @@ fn noise_gains_and_blur() {
     errors(&torus(&blur), 1, "blur").assert_within(0.9, 0.8, "blur");
 }
 
+/// Interpolating the mosaic's colours blurs them and makes their noise smooth, so that it looks like texture.
+#[test]
+fn noise_of_a_mosaic() {
+    let faults = Faults { noise: 4.0, mosaic: true, ..Faults::default() };
+    errors(&torus(&faults), 1, "mosaic").assert_within(0.9, 0.8, "mosaic");
+}
+
+/// Contours that are off by a pixel in long stretches, as keyers leave them. The hull of such masks lies inside the object.
+#[test]
+fn smooth_errors_of_contours() {
+    let faults = Faults { contours: 1.0, ..Faults::default() };
+    errors(&torus(&faults), 1, "contours").assert_within(0.9, 1.2, "contours");
+}
+
 /// A calibration error of half a pixel costs about as much.
 #[test]
 fn calibration_errors() {
@@ -60,13 +74,9 @@ fn calibration_errors() {
 /// One camera is 50 ms late while the figure dances.
 #[test]
 fn a_view_out_of_step() {
-    let cameras = RING.cameras();
-    let mut capture = Capture::new(Subject::Figure, &cameras, &[0.0, 0.05], &Faults::default());
-    let late = capture.frames.remove(1);
-    let mut frame = capture.frames.remove(0);
-    frame.images[5] = late.images[5].clone();
-    frame.masks[5] = late.masks[5].clone();
-    errors(&Shot { cameras, frame }, 1, "out of step").assert_within(0.9, 2.0, "out of step");
+    let mut shot = Shot::new(Subject::Figure, &RING.cameras(), &Faults::default());
+    shot.frame.retake(5, &shot.cameras[5], Subject::Figure, 0.05);
+    errors(&shot, 1, "out of step").assert_within(0.9, 2.0, "out of step");
 }
 
 /// Separate bodies stay separate.

@@ -22,6 +22,30 @@ impl CapturedFrame {
         let Picture { width, height, .. } = self.images[camera];
         self.masks[camera].as_ref().map(|m| ImageRef::packed(m, width, height, PixelFormat::Gray8))
     }
+
+    /// Gives exact masks the faults that they would have if this had been recorded with them as frame number `frame`.
+    pub fn spoil_masks(&mut self, faults: &Faults, frame: usize) {
+        for (camera, (mask, picture)) in self.masks.iter_mut().zip(&self.images).enumerate() {
+            if let Some(exact) = mask {
+                let coverage: Vec<f64> = exact.iter().map(|v| f64::from(*v) / 255.0).collect();
+                *mask = faults.mask(&coverage, picture.width, picture.height, camera, frame);
+            }
+        }
+    }
+
+    /// Exchanges what two cameras recorded.
+    pub fn exchange(&mut self, a: usize, b: usize) {
+        self.images.swap(a, b);
+        self.masks.swap(a, b);
+    }
+
+    /// Replaces what a camera recorded by what it records of the subject at another time in seconds, without faults.
+    /// `truth` is its true calibration. The frame's ground truth stays.
+    pub fn retake(&mut self, camera: usize, truth: &Camera, subject: Subject, time: f64) {
+        let mut other = record(subject, &[*truth], 0, time, &Faults::default());
+        self.images[camera] = other.images.remove(0);
+        self.masks[camera] = other.masks.remove(0);
+    }
 }
 
 /// The recording of a dome, with its ground truth.
@@ -69,7 +93,7 @@ pub fn record(subject: Subject, cameras: &[Camera], frame: usize, time: f64, fau
     for (i, camera) in cameras.iter().enumerate() {
         let picture = render(&subject.at(time + faults.clock_of(i)), camera);
         out.images.push(faults.picture(&picture, camera.width, camera.height, i, frame));
-        out.masks.push(faults.mask(&picture.coverage, camera.width, camera.height, i));
+        out.masks.push(faults.mask(&picture.coverage, camera.width, camera.height, i, frame));
     }
     out
 }

@@ -1,6 +1,15 @@
 //! Faults of real captures, each of which can be switched on by itself.
 
-use crate::{noise::Random, picture::Picture, render::Render, rotation::turn};
+use crate::{
+    blur::gaussian,
+    contour,
+    masks::{self, Spots},
+    mosaic,
+    noise::Random,
+    picture::Picture,
+    render::Render,
+    rotation::turn,
+};
 use glam::{DMat3, DVec3};
 use image::{ImageFormat, RgbImage, codecs::jpeg::JpegEncoder};
 use pcmvs_core::Camera;
@@ -10,6 +19,9 @@ use pcmvs_core::Camera;
 pub struct Faults {
     /// Standard deviation of the sensor noise in 8-bit levels, independent per channel.
     pub noise: f64,
+    /// The sensor reads one colour per pixel through a Bayer mosaic, with the noise, and the others are interpolated. See
+    /// [`mosaic::demosaic`]. Pictures must have at least 2 x 2 pixels.
+    pub mosaic: bool,
     /// Largest deviation of a camera's gain from 1. Each channel deviates by up to half of it in addition.
     pub gain: f64,
     /// Standard deviation of a Gaussian blur in pixels.
@@ -28,6 +40,14 @@ pub struct Faults {
     pub coarse_masks: u32,
     /// Makes masks black and white instead of soft.
     pub binary_masks: bool,
+    /// Distance in pixels by which the masks' contours lie outside the true ones, inside if negative.
+    pub wider_masks: f64,
+    /// Root mean square in pixels of smooth errors of the masks' contours, anew in every mask. See [`contour::displaced`].
+    pub contours: f64,
+    /// Holes in every mask.
+    pub holes: Spots,
+    /// Specks in the background of every mask.
+    pub specks: Spots,
     /// Quality (1..=100) of the JPEG compression of the pictures.
     pub jpeg: Option<u8>,
     /// Seed of everything random.
@@ -41,6 +61,9 @@ enum Stream {
     Noise,
     Calibration,
     Clock,
+    Contours,
+    Holes,
+    Specks,
 }
 
 impl Faults {
@@ -89,13 +112,22 @@ impl Faults {
         }
         let gains = self.gains_of(camera);
         let mut random = self.random(Stream::Noise, camera, frame);
+        let mut noise = || if self.noise > 0.0 { self.noise * random.normal() } else { 0.0 };
         let sharp = &render.rgb;
         let blurred = if self.blur > 0.0 { &blur(sharp, width, height, self.blur) } else { sharp };
         let mut rgb = Vec::with_capacity(sharp.len() * 3);
-        for pixel in blurred {
-            for (value, gain) in pixel.iter().zip(gains) {
-                let noise = if self.noise > 0.0 { self.noise * random.normal() } else { 0.0 };
-                rgb.push((255.0 * value * gain + noise + 0.5).clamp(0.0, 255.0) as u8);
+        if self.mosaic {
+            let mut samples = Vec::with_capacity(sharp.len());
+            for (i, pixel) in blurred.iter().enumerate() {
+                let channel = mosaic::channel(i % width as usize, i / width as usize);
+                samples.push((255.0 * pixel[channel] * gains[channel] + noise()).clamp(0.0, 255.0));
+            }
+            rgb.extend(mosaic::demosaic(&samples, width, height).iter().flatten().map(|value| (value + 0.5) as u8));
+        } else {
+            for pixel in blurred {
+                for (value, gain) in pixel.iter().zip(gains) {
+                    rgb.push((255.0 * value * gain + noise() + 0.5).clamp(0.0, 255.0) as u8);
+                }
             }
         }
         let picture = Picture { width, height, rgb };
@@ -105,58 +137,39 @@ impl Faults {
         }
     }
 
-    /// The mask of a picture, white on the subject.
-    pub fn mask(&self, coverage: &[f64], width: u32, height: u32, camera: usize) -> Option<Vec<u8>> {
+    /// The mask of a picture, white on the subject. `coverage` is the exact share of each pixel that the subject covers.
+    pub fn mask(&self, coverage: &[f64], width: u32, height: u32, camera: usize, frame: usize) -> Option<Vec<u8>> {
         if self.unmasked.contains(&camera) || self.missing.contains(&camera) {
             return None;
         }
+        let displaced = (self.wider_masks != 0.0 || self.contours > 0.0).then(|| {
+            let mut random = self.random(Stream::Contours, camera, frame);
+            contour::displaced(coverage, width, height, self.wider_masks, self.contours, &mut random)
+        });
+        let coverage = displaced.as_deref().unwrap_or(coverage);
         let black_and_white = |v: &f64| if *v >= 0.5 { 255 } else { 0 };
-        Some(if self.coarse_masks > 0 {
+        let mut mask = if self.coarse_masks > 0 {
             let exact: Vec<u8> = coverage.iter().map(black_and_white).collect();
-            coarse(&exact, width, height, self.coarse_masks)
+            masks::coarse(&exact, width, height, self.coarse_masks)
         } else if self.binary_masks {
             coverage.iter().map(black_and_white).collect()
         } else {
             coverage.iter().map(|v| (255.0 * v + 0.5) as u8).collect()
-        })
+        };
+        if self.holes.count > 0 {
+            masks::punch_holes(&mut mask, width, self.holes, &mut self.random(Stream::Holes, camera, frame));
+        }
+        if self.specks.count > 0 {
+            masks::add_specks(&mut mask, width, self.specks, &mut self.random(Stream::Specks, camera, frame));
+        }
+        Some(mask)
     }
 }
 
-/// Makes a whole square cell white if the subject touches one of its pixels, so that masks are 0 to `size` pixels too
-/// wide.
-fn coarse(mask: &[u8], width: u32, height: u32, size: u32) -> Vec<u8> {
-    let cell = size + 1;
-    let columns = width.div_ceil(cell);
-    let at = |x: u32, y: u32| (y / cell * columns + x / cell) as usize;
-    let mut cells = vec![0; (columns * height.div_ceil(cell)) as usize];
-    let pixels = || (0..height).flat_map(|y| (0..width).map(move |x| (x, y)));
-    for ((x, y), &v) in pixels().zip(mask) {
-        cells[at(x, y)] = v.max(cells[at(x, y)]);
-    }
-    pixels().map(|(x, y)| cells[at(x, y)]).collect()
-}
-
-/// Gaussian blur of rows, then columns. Pixels of the border are repeated outside.
 fn blur(rgb: &[[f64; 3]], width: u32, height: u32, sigma: f64) -> Vec<[f64; 3]> {
-    let reach = libm::ceil(3.0 * sigma) as i64;
-    let weights: Vec<f64> = (-reach..=reach).map(|i| libm::exp(-0.5 * (i * i) as f64 / (sigma * sigma))).collect();
-    let total: f64 = weights.iter().sum();
-    let along = |rgb: &[[f64; 3]], dx: i64, dy: i64| -> Vec<[f64; 3]> {
-        let clamped = |v: i64, size: u32| v.clamp(0, i64::from(size) - 1);
-        let pixels = (0..i64::from(height)).flat_map(|y| (0..i64::from(width)).map(move |x| (x, y)));
-        pixels
-            .map(|(x, y)| {
-                let mut sum = [0.0; 3];
-                for (i, w) in (-reach..=reach).zip(&weights) {
-                    let (u, v) = (clamped(x + i * dx, width), clamped(y + i * dy, height));
-                    let p = rgb[(v * i64::from(width) + u) as usize];
-                    (0..3).for_each(|c| sum[c] += w * p[c]);
-                }
-                sum.map(|v| v / total)
-            })
-            .collect()
-    };
-    along(&along(rgb, 1, 0), 0, 1)
+    let plane = |c: usize| gaussian(&rgb.iter().map(|p| p[c]).collect::<Vec<_>>(), width, height, sigma);
+    let [red, green, blue] = [0, 1, 2].map(plane);
+    (0..rgb.len()).map(|i| [red[i], green[i], blue[i]]).collect()
 }
 
 fn through_jpeg(picture: &Picture, quality: u8) -> Picture {

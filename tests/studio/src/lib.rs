@@ -6,12 +6,16 @@
 //! same on every machine, byte for byte.
 
 pub mod backdrop;
+mod blur;
 pub mod capture;
+pub mod contour;
 pub mod faults;
 mod figure;
 pub mod look;
+pub mod masks;
 pub mod material;
 pub mod mesh;
+pub mod mosaic;
 pub mod noise;
 pub mod part;
 pub mod picture;
@@ -27,6 +31,7 @@ pub mod write;
 
 pub use capture::{Capture, CapturedFrame};
 pub use faults::Faults;
+pub use masks::Spots;
 pub use mesh::TriangleMesh;
 pub use picture::Picture;
 pub use ring::{Ring, dome, pairs};

@@ -5,7 +5,7 @@ use glam::DVec3;
 use pcmvs_core::export::ply;
 use rayon::prelude::*;
 use std::{fs, io, path::PathBuf, process::ExitCode};
-use studio::{Capture, Faults, Ring, Subject, capture::record, polygonise::polygonise};
+use studio::{Capture, Faults, Ring, Spots, Subject, capture::record, polygonise::polygonise};
 
 /// Renders a synthetic capture: scene.json, images, masks and, with --truth, ground-truth meshes
 #[derive(Debug, Parser)]
@@ -38,6 +38,9 @@ struct Arguments {
     /// Standard deviation of the sensor noise in 8-bit levels
     #[arg(long, default_value_t = 0.0)]
     noise: f64,
+    /// Read pictures through a Bayer mosaic and interpolate them
+    #[arg(long)]
+    mosaic: bool,
     /// Largest difference of a camera's gain from 1
     #[arg(long, default_value_t = 0.0)]
     gain: f64,
@@ -62,6 +65,18 @@ struct Arguments {
     /// Black and white masks
     #[arg(long)]
     binary_masks: bool,
+    /// Distance in pixels of the masks' contours outside the true ones
+    #[arg(long, allow_hyphen_values = true, default_value_t = 0.0)]
+    wider_masks: f64,
+    /// Root mean square in pixels of smooth errors of the masks' contours
+    #[arg(long, default_value_t = 0.0)]
+    contours: f64,
+    /// Holes in every mask: their number and their diameter in pixels
+    #[arg(long, value_name = "COUNTxDIAMETER", value_parser = spots, default_value = "0x0")]
+    holes: Spots,
+    /// Specks in the background of every mask: their number and their diameter in pixels
+    #[arg(long, value_name = "COUNTxDIAMETER", value_parser = spots, default_value = "0x0")]
+    specks: Spots,
     /// Quality of the pictures' JPEG compression
     #[arg(long, value_parser = clap::value_parser!(u8).range(1..=100))]
     jpeg: Option<u8>,
@@ -78,6 +93,14 @@ fn size(text: &str) -> Result<(u32, u32), String> {
     match parsed {
         Some((w, h)) if w > 0 && h > 0 => Ok((w, h)),
         _ => Err("write the size as 1024x768".to_owned()),
+    }
+}
+
+fn spots(text: &str) -> Result<Spots, String> {
+    let parsed = text.split_once('x').and_then(|(count, d)| Some((count.parse().ok()?, d.parse().ok()?)));
+    match parsed {
+        Some((count, diameter)) if diameter >= 0.0 => Ok(Spots { count, diameter }),
+        _ => Err("write the number and the diameter as 10x15".to_owned()),
     }
 }
 
@@ -105,6 +128,7 @@ fn run(a: &Arguments) -> io::Result<()> {
     let ring = Ring { count: a.views, distortion: a.distortion, ..Ring::default() }.sized(a.size.0, a.size.1);
     let faults = Faults {
         noise: a.noise,
+        mosaic: a.mosaic,
         gain: a.gain,
         blur: a.blur,
         calibration: a.calibration,
@@ -114,6 +138,10 @@ fn run(a: &Arguments) -> io::Result<()> {
         missing: a.missing.clone(),
         coarse_masks: a.coarse_masks,
         binary_masks: a.binary_masks,
+        wider_masks: a.wider_masks,
+        contours: a.contours,
+        holes: a.holes,
+        specks: a.specks,
         jpeg: a.jpeg,
         seed: a.seed,
     };

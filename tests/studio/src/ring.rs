@@ -55,6 +55,12 @@ impl Ring {
         Self { width, height_px, ..self }
     }
 
+    /// The same ring aimed at another height above the floor, in metres, with another vertical field of view, in radians.
+    /// With a narrow one, every camera sees a part of the subject.
+    pub fn aimed(self, height: f64, fov: f64) -> Self {
+        Self { look_at: self.look_at.with_z(height), fov, ..self }
+    }
+
     /// The cameras, counter-clockwise from the +x axis.
     pub fn cameras(&self) -> Vec<Camera> {
         (0..self.count).map(|i| self.camera(i)).collect()

@@ -79,6 +79,30 @@ fn calibration_is_off_by_its_pixels() {
 }
 
 #[test]
+fn single_cameras_are_bumped() {
+    let off = record(Faults { bumped: vec![(2, [3.0, -4.0])], ..Faults::default() });
+    assert_eq!(off.frames[0].images, CLEAN.frames[0].images);
+    let point = DVec3::new(0.0, 0.0, 0.9);
+    for (i, (given, truth)) in off.cameras.iter().zip(&off.true_cameras).enumerate() {
+        let miss = given.project(point).unwrap().0 - truth.project(point).unwrap().0;
+        let expected = if i == 2 { glam::DVec2::new(3.0, -4.0) } else { glam::DVec2::ZERO };
+        assert!((miss - expected).length() < 0.1, "camera {i}: {miss}");
+    }
+}
+
+#[test]
+fn cameras_are_exchanged_and_late() {
+    let mut frame = CLEAN.frames[0].clone();
+    frame.exchange(0, 3);
+    frame.retake(1, &CLEAN.true_cameras[1], Subject::Figure, 0.4);
+    let late = Capture::new(Subject::Figure, &CLEAN.true_cameras, &[0.4], &Faults::default());
+    let expected = [&CLEAN.frames[0], &late.frames[0], &CLEAN.frames[0], &CLEAN.frames[0]];
+    for (i, from) in [3, 1, 2, 0].into_iter().enumerate() {
+        assert_eq!((&frame.images[i], &frame.masks[i]), (&expected[i].images[from], &expected[i].masks[from]));
+    }
+}
+
+#[test]
 fn clocks_show_other_instants() {
     let faults = Faults { clock: 0.3, ..Faults::default() };
     let late = record(faults.clone());

@@ -35,6 +35,15 @@ fn an_even_ring_looks_at_its_point() {
     }
 }
 
+/// A ring can be aimed at a part of the subject, which its pictures then cut off.
+#[test]
+fn a_ring_is_aimed_at_a_part() {
+    for camera in Ring::default().aimed(1.35, 0.32).cameras() {
+        let [feet, chest, top] = [0.0, 1.35, 1.75].map(|z| camera.project(DVec3::new(0.0, 0.0, z)).unwrap().0.y);
+        assert!((chest - 383.5).abs() < 40.0 && top > 0.0 && feet > 767.0, "{top}, {chest}, {feet}");
+    }
+}
+
 #[test]
 fn pairs_and_domes() {
     assert_eq!(pairs(20), [0, 1, 4, 5, 8, 9, 12, 13, 16, 17]);
