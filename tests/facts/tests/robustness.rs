@@ -50,18 +50,18 @@ fn noise_gains_and_blur() {
     errors(&torus(&blur), 1, "blur").assert_within(0.9, 0.8, "blur");
 }
 
-/// Interpolating the mosaic's colours blurs them and makes their noise smooth, so that it looks like texture.
+/// Interpolating a mosaic's colours blurs them and smooths their noise, so that it looks like texture.
 #[test]
 fn noise_of_a_mosaic() {
     let faults = Faults { noise: 4.0, mosaic: true, ..Faults::default() };
-    errors(&torus(&faults), 1, "mosaic").assert_within(0.9, 0.8, "mosaic");
+    errors(&torus(&faults), 1, "mosaic").assert_within(0.9, 0.52, "mosaic");
 }
 
-/// Contours that are off by a pixel in long stretches, as keyers leave them. The hull of such masks lies inside the object.
+/// Contours are off by a pixel in long stretches, as keyers leave them. The pictures show where they are.
 #[test]
 fn smooth_errors_of_contours() {
     let faults = Faults { contours: 1.0, ..Faults::default() };
-    errors(&torus(&faults), 1, "contours").assert_within(0.9, 1.2, "contours");
+    errors(&torus(&faults), 1, "contours").assert_within(0.9, 0.35, "contours");
 }
 
 /// A calibration error of half a pixel costs about as much.

@@ -17,7 +17,7 @@ use pcmvs_core::Camera;
 /// Faults of a capture. The default has none. Lens distortion is a property of the cameras, see [`crate::Ring`].
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Faults {
-    /// Standard deviation of the sensor noise in 8-bit levels, independent per channel.
+    /// Standard deviation of the sensor noise in 8-bit levels, independent per channel and per pixel of the sensor.
     pub noise: f64,
     /// The sensor reads one colour per pixel through a Bayer mosaic, with the noise, and the others are interpolated. See
     /// [`mosaic::demosaic`]. Pictures must have at least 2 x 2 pixels.
