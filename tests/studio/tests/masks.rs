@@ -121,12 +121,12 @@ fn errors_of_contours_are_smooth_and_differ_between_masks() {
 
 #[test]
 fn holes_and_specks_have_their_size() {
-    let spots = Spots { count: 5, diameter: 8.0 };
+    let spots = Spots { count: 30, diameter: 8.0 };
     let clean = record(&Faults::default());
     let holes = record(&Faults { holes: spots, ..Faults::default() });
     let specks = record(&Faults { specks: spots, ..Faults::default() });
     // A disc of diameter 8 has 49 pixels. Discs overlap, and holes may lie at the contour.
-    let sizes = 100..=5 * 49;
+    let sizes = 15 * 49..=30 * 49;
     for ((clean, holes), specks) in masks(&clean).zip(masks(&holes)).zip(masks(&specks)) {
         let changed = |mask: &[u8]| clean.iter().zip(mask).filter(|(a, b)| a != b).count();
         assert!(sizes.contains(&changed(holes)) && sizes.contains(&changed(specks)));
