@@ -114,6 +114,7 @@ fn ply_of_a_cloud_holds_every_field() {
         position: Vec3::new(1.0, 2.0, 3.0),
         normal: Vec3::Z,
         fidelity: 2.5,
+        sigma: 0.5,
         weight: 0.75,
         view: 7,
         rank: Rank::Frontier,
@@ -121,11 +122,11 @@ fn ply_of_a_cloud_holds_every_field() {
     let bytes = ply::write_cloud(&vec![point, Point { view: Point::NO_VIEW, rank: Rank::Implicit, ..point }], ORIGIN);
     let (header, body) = split(&bytes);
     let properties = header.iter().filter_map(|line| line.strip_prefix("property ")).collect::<Vec<_>>();
-    assert_eq!(properties[6..], ["float fidelity", "float weight", "ushort view", "uchar rank"]);
-    assert_eq!(body.len(), 2 * 35);
+    assert_eq!(properties[6..], ["float fidelity", "float sigma", "float weight", "ushort view", "uchar rank"]);
+    assert_eq!(body.len(), 2 * 39);
     let number = |i: usize| f32::from_le_bytes(body[4 * i..4 * i + 4].try_into().unwrap());
-    let numbers: Vec<f32> = (0..8).map(number).collect();
-    assert_eq!(numbers, [1.5, -0.25, 103.0, 0.0, 0.0, 1.0, 2.5, 0.75]);
-    assert_eq!(body[32..35], [7, 0, 3]);
-    assert_eq!(body[67..70], [255, 255, 0]);
+    let numbers: Vec<f32> = (0..9).map(number).collect();
+    assert_eq!(numbers, [1.5, -0.25, 103.0, 0.0, 0.0, 1.0, 2.5, 0.5, 0.75]);
+    assert_eq!(body[36..39], [7, 0, 3]);
+    assert_eq!(body[75..78], [255, 255, 0]);
 }

@@ -44,7 +44,15 @@ fn exact() -> Vec<Point> {
         if keep * (RADII.0 + RADII.1) < distance {
             let normal = Vec3::new(a.cos() * b.cos(), a.sin() * b.cos(), b.sin());
             let position = Vec3::new(a.cos() * distance, a.sin() * distance, b.sin() * RADII.1);
-            points.push(Point { position, normal, fidelity: 1.0, weight: 1.0, view: 0, rank: Rank::Detected });
+            points.push(Point {
+                position,
+                normal,
+                fidelity: 1.0,
+                sigma: 0.0,
+                weight: 1.0,
+                view: 0,
+                rank: Rank::Detected,
+            });
         }
     }
     points

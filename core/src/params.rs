@@ -8,7 +8,7 @@
 use crate::{
     coarse::CoarseParams,
     colour::{ColourParams, GainParams},
-    contours::{FrontierParams, ImplicitParams},
+    contours::{Certainty, FrontierParams, ImplicitParams},
     detect::{CleanParams, DetectionParams, SearchParams, SubstitutionParams, Support, VoteParams, Windows},
     hull::{AgreementParams, HullParams},
     merge::{ConflictParams, DownsampleParams, MergingParams},
@@ -104,7 +104,7 @@ impl Params {
             },
             voxel_pixels: 4.0,
         };
-        let weights = WeightParams { frontier: 16.0, substituted: 0.3, implicit: 0.1 };
+        let weights = WeightParams { frontier: 58.0, substituted: 0.3, implicit: 0.1 };
         let default = Self {
             method: Method::Pcmvs,
             contour: Some(ContourParams { reach_pixels: 4.5 }),
@@ -112,13 +112,14 @@ impl Params {
             agreement: Some(AgreementParams { blame: AgreementParams::BLAME, uncovered: 0.1, largest_share: 0.25 }),
             coarse: Some(coarse),
             detection,
-            frontier: Some(FrontierParams { longest_pixels: 40.0 }),
+            frontier: Some(FrontierParams { longest_pixels: 40.0, certainty: Certainty::Precision }),
             implicit: None,
             merging: MergingParams { downsample: None, conflicts: None },
             meshing: MeshingParams {
                 voxel_pixels: 1.5,
                 weights: Some(weights),
-                screening: Some(2.2),
+                screening: Some(0.4),
+                calm: Some(0.15),
                 space_constraint: Some(SpaceConstraint::Envelope),
                 smallest_component: 0.01,
             },
@@ -142,14 +143,16 @@ impl Params {
                     clean: CleanParams { facing: Some(0.3), ..clean },
                     ..detection
                 },
+                frontier: Some(FrontierParams { longest_pixels: 40.0, certainty: Certainty::Interval }),
                 implicit: Some(ImplicitParams { contour_pixels: 1.5, hidden_pixels: 3.0 }),
                 merging: MergingParams {
                     downsample: Some(DownsampleParams { radius_pixels: 1.0, normal_agreement: 0.5, keep_above: 0.8 }),
                     conflicts: Some(ConflictParams { distance_pixels: 10.0, virtual_views: 50 }),
                 },
                 meshing: MeshingParams {
-                    weights: Some(WeightParams { substituted: 0.25, ..weights }),
+                    weights: Some(WeightParams { frontier: 16.0, substituted: 0.25, ..weights }),
                     screening: None,
+                    calm: None,
                     space_constraint: Some(SpaceConstraint::Rectify),
                     ..default.meshing
                 },

@@ -29,6 +29,9 @@ pub struct Point {
     /// Fidelity f of eq. 1: at most the number of neighbouring views J if peaks vote as printed
     /// ([`crate::detect::Support::Peaks`]). Spread peaks can add up to more.
     pub fidelity: f32,
+    /// Standard deviation of the position along the normal, in pixels of footprint: of a detected point by its support
+    /// curve, of a frontier point by its contour and its interval. 0 where nothing is known of it.
+    pub sigma: f32,
     /// Non-negative weight in meshing (eq. 3).
     pub weight: f32,
     /// Index of the detecting view; [`Point::NO_VIEW`] for implicit points.
@@ -71,6 +74,7 @@ pub fn hash<'a>(points: impl IntoIterator<Item = &'a Point>) -> u64 {
     for p in points {
         p.position.to_array().iter().chain(&p.normal.to_array()).for_each(|&v| hash.number(v));
         hash.number(p.fidelity);
+        hash.number(p.sigma);
         hash.number(p.weight);
         hash.word(u64::from(p.view) << 8 | p.rank as u64);
     }

@@ -41,7 +41,7 @@ pub fn pinhole(from: Vec3, at: Vec3, size: u32, focal: f64) -> Pinhole {
 
 /// A point of weight 1.
 pub fn point(position: Vec3, normal: Vec3, view: u16, fidelity: f32) -> Point {
-    Point { position, normal, fidelity, weight: 1.0, view, rank: Rank::Detected }
+    Point { position, normal, fidelity, sigma: 0.0, weight: 1.0, view, rank: Rank::Detected }
 }
 
 /// The same with a rank.

@@ -52,7 +52,7 @@ fn outward(solid: Solid, p: Vec3) -> Vec3 {
 }
 
 fn point(position: Vec3, normal: Vec3, weight: f32) -> Point {
-    Point { position, normal, fidelity: 1.0, weight, view: 0, rank: Rank::Detected }
+    Point { position, normal, fidelity: 1.0, sigma: 0.0, weight, view: 0, rank: Rank::Detected }
 }
 
 /// Points spread at random over the surface, so many a square voxel, where `keep` says so.

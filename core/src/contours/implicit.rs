@@ -51,6 +51,7 @@ pub fn implicit(
         position: hull.positions[i],
         normal: hull.normals[i],
         fidelity: 0.0,
+        sigma: 0.0,
         weight: 0.0,
         view: Point::NO_VIEW,
         rank: Rank::Implicit,

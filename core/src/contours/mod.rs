@@ -5,7 +5,7 @@ mod frontier;
 mod implicit;
 
 pub(crate) use frontier::contour;
-pub use frontier::{FrontierParams, frontier};
+pub use frontier::{Certainty, FrontierParams, frontier};
 pub use implicit::{ImplicitParams, implicit};
 
 use crate::{

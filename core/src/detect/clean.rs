@@ -27,16 +27,22 @@ pub struct CleanParams {
     pub facing: Option<f32>,
 }
 
+/// Standard deviation of a substituted point in pixels of footprint: that of a guide surface where stereo has failed,
+/// which is smooth and mostly on the hull.
+const SUBSTITUTED_SIGMA: f32 = 0.6;
+
 /// Windows that reach at least this far, in pixels, are sampled at every second pixel.
 const WIDE: usize = 4;
 
-/// Converts a depth map to cleaned points with normals. `rank` is the kind of each pixel's point.
+/// Converts a depth map to cleaned points with normals. `rank` is the kind of each pixel's point. `footprint` is the unit
+/// of their standard deviations in scene units.
 pub fn clean(
     level: &PyramidLevel,
     map: &DepthMap,
     rank: &[Rank],
     view: u16,
     params: &CleanParams,
+    footprint: f32,
     scratch: &mut CleanScratch,
     counts: &mut Counts,
 ) -> PointCloud {
@@ -82,7 +88,11 @@ pub fn clean(
             continue;
         }
         let normal = if facing < 0.0 { -fit.normal } else { fit.normal };
-        cloud.push(Point { position, normal, fidelity: map.fidelity[i], weight: 0.0, view, rank: rank[i] });
+        let sigma = match rank[i] {
+            Rank::Detected => map.sigma[i] * facing.abs() / footprint,
+            _ => SUBSTITUTED_SIGMA,
+        };
+        cloud.push(Point { position, normal, fidelity: map.fidelity[i], sigma, weight: 0.0, view, rank: rank[i] });
     }
     cloud
 }

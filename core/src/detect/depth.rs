@@ -4,7 +4,7 @@ use super::{
     level::PyramidLevel,
     range::SearchRange,
     sweep::{TILE, TILE_PIXELS, Tile},
-    vote::{Curves, VoteParams},
+    vote::{Curves, VoteParams, deviation},
 };
 use crate::{
     error::Result,
@@ -31,6 +31,16 @@ pub struct SearchParams {
     pub interpolate: bool,
 }
 
+impl SearchParams {
+    /// Number of peaks with errors of their own in the support of a pixel: each view's, times the number of windows that
+    /// fit in the area that the agreeing pixels' windows cover.
+    fn independent_peaks(&self, views: usize) -> f32 {
+        let side = (2 * self.window_radius + 1) as f32;
+        let covered = side + (2 * self.vote.agreement_radius.unwrap_or(0)) as f32;
+        views as f32 * (covered / side) * (covered / side)
+    }
+}
+
 /// Orientation of the correlation windows.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "lowercase"))]
@@ -41,7 +51,7 @@ pub enum Windows {
     Upright,
 }
 
-/// Depth (0 where there is none) and fidelity f of eq. 1 per pixel, row after row.
+/// Depth (0 where there is none) with its standard deviation, and fidelity f of eq. 1 per pixel, row after row.
 #[derive(Debug, Clone, Default)]
 pub struct DepthMap {
     /// Depth along the optical axis.
@@ -49,6 +59,8 @@ pub struct DepthMap {
     /// Fidelity: the support of the neighbouring views. At most their number if peaks vote as printed; spread peaks can
     /// add up to more.
     pub fidelity: Vec<f32>,
+    /// Standard deviation of the depth.
+    pub sigma: Vec<f32>,
 }
 
 /// Largest number of depth hypotheses per tile. Tiles with a deeper range use larger steps.
@@ -65,7 +77,7 @@ pub fn depth_map(
     mut keep_going: impl FnMut(usize, usize) -> Result<()>,
 ) -> Result<()> {
     let (w, h) = (target.camera.width as usize, target.camera.height as usize);
-    for values in [&mut map.depth, &mut map.fidelity] {
+    for values in [&mut map.depth, &mut map.fidelity, &mut map.sigma] {
         values.clear();
         values.resize(w * h, 0.0);
     }
@@ -166,6 +178,7 @@ fn sweep_tile(tile: TileSweep) {
         }
         curves.agree(radius as usize, &own);
     }
+    let independent = params.independent_peaks(neighbours.len());
     for (x, y) in searched {
         let pixel = y * w + x;
         let guide = guide[pixel];
@@ -182,6 +195,9 @@ fn sweep_tile(tile: TileSweep) {
         if best.1 > 0.0 {
             map.depth[pixel] = 1.0 / (1.0 / guide - hypotheses.shift(best.0));
             map.fidelity[pixel] = best.1;
+            // The derivative of the depth by the hypothesis is depth² step.
+            let sigma = deviation(best.1 / neighbours.len() as f32, independent);
+            map.sigma[pixel] = sigma * map.depth[pixel] * map.depth[pixel] * hypotheses.step;
         }
     }
 }

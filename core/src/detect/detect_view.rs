@@ -94,6 +94,6 @@ pub fn detect_view<'l>(
 
     let mut counts = Counts::default();
     substitute(map, &range.guide, params.search.neighbours, params.substitution.as_ref(), rank, &mut counts);
-    let cloud = clean::clean(level, map, rank, view as u16, &params.clean, clean, &mut counts);
+    let cloud = clean::clean(level, map, rank, view as u16, &params.clean, hull.footprint(), clean, &mut counts);
     Ok((cloud, counts))
 }

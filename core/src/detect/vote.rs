@@ -2,7 +2,7 @@
 //! hypothesis if the view's own correlation curve has a peak there.
 
 use super::sweep::{EMPTY, MAX_RADIUS, TILE, TILE_PIXELS, windows};
-use crate::math::max;
+use crate::math::{max, sqrt};
 use alloc::{vec, vec::Vec};
 
 /// Parameters of the vote: how correlation curves determine the depth.
@@ -124,6 +124,18 @@ impl Curves {
         }
         (position, support)
     }
+}
+
+/// Standard deviation of the best hypothesis, in hypotheses, from its support per view and the number of independent
+/// peaks in it.
+///
+/// A peak of height s that is δ hypotheses away adds s exp(-δ²/2) to the support, and low scores come with scattered
+/// peaks. Both lower the support q: 2 (1 - q) / q is about the variance of single peaks. The best hypothesis is the mean
+/// of those that support it.
+pub fn deviation(support: f32, independent: f32) -> f32 {
+    // Beyond these the support says no more: fewer than one view in twenty, and a perfect match.
+    let q = support.clamp(0.05, 0.97);
+    sqrt(2.0 * (1.0 - q) / (q * q * max(independent - 1.0, 1.0)))
 }
 
 /// One half of a normalised Gaussian, from the centre to two standard deviations.

@@ -42,12 +42,12 @@ pub fn write_mesh(mesh: &Mesh, origin: DVec3) -> Vec<u8> {
 }
 
 /// Writes a point cloud as the bytes of a PLY file: position in the scene's frame (`origin` is [`crate::Rig::origin`]),
-/// normal, fidelity, weight, detecting view (65535 for none) and rank (the value of [`crate::Rank`]).
+/// normal, fidelity, standard deviation in pixels of footprint, weight, detecting view (65535 for none) and rank (the value of [`crate::Rank`]).
 pub fn write_cloud(cloud: &PointCloud, origin: DVec3) -> Vec<u8> {
     let mut out = header(
         "comment rank 0 implicit, 1 substituted, 2 detected, 3 frontier\n",
         &format!(
-            "element vertex {}\n{VECTORS}property float fidelity\nproperty float weight\n\
+            "element vertex {}\n{VECTORS}property float fidelity\nproperty float sigma\nproperty float weight\n\
              property ushort view\nproperty uchar rank\n",
             cloud.len()
         ),
@@ -55,7 +55,7 @@ pub fn write_cloud(cloud: &PointCloud, origin: DVec3) -> Vec<u8> {
     for point in cloud {
         put(&mut out, &scene_position(point.position, origin));
         put(&mut out, &point.normal.to_array());
-        put(&mut out, &[point.fidelity, point.weight]);
+        put(&mut out, &[point.fidelity, point.sigma, point.weight]);
         out.extend_from_slice(&point.view.to_le_bytes());
         out.push(point.rank as u8);
     }

@@ -31,6 +31,9 @@ pub struct MeshingParams {
     /// Weight of the screening term, which pulls the surface to the positions of the points (Kazhdan & Hoppe, Screened
     /// Poisson Surface Reconstruction, 2013). Without it the solver is unscreened, as in the paper.
     pub screening: Option<f32>,
+    /// Calms the surface where its points are imprecise: where their standard deviation is this many pixels of footprint,
+    /// half of the noise of the finest detail goes, where it is larger nearly all. Not in the paper.
+    pub calm: Option<f32>,
     /// Space constraint (§6.2). Without it the surface may leave the hull.
     pub space_constraint: Option<SpaceConstraint>,
     /// Components with a volume of less than this fraction of the largest one's are dropped.
@@ -84,7 +87,8 @@ pub fn mesh(
     let mut steps = Steps { progress, done: 0, total };
     let screening = params.screening.unwrap_or(0.0);
     let mut surface = |points: &[Point], constraint: Option<&dyn Envelope>| -> Result<Mesh> {
-        let solution = poisson::solve(points, (low, high), voxel, screening, constraint, workspace, &mut steps)?;
+        let pull = poisson::Pull { screening, calm: params.calm };
+        let solution = poisson::solve(points, (low, high), voxel, pull, constraint, workspace, &mut steps)?;
         let mut mesh = solution.surface(workspace);
         steps.step()?;
         poisson::smooth_normals(&mut mesh, workspace);

@@ -21,6 +21,7 @@ pub(super) fn rectified(mesh: &Mesh, envelope: &dyn Envelope, voxel: f32) -> Vec
             position: vertex,
             normal: outward,
             fidelity: 0.0,
+            sigma: 0.0,
             weight: 1.0,
             view: Point::NO_VIEW,
             rank: Rank::Detected,

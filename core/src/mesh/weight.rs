@@ -8,8 +8,7 @@ use crate::point_cloud::{Point, Rank};
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
 pub struct WeightParams {
-    /// Weight of a frontier point whose ray touches the hull in a single point. It decreases to 0 for the longest
-    /// interval.
+    /// Weight of a frontier point whose certainty is 1 ([`crate::contours::Certainty`]).
     pub frontier: f32,
     /// Weight of a point placed on the hull because stereo failed (§4.2).
     pub substituted: f32,

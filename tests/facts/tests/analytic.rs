@@ -8,7 +8,7 @@ use facts::{
 use glam::{DVec3, Vec3};
 use pcmvs_core::{
     Params, Point, Preset, Reconstruction, Silent, View,
-    contours::{FrontierParams, frontier, implicit},
+    contours::{Certainty, FrontierParams, frontier, implicit},
     hull::VisualHull,
     surface::SLOPE,
 };
@@ -57,7 +57,7 @@ impl Case {
         let footprint = self.shot.footprint(self.shot.rig().origin());
         let views = self.views();
         let hull = carve(&views);
-        let short = FrontierParams { longest_pixels: 8.0 };
+        let short = FrontierParams { longest_pixels: 8.0, certainty: Certainty::Interval };
         let points: Vec<Point> = views.iter().flat_map(|view| frontier(view, &hull, &short)).collect();
         assert!(points.len() > 4000, "{name}: {}", points.len());
         let off = |p: &Point| scene.distance(self.in_world(p)).abs() / footprint;

@@ -94,6 +94,7 @@ fn cloud<'a>(points: impl IntoIterator<Item = &'a Point> + Clone, detail: Detail
         Array::floats("positions", detail, points().flat_map(|p| p.position.to_array())),
         Array::floats("normals", detail, points().flat_map(|p| p.normal.to_array())),
         Array::floats("fidelities", detail, points().map(|p| p.fidelity)),
+        Array::floats("sigmas", detail, points().map(|p| p.sigma)),
         Array::floats("weights", detail, points().map(|p| p.weight)),
         Array::words("origins", detail, points().map(|p| u32::from(p.view) << 8 | p.rank as u32)),
     ]

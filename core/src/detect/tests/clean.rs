@@ -34,13 +34,14 @@ fn level() -> PyramidLevel<'static> {
 fn map(depth: impl Fn(usize, usize) -> Option<f32>) -> DepthMap {
     let depth: Vec<f32> = (0..SIZE * SIZE).map(|i| depth(i % SIZE, i / SIZE).unwrap_or(0.0)).collect();
     let fidelity = depth.iter().map(|&d| if d > 0.0 { 1.0 } else { 0.0 }).collect();
-    DepthMap { depth, fidelity }
+    let sigma = vec![0.0; SIZE * SIZE];
+    DepthMap { depth, fidelity, sigma }
 }
 
 fn run(map: &DepthMap, params: &CleanParams) -> (PointCloud, Counts) {
     let mut counts = Counts::default();
     let rank = vec![Rank::Detected; SIZE * SIZE];
-    let cloud = clean(&level(), map, &rank, 3, params, &mut CleanScratch::default(), &mut counts);
+    let cloud = clean(&level(), map, &rank, 3, params, 1.0, &mut CleanScratch::default(), &mut counts);
     (cloud, counts)
 }
 

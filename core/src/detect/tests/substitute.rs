@@ -161,7 +161,7 @@ fn without_substitution_failed_pixels_have_no_point() {
 fn the_threshold_is_a_quarter_of_the_views() {
     // Not searched, not found, below, at and above the threshold.
     let (guide, depth) = ([0.0, 2.0, 2.0, 2.0, 2.0], vec![0.0, 0.0, 2.5, 2.5, 2.5]);
-    let mut map = DepthMap { depth, fidelity: vec![0.0, 0.0, 0.99, 1.0, 3.0] };
+    let mut map = DepthMap { depth, fidelity: vec![0.0, 0.0, 0.99, 1.0, 3.0], sigma: vec![0.1; 5] };
     let (mut rank, mut counts) = (Vec::new(), Counts::default());
     substitute(&mut map, &guide, 4, Some(&SubstitutionParams { below: 0.25 }), &mut rank, &mut counts);
     assert_eq!(map.depth, [0.0, 2.0, 2.0, 2.5, 2.5]);

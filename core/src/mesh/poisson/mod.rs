@@ -7,6 +7,7 @@
 //! the blocks that the surface can pass; the coarser solution is the initial value and the boundary value. On the
 //! finest level χ is converted to the distance to the surface.
 
+mod calm;
 mod domain;
 mod level;
 mod profile;
@@ -49,13 +50,22 @@ pub(super) fn steps(low: Vec3, high: Vec3, voxel: f32) -> u32 {
     5 + levels as u32 * (ITERATIONS + 12)
 }
 
-/// Solves for χ over the bounds `low`, `high`. `screening` is the weight of the term that pulls the surface to the
-/// points. If there is an envelope, χ is held at 0 outside it.
+/// How closely the surface follows the points.
+#[derive(Clone, Copy)]
+pub(super) struct Pull {
+    /// Weight of the term that pulls the surface to the points.
+    pub(super) screening: f32,
+    /// Standard deviation of points, in their own unit, at which half of the finest detail is kept ([`calm`]). Without
+    /// it all is kept.
+    pub(super) calm: Option<f32>,
+}
+
+/// Solves for χ over the bounds `low`, `high`. If there is an envelope, χ is held at 0 outside it.
 pub(super) fn solve(
     points: &[Point],
     (low, high): (Vec3, Vec3),
     voxel: f32,
-    screening: f32,
+    Pull { screening, calm }: Pull,
     envelope: Option<&dyn Envelope>,
     workspace: &mut Workspace,
     steps: &mut Steps,
@@ -127,9 +137,10 @@ pub(super) fn solve(
     steps.step()?;
     let at_points = median(&cells, &distances, workspace).unwrap_or(0.0);
     distances.iter_mut().for_each(|distance| *distance -= at_points);
+    let calm = calm.map(|half| calm::shares(&cells, distances.len(), half, workspace));
     workspace.recycle(cells);
     workspace.recycle(finest.chi);
-    Ok(Solution { grid: finest.grid, distances, envelope: held })
+    Ok(Solution { grid: finest.grid, distances, calm, envelope: held })
 }
 
 /// The right-hand side of a level. Samples of this level's detail or finer are splatted here. Coarser samples act
@@ -227,7 +238,7 @@ mod tests {
                 let ring = libm::sqrtf(1.0 - z * z);
                 let normal = Vec3::new(ring * libm::cosf(turn), ring * libm::sinf(turn), z);
                 let position = centre + normal * radius;
-                Point { position, normal, fidelity: 1.0, weight: 1.0, view: 0, rank: Rank::Detected }
+                Point { position, normal, fidelity: 1.0, sigma: 0.0, weight: 1.0, view: 0, rank: Rank::Detected }
             })
             .collect();
         let params = Params::preset(Preset::Default).meshing;

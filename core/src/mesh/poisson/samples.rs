@@ -19,6 +19,8 @@ pub(super) struct Sample {
     pub(super) at: Vec3,
     /// Mean of the outward unit normals. Shorter than 1 if they differ.
     pub(super) normal: Vec3,
+    /// Weighted mean of the points' standard deviations.
+    pub(super) sigma: f32,
     /// Number of points.
     count: f32,
     /// Sum of the weights (eq. 3). [`weigh`] replaces it by the area of the surface that the sample represents.
@@ -41,7 +43,10 @@ pub(super) fn collect(
     let size = grid.dims.map(|v| (v as usize * BLOCK) as f32);
     for (i, point) in points.iter().enumerate() {
         let at = (point.position - grid.origin) / grid.voxel;
-        let usable = point.weight > 0.0 && point.weight.is_finite() && at.is_finite() && point.normal.length() > 0.5;
+        let usable = point.weight > 0.0
+            && (point.weight + point.sigma).is_finite()
+            && at.is_finite()
+            && point.normal.length() > 0.5;
         if usable && (0..3).all(|k| at[k] >= 2.0 && at[k] < size[k] - 3.0) {
             let [x, y, z] = (at / MERGED).to_array().map(|v| v as u64);
             keyed.push((spread(x) | spread(y) << 1 | spread(z) << 2, i as u32));
@@ -52,7 +57,8 @@ pub(super) fn collect(
     step()?;
     let bits = |&(_, i): &(u64, u32)| {
         let p = &points[i as usize];
-        (p.position.to_array().map(f32::to_bits), p.normal.to_array().map(f32::to_bits), p.weight.to_bits())
+        let place = (p.position.to_array().map(f32::to_bits), p.normal.to_array().map(f32::to_bits));
+        (place, p.weight.to_bits(), p.sigma.to_bits())
     };
     let mut samples = workspace.empty(keyed.len() / 2);
     for cell in keyed.chunk_by_mut(|a, b| a.0 == b.0) {
@@ -75,15 +81,16 @@ fn spread(v: u64) -> u64 {
 
 /// Weighted means of a cell's points. The field of their normals remains the same except for the finest detail.
 fn merged(cell: &[(u64, u32)], points: &[Point], grid: &SparseGrid) -> Sample {
-    let (mut at, mut normal, mut area) = (Vec3::ZERO, Vec3::ZERO, 0.0);
+    let (mut at, mut normal, mut area, mut sigma) = (Vec3::ZERO, Vec3::ZERO, 0.0, 0.0);
     for &(_, i) in cell {
         let point = &points[i as usize];
         at += (point.position - grid.origin) / grid.voxel * point.weight;
         normal += point.normal * (point.weight / point.normal.length());
         area += point.weight;
+        sigma += point.weight * point.sigma;
     }
     let count = cell.len() as f32;
-    Sample { at: at / area, normal: normal / area, count, area, detail: 0.0, cell: cell[0].0 }
+    Sample { at: at / area, normal: normal / area, sigma: sigma / area, count, area, detail: 0.0, cell: cell[0].0 }
 }
 
 /// Samples for a level from those for the next finer level: samples that are `settled` are merged in cells of twice the
@@ -92,12 +99,13 @@ pub(super) fn coarser(samples: &[Sample], settled: impl Fn(&Sample) -> bool, wor
     let mut merged: Vec<Sample> = workspace.empty(samples.len() / 2);
     for family in samples.chunk_by(|a, b| a.cell >> 3 == b.cell >> 3) {
         let cell = family[0].cell >> 3;
-        let empty = Sample { at: Vec3::ZERO, normal: Vec3::ZERO, count: 0.0, area: 0.0, detail: 0.0, cell };
+        let empty = Sample { at: Vec3::ZERO, normal: Vec3::ZERO, sigma: 0.0, count: 0.0, area: 0.0, detail: 0.0, cell };
         let (mut sum, first) = (empty, merged.len());
         for sample in family {
             if settled(sample) {
                 sum.at += sample.at * sample.area;
                 sum.normal += sample.normal * sample.area;
+                sum.sigma += sample.sigma * sample.area;
                 sum.count += sample.count;
                 sum.area += sample.area;
                 sum.detail = max(sum.detail, sample.detail);
@@ -106,7 +114,8 @@ pub(super) fn coarser(samples: &[Sample], settled: impl Fn(&Sample) -> bool, wor
             }
         }
         if sum.area > 0.0 {
-            merged.insert(first, Sample { at: sum.at / sum.area, normal: sum.normal / sum.area, ..sum });
+            let [at, normal] = [sum.at, sum.normal].map(|v| v / sum.area);
+            merged.insert(first, Sample { at, normal, sigma: sum.sigma / sum.area, ..sum });
         }
     }
     merged

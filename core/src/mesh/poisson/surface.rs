@@ -3,6 +3,7 @@
 use alloc::vec::Vec;
 use glam::Vec3;
 
+use super::calm;
 use super::level::GridLevel;
 use super::profile::{SMOOTHED, SOLVED};
 use super::smooth;
@@ -36,18 +37,26 @@ pub(super) fn distances(
 }
 
 impl Solution {
-    /// The surface, clipped at the envelope.
+    /// The surface, clipped at the envelope, calmed and clipped again.
     pub(in crate::mesh) fn surface(self, workspace: &mut Workspace) -> Mesh {
-        let Self { grid, mut distances, envelope } = self;
-        if let Some(envelope) = &envelope {
-            for (distance, envelope) in distances.iter_mut().zip(envelope) {
-                *distance = min(envelope + TOLERANCE, *distance);
-            }
+        let Self { grid, mut distances, calm, envelope } = self;
+        clip(&mut distances, envelope.as_deref());
+        if let Some(shares) = calm {
+            calm::calm(&grid, &mut distances, &shares, workspace);
+            clip(&mut distances, envelope.as_deref());
+            workspace.recycle(shares);
         }
         let mesh = marching_cubes(&grid, &distances, 0.0, Unstored { inside: 1.0, outside: -1.0 }, workspace);
         workspace.recycle(distances);
         envelope.into_iter().for_each(|envelope| workspace.recycle(envelope));
         mesh
+    }
+}
+
+/// Clips distances to the surface at the envelope.
+fn clip(distances: &mut [f32], envelope: Option<&[f32]>) {
+    for (distance, envelope) in distances.iter_mut().zip(envelope.unwrap_or_default()) {
+        *distance = min(envelope + TOLERANCE, *distance);
     }
 }
 

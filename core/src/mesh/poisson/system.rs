@@ -20,6 +20,8 @@ pub(super) struct Cell {
     pub(super) shares: [f32; 8],
     /// Area of surface in square voxels.
     pub(super) area: f32,
+    /// Mean standard deviation of the points.
+    pub(super) sigma: f32,
     /// Target of the interpolated χ at the mean position: its value if the surface passes there with the mean normal.
     /// It differs slightly from 1/2 because χ is curved between the corners.
     pub(super) chi: f32,
@@ -95,8 +97,9 @@ pub(super) fn cells(samples: &[Sample], grid: &SparseGrid, level: usize, workspa
     const NONE: u32 = u32::MAX;
     let scale = 1.0 / (1 << level) as f32;
     let mut index = workspace.filled(NONE, grid.blocks.len() * BLOCK_NODES);
-    // Sums of area, area times the offset from the cell's first corner, and area times normal; then that corner.
-    let mut sums: Vec<([f32; 7], [i32; 3])> = workspace.take();
+    // Sums of area, area times the offset from the cell's first corner, area times normal, and area times standard
+    // deviation; then that corner.
+    let mut sums: Vec<([f32; 8], [i32; 3])> = workspace.take();
     for sample in samples {
         let at = sample.at * scale;
         let corner = [at.x, at.y, at.z].map(floor);
@@ -107,11 +110,12 @@ pub(super) fn cells(samples: &[Sample], grid: &SparseGrid, level: usize, workspa
         let entry = &mut index[slot as usize * BLOCK_NODES + local];
         if *entry == NONE {
             *entry = sums.len() as u32;
-            sums.push(([0.0; 7], corner));
+            sums.push(([0.0; 8], corner));
         }
         let area = sample.area * scale * scale;
         let sum = &mut sums[*entry as usize].0;
         sum[0] += area;
+        sum[7] += area * sample.sigma;
         for k in 0..3 {
             sum[1 + k] += area * (at[k] - corner[k] as f32);
             sum[4 + k] += area * sample.normal[k];
@@ -119,7 +123,7 @@ pub(super) fn cells(samples: &[Sample], grid: &SparseGrid, level: usize, workspa
     }
     workspace.recycle(index);
     let mut cells = workspace.empty(sums.len());
-    for &([area, x, y, z, normal @ ..], corner) in &sums {
+    for &([area, x, y, z, nx, ny, nz, sigma], corner) in &sums {
         let nodes: [u32; 8] = cube::<2, 8>(grid, corner);
         if area <= 0.0 || nodes.contains(&ABSENT) {
             continue;
@@ -127,13 +131,13 @@ pub(super) fn cells(samples: &[Sample], grid: &SparseGrid, level: usize, workspa
         let offset = [x, y, z].map(|v| v / area);
         let share = |i: usize, k: usize| if i >> k & 1 == 1 { offset[k] } else { 1.0 - offset[k] };
         let shares: [f32; 8] = core::array::from_fn(|i| share(i, 0) * share(i, 1) * share(i, 2));
-        let normal = Vec3::from_array(normal).normalize_or_zero();
+        let normal = Vec3::new(nx, ny, nz).normalize_or_zero();
         let chi = (0..8).fold(0.5, |sum, i| {
             let outward = Vec3::from_array(core::array::from_fn(|k| (i >> k & 1) as f32 - offset[k])).dot(normal);
             sum + shares[i] * profile::chi(-outward)
         });
         // A sample of a coarser level represents more surface than this cell contains.
-        cells.push(Cell { nodes, shares, area: min(area, 1.0), chi });
+        cells.push(Cell { nodes, shares, area: min(area, 1.0), sigma: sigma / area, chi });
     }
     workspace.recycle(sums);
     cells
@@ -202,7 +206,8 @@ mod tests {
             let mut position = Vec3::new(7.8, 8.1, 6.6);
             position[axis] = at;
             let normal = Vec3::from_array(core::array::from_fn(|k| f32::from(u8::from(k == axis))));
-            let point = Point { position, normal, fidelity: 1.0, weight: 1.0, view: 0, rank: Rank::Detected };
+            let point =
+                Point { position, normal, fidelity: 1.0, sigma: 0.0, weight: 1.0, view: 0, rank: Rank::Detected };
             let workspace = &mut Workspace::default();
             let samples = samples::collect(&[point], &grid, workspace, || Ok(())).expect("nothing cancels");
             let mut rhs = workspace.filled(0.0, grid.blocks.len() * BLOCK_NODES);
