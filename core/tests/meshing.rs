@@ -122,6 +122,34 @@ fn noise_averages_out() {
     assert!(error(&mesh, sphere, 0.9) < 0.5 * of_points);
 }
 
+/// Noise of points that are known to be imprecise hardly shows. Points that are known to be precise keep an edge.
+#[test]
+fn imprecise_points_make_a_calm_surface_and_precise_ones_an_edge() {
+    let mut random = Random::new(31);
+    let mut points = cloud(sphere, 1.5, |_| true);
+    for point in &mut points {
+        point.position += point.normal * (random.normal() * 0.5 * VOXEL);
+        let lean = Vec3::new(random.normal(), random.normal(), random.normal()) * 0.3;
+        point.normal = (point.normal + lean).normalize();
+        point.sigma = 1.0;
+    }
+    let lean = |calm: Option<f32>| {
+        let mesh = run(&points, |p| sphere(p) + 0.05, &MeshingParams { calm, ..params() }).mesh;
+        let angles = mesh.positions.iter().zip(&mesh.normals);
+        quantile(angles.map(|(&p, &n)| outward(sphere, p).dot(n).clamp(-1.0, 1.0).acos().to_degrees()), 0.5)
+    };
+    let (rough, calm) = (lean(None), lean(Some(0.15)));
+    assert!(calm < 0.75 * rough, "{calm} of {rough} degrees");
+
+    let square = |p: Vec3| 0.4 - p.abs().max_element();
+    let at = |sigma: f32| {
+        let points: Vec<Point> = cloud(square, 1.5, |_| true).into_iter().map(|p| Point { sigma, ..p }).collect();
+        error(&run(&points, |p| square(p) + 0.05, &params()).mesh, square, 0.99)
+    };
+    let (precise, imprecise) = (at(0.03), at(1.0));
+    assert!(precise < 0.95 * imprecise, "{precise} of {imprecise} voxels");
+}
+
 #[test]
 fn uneven_sampling_does_not_move_the_surface() {
     // Strips of the full density, one eighth of it between them.

@@ -60,6 +60,12 @@ impl Case {
         let short = FrontierParams { longest_pixels: 8.0, certainty: Certainty::Interval };
         let points: Vec<Point> = views.iter().flat_map(|view| frontier(view, &hull, &short)).collect();
         assert!(points.len() > 4000, "{name}: {}", points.len());
+        // Their errors are as large as their deviations say.
+        let errors = points.iter().map(|p| scene.distance(self.in_world(p)).abs() / footprint / f64::from(p.sigma));
+        let mut errors: Vec<f64> = errors.collect();
+        errors.sort_by(f64::total_cmp);
+        let error = quantile(&errors, 0.95);
+        assert!((0.2..2.0).contains(&error), "{name}: 0.95 of frontier points within {error:.2} deviations");
         let off = |p: &Point| scene.distance(self.in_world(p)).abs() / footprint;
         let turned = |p: &Point| scene.normal(self.in_world(p)).angle_between(p.normal.as_dvec3()).to_degrees();
         let mut off: Vec<f64> = points.iter().map(off).collect();

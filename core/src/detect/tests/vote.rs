@@ -2,8 +2,9 @@
 
 use super::super::{
     sweep::{TILE, TILE_PIXELS},
-    vote::{Curves, Support, VoteParams},
+    vote::{Curves, Support, VoteParams, deviation},
 };
+use super::Random;
 use crate::testing::law;
 use alloc::{vec, vec::Vec};
 use core::slice;
@@ -73,6 +74,35 @@ fn an_occluded_view_abstains() {
     }
     // The case is not harmless: plain sums follow the hidden views.
     assert_eq!(votes(&SUM, &with).best(PIXEL, 1, COUNT - 2, false).0, 1.0);
+}
+
+/// Four views whose peaks scatter by half a sample or more: the error that the support predicts is the one that is made.
+#[test]
+fn the_support_tells_the_error_of_the_best_sample() {
+    const COUNT: usize = 15;
+    const VIEWS: usize = 4;
+    let mut random = Random(7);
+    let mut normal = || (0..12).fold(-6.0, |sum: f32, _| sum + random.unit());
+    for scatter in [0.5, 0.8, 1.0] {
+        let mut curves = Curves::default();
+        curves.tune(&PARZEN);
+        curves.reset(COUNT);
+        for _ in 0..VIEWS {
+            for pixel in 0..TILE_PIXELS {
+                let bell = bell(COUNT, 1.0, 7.3 + scatter * normal(), 1.5);
+                curves.scores_mut().iter_mut().zip(bell).for_each(|(scores, score)| scores[pixel] = score);
+            }
+            curves.vote(&PARZEN);
+        }
+        let (mut made, mut predicted) = (0.0, 0.0);
+        for pixel in 0..TILE_PIXELS {
+            let (place, support) = curves.best(pixel, 1, COUNT - 2, true);
+            let sigma = deviation(support / VIEWS as f32, VIEWS as f32);
+            (made, predicted) = (made + (place - 7.3) * (place - 7.3), predicted + sigma * sigma);
+        }
+        let ratio = libm::sqrtf(predicted / made);
+        assert!((0.7..1.5).contains(&ratio), "scatter {scatter}: {ratio} of the error is predicted");
+    }
 }
 
 #[test]

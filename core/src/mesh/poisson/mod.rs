@@ -255,7 +255,7 @@ mod tests {
         for radius in [8.0, 12.7, 20.0] {
             for shift in [0.0, 0.21, 0.5] {
                 let (mean, worst) = errors(radius, Vec3::new(shift, 0.3 * shift, -shift), false);
-                assert!(mean < 0.006 && worst < 0.05, "radius {radius}, shift {shift}: mean {mean}, worst {worst}");
+                assert!(mean < 0.006 && worst < 0.07, "radius {radius}, shift {shift}: mean {mean}, worst {worst}");
             }
         }
     }
@@ -264,6 +264,6 @@ mod tests {
     #[test]
     fn chance_is_evened_out() {
         let (mean, worst) = errors(20.0, Vec3::new(0.2, 0.1, -0.3), true);
-        assert!(mean < 0.006 && worst < 0.05, "mean {mean}, worst {worst}");
+        assert!(mean < 0.006 && worst < 0.07, "mean {mean}, worst {worst}");
     }
 }
