@@ -64,8 +64,8 @@ pub struct Reconstruct {
     /// of the stable command line, because the parameters may change with any version
     #[arg(long = "set", value_name = "KEY=VALUE", hide = true)]
     pub overrides: Vec<String>,
-    /// Source of the silhouettes: mask files (without one, the alpha channel of the picture), or the backdrop's colour in
-    /// scene.json
+    /// Source of the silhouettes: mask files (without one, the alpha channel of the picture), the backdrop's colours in
+    /// scene.json, or its clean plates, the pictures of the empty set
     #[arg(long, value_enum, default_value_t = MaskSource::File)]
     pub masks: MaskSource,
     /// First correct the calibration by the pictures, as `pcmvs refine` does
@@ -167,6 +167,17 @@ impl Source {
 pub enum MaskSource {
     File,
     Chroma,
+    Plates,
+}
+
+impl MaskSource {
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::File => "file",
+            Self::Chroma => "chroma",
+            Self::Plates => "plates",
+        }
+    }
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]

@@ -10,8 +10,21 @@ use std::{fs, io, path::Path};
 pub enum Silhouettes {
     /// Mask files; without one, the alpha channel of the picture.
     Files,
-    /// The backdrop's colour.
+    /// The backdrop's colours.
     Key(ChromaKey),
+    /// Pictures of the empty set.
+    Plates,
+}
+
+impl Silhouettes {
+    /// Path of the file besides the picture: a mask or a clean plate.
+    fn path<'s>(self, scene: &'s Scene, frame: &'s SceneFrame, camera: usize) -> Option<&'s Path> {
+        match self {
+            Self::Files => frame.mask(camera),
+            Self::Plates => scene.plate(camera),
+            Self::Key(_) => None,
+        }
+    }
 }
 
 /// The files of one camera and one frame, not yet decoded. A camera without picture has none.
@@ -28,7 +41,7 @@ pub struct FrameFiles {
     pub warnings: Vec<WarningReport>,
 }
 
-/// The decoded pictures of a frame, one per camera: the picture and the mask. A camera without picture has none.
+/// The decoded pictures of a frame, one per camera: the picture, and the mask or clean plate. A camera without picture has none.
 pub struct Pictures {
     views: Vec<Option<(Picture, Option<Picture>)>>,
     silhouettes: Silhouettes,
@@ -63,11 +76,10 @@ impl FrameFiles {
                 }
             };
             let image = read(frame.image(camera), "missing-picture", "the view contributes nothing to the frame")?;
-            let mask = match (&image, silhouettes) {
-                (Some(_), Silhouettes::Files) => {
-                    read(frame.mask(camera), "missing-mask", "the view does not carve the hull")?
-                }
-                _ => None,
+            let code = if let Silhouettes::Plates = silhouettes { "missing-plate" } else { "missing-mask" };
+            let mask = match &image {
+                Some(_) => read(silhouettes.path(scene, frame, camera), code, "the view does not carve the hull")?,
+                None => None,
             };
             files.views.push(View { image, mask });
         }
@@ -102,10 +114,10 @@ impl FrameFiles {
         let views = threads.map(self.views.len(), |camera| {
             let View { image, mask } = &self.views[camera];
             let Some(image) = decode(camera, image, frame.image(camera))? else { return Ok(None) };
-            let mask = match (decode(camera, mask, frame.mask(camera))?, silhouettes) {
-                (Some(mask), _) => Some(mask.into_mask()),
+            let mask = match (decode(camera, mask, silhouettes.path(scene, frame, camera))?, silhouettes) {
+                (Some(mask), Silhouettes::Files) => Some(mask.into_mask()),
                 (None, Silhouettes::Files) => image.alpha(),
-                (None, Silhouettes::Key(_)) => None,
+                (other, Silhouettes::Plates | Silhouettes::Key(_)) => other,
             };
             Ok(Some((image, mask)))
         });
@@ -123,7 +135,8 @@ impl Pictures {
         let mask = match (self.silhouettes, mask) {
             (Silhouettes::Key(key), _) => Mask::ChromaKey(key),
             (Silhouettes::Files, Some(mask)) => Mask::Given(mask.view()),
-            (Silhouettes::Files, None) => Mask::Unknown,
+            (Silhouettes::Plates, Some(plate)) => Mask::CleanPlate(plate.view()),
+            (Silhouettes::Files | Silhouettes::Plates, None) => Mask::Unknown,
         };
         ViewInput { image: image.view(), mask }
     }

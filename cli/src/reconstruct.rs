@@ -12,8 +12,8 @@ use crate::{
     threads::Threads,
     warning::WarningReport,
 };
-use pcmvs_core::{Camera, ChromaKey, Params, Rig, Warning, calibration::CalibrationParams};
-use pcmvs_scene::{Disk, Failure, Scene, SceneCamera};
+use pcmvs_core::{Camera, ChromaKey, Params, Rig, Warning, calibration::CalibrationParams, silhouette::MORE_COLOURS};
+use pcmvs_scene::{Background, Disk, Failure, Scene, SceneCamera};
 use std::{
     num::NonZeroUsize,
     panic::{AssertUnwindSafe, catch_unwind},
@@ -84,7 +84,7 @@ pub fn run(options: &Reconstruct, cancelled: &AtomicBool) -> Result<(), Failure>
     let report = Report {
         version: env!("CARGO_PKG_VERSION").to_owned(),
         preset: options.preset.name().to_owned(),
-        masks: if options.masks == MaskSource::File { "file" } else { "chroma" }.to_owned(),
+        masks: options.masks.name().to_owned(),
         cameras: scene.cameras.iter().map(|c| c.name.clone()).collect(),
         threads: threads.get(),
         params: json::to_value(&params),
@@ -128,15 +128,26 @@ pub fn scene_cameras(scene: &Scene) -> Result<Vec<Camera>, Failure> {
 
 /// Where the silhouettes come from.
 pub fn silhouettes(masks: MaskSource, scene: &Scene) -> Result<Silhouettes, Failure> {
-    if masks == MaskSource::File {
-        return Ok(Silhouettes::Files);
-    }
-    match scene.background.as_ref().and_then(|background| background.chroma_rgb) {
-        Some(rgb) => Ok(Silhouettes::Key(ChromaKey { rgb, ..ChromaKey::default() })),
-        None => Err(Failure::Input(format!(
-            "{}: --masks chroma needs the backdrop's colour: add \"background\": {{ \"chroma_rgb\": [r, g, b] }}",
-            scene.path.display()
+    let background = scene.background.as_ref();
+    let problem = |problem: String| Failure::Input(format!("{}: {problem}", scene.path.display()));
+    match masks {
+        MaskSource::File => Ok(Silhouettes::Files),
+        MaskSource::Plates if background.is_some_and(|background| background.plates.is_some()) => Ok(Silhouettes::Plates),
+        MaskSource::Plates => Err(problem(String::from(
+            "--masks plates needs pictures of the empty set: add \"background\": { \"plates\": [one path per camera] }",
         ))),
+        MaskSource::Chroma => match background.map(Background::all_colours).unwrap_or_default() {
+            colours if colours.is_empty() => Err(problem(String::from(
+                "--masks chroma needs the backdrop's colour: add \"background\": { \"chroma_rgb\": [r, g, b] }",
+            ))),
+            colours => ChromaKey::with_colours(&colours).map(Silhouettes::Key).ok_or_else(|| {
+                problem(format!(
+                    "background.colours: {} colours are more than the {} that a chroma key holds: leave out similar ones",
+                    colours.len(),
+                    1 + MORE_COLOURS
+                ))
+            }),
+        },
     }
 }
 

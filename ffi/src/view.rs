@@ -35,7 +35,7 @@ impl Growing for pcmvs_chroma_key {
 // SAFETY: numbers only, the size first, no padding.
 unsafe impl Versioned for pcmvs_chroma_key {
     fn defaults() -> Self {
-        let ChromaKey { rgb: [r, g, b], tolerance, darkest_shadow, smallest_part, smallest_hole } =
+        let ChromaKey { rgb: [r, g, b], tolerance, darkest_shadow, smallest_part, smallest_hole, .. } =
             ChromaKey::default();
         Self {
             struct_size: size_of::<Self>() as u32,
@@ -142,7 +142,14 @@ impl GivenView<'_> {
             let [r, g, b, _] = key.rgb;
             let pcmvs_chroma_key { tolerance, darkest_shadow, smallest_part, smallest_hole, .. } = key;
             let rgb = [r, g, b];
-            GivenSilhouette::ChromaKey(ChromaKey { rgb, tolerance, darkest_shadow, smallest_part, smallest_hole })
+            GivenSilhouette::ChromaKey(ChromaKey {
+                rgb,
+                tolerance,
+                darkest_shadow,
+                smallest_part,
+                smallest_hole,
+                ..ChromaKey::default()
+            })
         } else {
             GivenSilhouette::Unknown
         };

@@ -74,8 +74,27 @@ pub struct SceneFrame {
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct Background {
     /// Its colour in sRGB.
-    #[serde(default)]
+    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub chroma_rgb: Option<[u8; 3]>,
+    /// Its colours in sRGB, if it has several. They may repeat `chroma_rgb`.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub colours: Vec<[u8; 3]>,
+    /// Paths of pictures of the empty set, one per camera, null where a camera has none.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub plates: Option<Vec<Option<PathBuf>>>,
+}
+
+impl Background {
+    /// All colours, each once.
+    pub fn all_colours(&self) -> Vec<[u8; 3]> {
+        let mut all: Vec<_> = self.chroma_rgb.into_iter().collect();
+        for &colour in &self.colours {
+            if !all.contains(&colour) {
+                all.push(colour);
+            }
+        }
+        all
+    }
 }
 
 impl SceneCamera {
@@ -154,6 +173,16 @@ impl Scene {
         if let Some(pair) = indices.windows(2).find(|pair| pair[0] == pair[1]) {
             return Err(format!("frame {} occurs twice: give every frame its own index", pair[0]));
         }
+        if let Some(plates) = self.background.as_ref().and_then(|background| background.plates.as_ref())
+            && plates.len() != self.cameras.len()
+        {
+            return Err(format!(
+                "background.plates: {} plates for {} cameras: list one per camera, in the order of the cameras, null where \
+                 there is none",
+                plates.len(),
+                self.cameras.len()
+            ));
+        }
         for frame in &self.frames {
             let masks = frame.masks.as_ref().map_or(self.cameras.len(), Vec::len);
             for (what, count) in [("images", frame.images.len()), ("masks", masks)] {
@@ -170,6 +199,11 @@ impl Scene {
         Ok(())
     }
 
+    /// Path of a camera's picture of the empty set, as written in scene.json.
+    pub fn plate(&self, camera: usize) -> Option<&Path> {
+        self.background.as_ref()?.plates.as_ref()?[camera].as_deref()
+    }
+
     /// Keeps only the given cameras, in the order given.
     pub fn select_cameras(&mut self, chosen: &[u32]) -> Result<(), Failure> {
         if let Some(missing) = chosen.iter().find(|&&i| i as usize >= self.cameras.len()) {
@@ -183,6 +217,9 @@ impl Scene {
             *items = chosen.iter().map(|&i| items[i as usize].clone()).collect();
         }
         pick(&mut self.cameras, chosen);
+        if let Some(plates) = self.background.as_mut().and_then(|background| background.plates.as_mut()) {
+            pick(plates, chosen);
+        }
         for frame in &mut self.frames {
             pick(&mut frame.images, chosen);
             if let Some(masks) = &mut frame.masks {

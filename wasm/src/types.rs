@@ -25,7 +25,11 @@ export interface Scene {
     fps?: number;
     cameras: Camera[];
     frames: { index: number; images: (string | null)[]; masks?: (string | null)[] }[];
-    background?: { chroma_rgb?: [number, number, number] };
+    background?: {
+        chroma_rgb?: [number, number, number];
+        colours?: [number, number, number][];
+        plates?: (string | null)[];
+    };
 }
 
 /** Files by their paths, with `/` between folders. */
@@ -37,6 +41,8 @@ export interface FileSource {
 /** How an object is separated from a backdrop of about this sRGB colour. */
 export interface ChromaKey {
     rgb: [number, number, number];
+    /** Up to three further colours of the backdrop. */
+    more?: [number, number, number][];
     /** Share of the angle between backdrop and gray, 0..1 (0.5). */
     tolerance?: number;
     /** A shadow on the backdrop counts as backdrop down to this share of its brightness (0.2). */

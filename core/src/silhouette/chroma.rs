@@ -1,17 +1,21 @@
-//! Chroma keying (§0): silhouettes in front of a backdrop of one colour. The backdrop may be unevenly lit, and its
-//! exact colour need not be known.
+//! Chroma keying (§0): silhouettes in front of a painted backdrop, which may be unevenly lit and of several colours. Its
+//! exact colours need not be known. Besides it the stage may have a wall of other colours.
 
-use super::{colour::vector, matte};
+use super::{
+    colour::vector,
+    keying::{Likeness, Paint, from_gray, is_border, object},
+    matte,
+};
 use crate::image::ImageRef;
-use alloc::{format, string::String, vec, vec::Vec};
-use glam::Vec3;
+use alloc::{format, string::String, vec::Vec};
 
-/// Edge length in pixels of the tiles in which the backdrop's colour is estimated.
-const TILE: usize = 32;
-/// Number of backdrop pixels from which a tile relies on its own estimate alone.
-const TILE_PIXELS: f32 = 64.0;
-/// Number of iterations that spread the colour to tiles with too little backdrop.
-const SPREAD: usize = 64;
+/// Number of further colours of a backdrop.
+pub const MORE_COLOURS: usize = 3;
+/// Colours at a smaller angle to grey, in radians, cannot be keyed.
+const LEAST_SATURATION: f32 = 0.1;
+/// An object covers at most these shares of the picture and of its border.
+const MOST: f32 = 0.7;
+const MOST_BORDER: f32 = 0.6;
 
 /// How to separate the object from a backdrop of one colour.
 ///
@@ -22,6 +26,9 @@ const SPREAD: usize = 64;
 pub struct ChromaKey {
     /// Approximate colour of the backdrop, sRGB.
     pub rgb: [u8; 3],
+    /// Further colours of it, such as of another cloth or paint. Colours near grey, as of a dark wall, need not be given:
+    /// where they span a side of the picture they are learned from it.
+    pub more: [Option<[u8; 3]>; MORE_COLOURS],
     /// A pixel is backdrop if the angle between its colour and the local backdrop's is less than this fraction of the
     /// angle between the backdrop's colour and grey. In 0..1.
     pub tolerance: f32,
@@ -36,119 +43,81 @@ pub struct ChromaKey {
 
 impl Default for ChromaKey {
     fn default() -> Self {
-        Self { rgb: [40, 165, 75], tolerance: 0.5, darkest_shadow: 0.2, smallest_part: 3e-4, smallest_hole: 5e-5 }
+        Self {
+            rgb: [40, 165, 75],
+            more: [None; MORE_COLOURS],
+            tolerance: 0.5,
+            darkest_shadow: 0.2,
+            smallest_part: 3e-4,
+            smallest_hole: 5e-5,
+        }
+    }
+}
+
+impl ChromaKey {
+    /// The key of a backdrop with the given colours, sRGB. `None` if there are none, or more than a key holds.
+    pub fn with_colours(colours: &[[u8; 3]]) -> Option<Self> {
+        let (&rgb, rest) = colours.split_first()?;
+        let mut more = [None; MORE_COLOURS];
+        if rest.len() > more.len() {
+            return None;
+        }
+        more.iter_mut().zip(rest).for_each(|(place, &colour)| *place = Some(colour));
+        Some(Self { rgb, more, ..Self::default() })
     }
 }
 
 /// Coverage of the object in a real (distorted) picture, given as packed RGB. A pixel of 255 lies fully on the object.
 pub(crate) fn coverage(picture: &ImageRef, rgb: &[u8], key: &ChromaKey) -> Result<Vec<u8>, String> {
     let (w, h) = (picture.width as usize, picture.height as usize);
-    let hint = vector(key.rgb.as_slice());
-    let gray = Vec3::ONE;
-    let saturation = angle(hint, gray);
-    if saturation < 0.1 {
+    let colours = || core::iter::once(key.rgb).chain(key.more.into_iter().flatten());
+    let mut paints = Vec::new();
+    let mut keyed = false;
+    for hint in colours().map(|colour| vector(colour.as_slice())).filter(|&c| from_gray(c) >= LEAST_SATURATION) {
+        keyed = true;
+        let tolerance = key.tolerance.clamp(0.05, 0.95);
+        paints.extend(Paint::find(w, h, rgb, hint, tolerance, key.darkest_shadow));
+    }
+    if !keyed {
         return Err(format!(
             "the chroma key {:?} is nearly gray, so that no object can be separated from it: \
              give masks or a clean plate",
             key.rgb
         ));
     }
-    // The mean colour of the pixels that are closer to the hint than to grey is a better estimate than the hint.
-    let global = mean(rgb, hint, saturation * 0.6)
-        .ok_or_else(|| format!("no pixel is close to the backdrop's colour {:?}: check the chroma key", key.rgb))?;
-    let limit = angle(global, gray) * key.tolerance.clamp(0.05, 0.95);
-    let backdrop = Backdrop::estimate(w, h, rgb, global, limit);
-    let cosine = libm::cosf(limit);
-    let mut object = vec![false; w * h];
-    for y in 0..h {
-        for x in 0..w {
-            let i = y * w + x;
-            let (colour, local) = (vector(&rgb[3 * i..]), backdrop.at(x, y));
-            let (along, length) = (colour.dot(local), colour.length_squared());
-            let brightness = local.length_squared();
-            let dark = along < key.darkest_shadow * brightness;
-            object[i] = dark || along * along < cosine * cosine * length * brightness;
-        }
+    if paints.is_empty() {
+        let colours: Vec<_> = colours().collect();
+        return Err(format!("no pixel is close to the backdrop's colour {colours:?}: check the chroma key"));
     }
+    // Of several paints, the most similar one counts.
+    let likeness = |i: usize| paints.iter().map(|paint| paint.likeness(w, rgb, i)).min().unwrap_or(Likeness::Other);
+    let likeness: Vec<Likeness> = (0..w * h).map(likeness).collect();
+    let mut object = object(w, h, rgb, &likeness);
     let pixels = |share: f32| (share * (w * h) as f32) as usize;
     matte::remove_small(w, h, &mut object, true, pixels(key.smallest_part));
     matte::remove_small(w, h, &mut object, false, pixels(key.smallest_hole));
+    plausible(w, h, &object)?;
     Ok(matte::soften(w, h, rgb, &object))
 }
 
-/// Angle between two colour vectors in radians.
-fn angle(a: Vec3, b: Vec3) -> f32 {
-    let lengths = libm::sqrtf(a.length_squared() * b.length_squared());
-    if lengths > 0.0 { libm::acosf((a.dot(b) / lengths).clamp(-1.0, 1.0)) } else { 0.0 }
-}
-
-fn within(colour: Vec3, centre: Vec3, cosine: f32) -> bool {
-    let along = colour.dot(centre);
-    along > 0.0 && along * along >= cosine * cosine * colour.length_squared() * centre.length_squared()
-}
-
-/// Mean of the colours whose angle to a centre is less than `limit` radians.
-fn mean(rgb: &[u8], centre: Vec3, limit: f32) -> Option<Vec3> {
-    let cosine = libm::cosf(limit);
-    let (mut sums, mut count) = ([0u64; 3], 0u64);
-    for pixel in rgb.chunks_exact(3).filter(|p| within(vector(p), centre, cosine)) {
-        (0..3).for_each(|c| sums[c] += u64::from(pixel[c]));
-        count += 1;
+/// Refuses what can only be a wall: an object that covers most of the picture or of its border.
+fn plausible(w: usize, h: usize, object: &[bool]) -> Result<(), String> {
+    let share = |pixels: &mut dyn Iterator<Item = usize>| {
+        let (mut found, mut all) = (0u32, 0u32);
+        pixels.for_each(|i| (found, all) = (found + u32::from(object[i]), all + 1));
+        found as f32 / all.max(1) as f32
+    };
+    let whole = share(&mut (0..w * h));
+    let border = share(&mut (0..w * h).filter(|&i| is_border(w, h, i)));
+    if whole <= MOST && border <= MOST_BORDER {
+        return Ok(());
     }
-    (count > 0).then(|| Vec3::from_array(sums.map(|s| s as f32 / count as f32)))
-}
-
-/// The backdrop's colour over the picture: one estimate per tile, interpolated bilinearly between the tiles' centres.
-struct Backdrop {
-    columns: usize,
-    rows: usize,
-    tiles: Vec<Vec3>,
-}
-
-impl Backdrop {
-    fn estimate(width: usize, height: usize, rgb: &[u8], global: Vec3, limit: f32) -> Self {
-        let (columns, rows) = (width.div_ceil(TILE), height.div_ceil(TILE));
-        let cosine = libm::cosf(limit);
-        let mut sums = vec![(Vec3::ZERO, 0.0f32); columns * rows];
-        for (i, pixel) in rgb.chunks_exact(3).enumerate() {
-            let colour = vector(pixel);
-            if within(colour, global, cosine) {
-                let tile = &mut sums[i / width / TILE * columns + i % width / TILE];
-                *tile = (tile.0 + colour, tile.1 + 1.0);
-            }
-        }
-        // Tiles with few backdrop pixels take their colour partly or fully from the neighbouring tiles.
-        let own = |&(sum, count): &(Vec3, f32)| if count > 0.0 { sum / count } else { global };
-        let mut tiles: Vec<Vec3> = sums.iter().map(own).collect();
-        for _ in 0..SPREAD {
-            for y in 0..rows {
-                for x in 0..columns {
-                    let i = y * columns + x;
-                    let trust = (sums[i].1 / TILE_PIXELS).min(1.0);
-                    let around = [
-                        tiles[i - usize::from(x > 0)],
-                        tiles[i + usize::from(x + 1 < columns)],
-                        tiles[i - columns * usize::from(y > 0)],
-                        tiles[i + columns * usize::from(y + 1 < rows)],
-                    ];
-                    let neighbours = (around[0] + around[1] + around[2] + around[3]) * 0.25;
-                    tiles[i] = own(&sums[i]) * trust + neighbours * (1.0 - trust);
-                }
-            }
-        }
-        Self { columns, rows, tiles }
-    }
-
-    fn at(&self, x: usize, y: usize) -> Vec3 {
-        let place = |v: usize, n: usize| {
-            let t = ((v as f32 + 0.5) / TILE as f32 - 0.5).clamp(0.0, (n - 1) as f32);
-            let i = (t as usize).min(n.saturating_sub(2));
-            (i, (i + 1).min(n - 1), t - i as f32)
-        };
-        let ((x0, x1, fx), (y0, y1, fy)) = (place(x, self.columns), place(y, self.rows));
-        let row = |y: usize| self.tiles[y * self.columns + x0].lerp(self.tiles[y * self.columns + x1], fx);
-        row(y0).lerp(row(y1), fy)
-    }
+    Err(format!(
+        "what the chroma key leaves covers {:.0} % of the picture and {:.0} % of its border, which is no object: list all \
+         colours of the backdrop, or give masks or clean plates",
+        100.0 * whole,
+        100.0 * border
+    ))
 }
 
 #[cfg(test)]
@@ -158,6 +127,8 @@ mod tests {
         image::PixelFormat,
         silhouette::{Silhouette, clean_plate, matte},
     };
+    use alloc::vec;
+    use glam::Vec3;
 
     const W: u32 = 320;
     const H: u32 = 240;
@@ -229,6 +200,68 @@ mod tests {
             let error = contour_error(&coverage(&image, &rgb, &key).unwrap());
             assert!(error < 0.3, "{object}: {error}");
         }
+    }
+
+    /// A stage with a green floor below and a dark wall with bright spots above, and a figure before both: a bright body with
+    /// greenish light on its lower half, and hair that differs from the wall by a few levels. Returns the picture and the
+    /// figure.
+    fn stage(shadow: bool) -> (Vec<u8>, Vec<bool>) {
+        let mut state = 7u32;
+        let mut noise = move || {
+            state = state.wrapping_mul(1664525).wrapping_add(1013904223);
+            (state >> 24) as f32 / 64.0 - 2.0
+        };
+        let (mut rgb, mut figure) = (Vec::new(), Vec::new());
+        for i in 0..W * H {
+            let (x, y) = ((i % W) as f32, (i / W) as f32);
+            let body = libm::fabsf(x - 160.0) < 24.0 && (80.0..200.0).contains(&y);
+            let hair = libm::hypotf(x - 160.0, y - 66.0) < 20.0 && !body;
+            let dark = if shadow && libm::hypotf((x - 200.0) / 2.0, y - 195.0) < 22.0 { 0.5 } else { 1.0 };
+            let light = 0.7 + 0.3 * x / W as f32;
+            let spot = i % W % 23 < 2 && i / W % 19 < 2;
+            let colour = if body {
+                if y > 150.0 { Vec3::new(100.0, 112.0, 60.0) } else { Vec3::new(200.0, 180.0, 150.0) }
+            } else if hair {
+                Vec3::new(27.0, 21.0, 16.0)
+            } else if y > 120.0 {
+                Vec3::new(76.0, 147.0, 55.0) * (light * dark)
+            } else if spot {
+                Vec3::splat(170.0)
+            } else {
+                Vec3::splat(13.0) * light
+            };
+            rgb.extend(colour.to_array().map(|v| (v + noise()).clamp(0.0, 255.0) as u8));
+            figure.push(body || hair);
+        }
+        (rgb, figure)
+    }
+
+    #[test]
+    fn a_figure_before_a_painted_floor_and_a_dark_wall_is_found_with_its_hair_and_without_its_shadow() {
+        for shadow in [false, true] {
+            let (rgb, figure) = stage(shadow);
+            let image = ImageRef::packed(&rgb, W, H, PixelFormat::Rgb8);
+            let key = ChromaKey { rgb: [40, 120, 60], ..ChromaKey::default() };
+            let found = coverage(&image, &rgb, &key).unwrap();
+            let area = figure.iter().filter(|&&f| f).count() as f32;
+            let both = (0..figure.len()).filter(|&i| figure[i] && found[i] > 127).count() as f32;
+            let either = (0..figure.len()).filter(|&i| figure[i] || found[i] > 127).count() as f32;
+            assert!(both > 0.98 * area, "shadow {shadow}: {both} of {area} pixels");
+            assert!(both > 0.9 * either, "shadow {shadow}: {either} pixels instead of {area}");
+        }
+    }
+
+    #[test]
+    fn a_second_colour_of_the_backdrop_is_backdrop() {
+        let blue = Vec3::new(40.0, 70.0, 190.0);
+        let mut rgb = picture(Some(OBJECTS[0]), GREEN);
+        let other = picture(Some(OBJECTS[0]), blue);
+        let half = rgb.len() / 2;
+        rgb[half..].copy_from_slice(&other[half..]);
+        let image = ImageRef::packed(&rgb, W, H, PixelFormat::Rgb8);
+        let key = ChromaKey::with_colours(&[[60, 160, 60], [40, 70, 180]]).unwrap();
+        let error = contour_error(&coverage(&image, &rgb, &key).unwrap());
+        assert!(error < 0.3, "{error}");
     }
 
     #[test]

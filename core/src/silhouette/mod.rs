@@ -4,11 +4,12 @@ pub(crate) mod chroma;
 pub(crate) mod clean_plate;
 mod colour;
 mod distance;
+mod keying;
 mod matte;
 mod no_contour;
 pub(crate) mod refine;
 
-pub use chroma::ChromaKey;
+pub use chroma::{ChromaKey, MORE_COLOURS};
 pub(crate) use distance::SilhouetteScratch;
 pub use no_contour::NoContour;
 pub use refine::{ContourParams, Uncertainty};

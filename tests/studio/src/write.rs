@@ -26,7 +26,7 @@ impl Capture {
             fps: None,
             cameras: self.names.iter().zip(&self.cameras).map(|(name, camera)| scene_camera(name, camera)).collect(),
             frames,
-            background: Some(Background { chroma_rgb: Some(CHROMA_RGB) }),
+            background: Some(Background { chroma_rgb: Some(CHROMA_RGB), colours: Vec::new(), plates: None }),
             path: PathBuf::new(),
         }
     }
