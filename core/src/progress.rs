@@ -4,6 +4,7 @@ use crate::{
     error::{Error, Result},
     stage::Stage,
 };
+use core::sync::atomic::{AtomicU32, Ordering};
 
 /// Receives progress reports. Called on the thread that does the work: with a multi-threaded [`crate::Executor`], on
 /// several threads at the same time.
@@ -44,6 +45,31 @@ impl Progress for Part<'_> {
         // Counted in thousandths of a part.
         let done = u64::from(done) * 1000 / u64::from(total.max(1));
         self.of.step(self.stage, self.part * 1000 + done as u32, self.parts * 1000)
+    }
+}
+
+/// Reports steps of work that may be done again, such as carving without a view that turned out to be wrong: the share that is
+/// done never falls.
+pub(crate) struct Onward<'a> {
+    of: &'a dyn Progress,
+    /// The largest share so far, in parts of [`Self::WHOLE`].
+    done: AtomicU32,
+}
+
+impl<'a> Onward<'a> {
+    const WHOLE: u32 = 1 << 16;
+
+    /// Nothing is done.
+    pub fn new(of: &'a dyn Progress) -> Self {
+        Self { of, done: AtomicU32::new(0) }
+    }
+}
+
+impl Progress for Onward<'_> {
+    fn step(&self, stage: Stage, done: u32, total: u32) -> bool {
+        let share = u64::from(done.min(total)) * u64::from(Self::WHOLE) / u64::from(total.max(1));
+        let before = self.done.fetch_max(share as u32, Ordering::Relaxed);
+        self.of.step(stage, before.max(share as u32), Self::WHOLE)
     }
 }
 

@@ -12,7 +12,7 @@ use crate::{
     hull::{AgreementParams, HullParams, VisualHull, contradicting},
     left_out::LeftOut,
     math::ordered,
-    progress::{Progress, Silent},
+    progress::{Onward, Progress, Silent},
     rig::{Convention, Rig, meeting_point},
     surface::drop_small_components,
     view::View,
@@ -41,6 +41,7 @@ impl<R: Deref<Target = Rig> + Sync> Frame<R> {
     /// # Errors
     /// Those of carving, [`Error::MasksInverted`] and [`Error::Cameras`].
     pub(super) fn carve_and_check(&mut self, executor: &impl Executor, progress: &dyn Progress) -> Result<()> {
+        let progress = &Onward::new(progress);
         for view in &mut self.views {
             view.left_out = view.left_out.filter(|reason| !reason.is_found_with_hull());
         }

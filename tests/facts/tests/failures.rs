@@ -66,8 +66,11 @@ fn masks_that_are_white_on_the_background() {
     assert_eq!(refusal(invert), Error::MasksInverted { inverted: 5, given: 5 });
 }
 
+/// Writes a camera's pose in another convention.
+type Convention = fn(&Camera) -> Camera;
+
 /// Poses in another convention, from that of the library: OpenGL's axes, the inverse, and the centre in place of t.
-fn conventions() -> [(&'static str, fn(&Camera) -> Camera); 3] {
+fn conventions() -> [(&'static str, Convention); 3] {
     [
         ("OpenGL", |c| Camera {
             r: [c.r[0], c.r[1].map(|v| -v), c.r[2].map(|v| -v)],

@@ -29,7 +29,7 @@ fn some<'s>(shot: &'s Shot) -> Vec<Option<ViewInput<'s>>> {
 /// Checks that a view is left out with a warning, and that the mesh is as good as without its camera.
 fn assert_left_out(shot: &Shot, made: &Reconstruction, camera: usize, warning: &Warning) {
     let what = warning.code();
-    assert_eq!(made.warnings, [warning.clone()], "{what}");
+    assert_eq!(made.warnings, core::slice::from_ref(warning), "{what}");
     assert_sound(&made.mesh, what);
     for (i, found) in made.diagnostics.iter().enumerate() {
         assert_eq!(found.used, i != camera, "{what}: camera {i}");
