@@ -16,24 +16,21 @@
 //! several threads, each thread takes this much while it reads views.
 
 use crate::{
-    error::{Error, Result},
-    hull::VisualHull,
+    error::Result,
+    hull::{
+        VisualHull,
+        memory::{PER_BLOCK, PER_PIXEL, pixels, within},
+    },
     params::{Method, Params},
     point_cloud::Mesh,
     rig::Rig,
     view::View,
 };
 
-/// Bytes per pixel for colours, luma and silhouette.
-const PER_PIXEL: u64 = 6;
 /// Bytes for the search for the hull.
 const SEARCH: u64 = 16 << 20;
 /// Bytes per pixel of the largest view for reading it: silhouette, distances and contour.
 const READING: u64 = 96;
-/// Bytes per block of the bounding box of the hull's grid: the table of blocks, and room for their lists.
-const PER_TABLE_BLOCK: u64 = 12;
-/// Bytes per block of the hull's grid: the node values, the buffers of marching cubes and the block's part of the mesh.
-const PER_BLOCK: u64 = 9000;
 /// Bytes per vertex of the final mesh: grids and samples of the Poisson solver, the mesh and its colours.
 const PER_VERTEX: f64 = 640.0;
 /// Share of a picture that an object is expected to cover.
@@ -57,10 +54,6 @@ fn before_the_hull(largest: u64) -> u64 {
 fn needed_for_hull(views: &[View], hull: &VisualHull) -> u64 {
     let largest = views.iter().map(|v| v.luma.len() as u64).max().unwrap_or(0);
     PER_PIXEL * pixels(views) + before_the_hull(largest).max(PER_BLOCK * hull.field().0.blocks.len() as u64)
-}
-
-fn pixels(views: &[View]) -> u64 {
-    views.iter().map(|v| v.luma.len() as u64).sum()
 }
 
 /// The number of bytes that a frame is expected to need, before anything but its rig is known. It assumes that the object
@@ -100,16 +93,6 @@ fn later(pixels: f64, inside: f64, hull_vertices: f64, params: &Params) -> u64 {
     later as u64
 }
 
-/// Refuses a frame if the grid of its hull would need more than `limit` bytes. `table` is the number of blocks in the grid's
-/// bounding box and `stored` that of the blocks that its surface may pass.
-///
-/// # Errors
-/// [`Error::OutOfMemory`].
-pub fn check_grid(views: &[View], table: u64, stored: u64, limit: Option<u64>) -> Result<()> {
-    let grid = (PER_TABLE_BLOCK * table).max(PER_BLOCK * stored);
-    within(|| PER_PIXEL * pixels(views) + grid, limit)
-}
-
 /// Refuses a frame if its hull's mesh would need more than `limit` bytes. Called before that mesh is extracted.
 ///
 /// # Errors
@@ -132,10 +115,4 @@ pub fn check(views: &[View], hull: &VisualHull, hull_mesh: &Mesh, params: &Param
 /// [`Error::OutOfMemory`].
 pub fn check_rig(rig: &Rig, limit: Option<u64>) -> Result<()> {
     within(|| smallest(rig), limit)
-}
-
-fn within(needed: impl FnOnce() -> u64, limit: Option<u64>) -> Result<()> {
-    let Some(limit) = limit else { return Ok(()) };
-    let needed = needed();
-    if needed <= limit { Ok(()) } else { Err(Error::OutOfMemory { needed, limit }) }
 }

@@ -1,9 +1,7 @@
 //! How well each view agrees with the others: its silhouette against the visual hull of the frame.
 
-use super::state::Frame;
-use crate::{executor::Executor, point_cloud::Mesh, raster::cover, rig::Rig, silhouette::Silhouette, view::View};
+use crate::{executor::Executor, point_cloud::Mesh, raster::cover, silhouette::Silhouette, view::View};
 use alloc::vec::Vec;
-use core::ops::Deref;
 use glam::{Vec2, Vec3};
 
 /// How well a camera's view agrees with the others.
@@ -157,23 +155,5 @@ impl Part<'_> {
         }
         let middle = distances.len() / 2;
         (!distances.is_empty()).then(|| f32::from(*distances.select_nth_unstable(middle).1) * 0.5 / Silhouette::UNITS)
-    }
-}
-
-impl<R: Deref<Target = Rig>> Frame<R> {
-    /// How well each camera's view agrees with the others, in the order in which the cameras were given. Empty before
-    /// [`crate::Stage::Hull`] is complete.
-    pub fn diagnostics(&self) -> Vec<ViewDiagnostics> {
-        let of = |camera: usize| {
-            let place = self.rig().place(camera)?;
-            let (view, found) = (self.views().get(place)?, self.compared.get(place)?);
-            Some(ViewDiagnostics {
-                used: view.is_used(),
-                silhouette_overlap: found.overlap,
-                contour_px: found.contour,
-                epipolar_px: None,
-            })
-        };
-        (0..self.cameras()).map_while(of).collect()
     }
 }

@@ -4,6 +4,7 @@
 mod agreement;
 mod checks;
 mod diagnostics;
+mod findings;
 mod intermediates;
 mod memory;
 mod order;

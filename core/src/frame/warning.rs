@@ -1,15 +1,9 @@
 //! What a host should know about a frame although it did not fail.
 
-use super::state::Frame;
-use crate::{left_out::LeftOut, math::ordered, params::Method, point_cloud::Rank, rig::Rig, stage::Stage, view::View};
-use alloc::{format, string::String, vec, vec::Vec};
-use core::{fmt, ops::Deref};
+use alloc::{format, string::String};
+use core::fmt;
 
-/// If the median overlap is smaller than this, the silhouettes as a whole contradict each other. Exact silhouettes
-/// overlap to 99.7 %, real ones that were made well to 98 %.
-const CONTRADICT_BELOW: f32 = 0.95;
-
-/// Something in a frame that may make its result worse. Cameras are numbered as given to [`Rig::new`].
+/// Something in a frame that may make its result worse. Cameras are numbered as given to [`crate::Rig::new`].
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub enum Warning {
@@ -212,79 +206,5 @@ impl Warning {
 impl fmt::Display for Warning {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
         f.write_str(&self.explain(|camera| format!("camera {camera}")))
-    }
-}
-
-impl<R: Deref<Target = Rig>> Frame<R> {
-    /// Warnings about the rig and about what is complete, in the order of the stages and then of the cameras. After a
-    /// stage has failed, those about the views remain.
-    pub fn warnings(&self) -> Vec<Warning> {
-        let pairs = self.rig().same_place().iter();
-        let mut warnings: Vec<Warning> = pairs.map(|&(first, second)| Warning::SamePlace { first, second }).collect();
-        let cameras = || (0..self.cameras()).filter_map(|camera| Some((camera as u32, self.rig().place(camera)?)));
-        for (camera, place) in cameras() {
-            // Until the stage is complete, the views are where they arrived.
-            warnings.extend(match self.views().get(place) {
-                Some(view) => self.of_complete(view, camera),
-                None => self.incoming[place].lock().as_ref().and_then(|view| of_view(view, camera)),
-            });
-        }
-        warnings.extend(self.disagreements());
-        if self.require(Stage::Detect).is_ok() && self.params().method == Method::Pcmvs {
-            let has_stereo =
-                |place: usize| self.intermediates().detected[place].iter().any(|p| p.rank == Rank::Detected);
-            let silent = cameras().filter(|&(_, place)| self.views()[place].is_used() && !has_stereo(place));
-            warnings.extend(silent.map(|(camera, _)| Warning::NoStereoPoints { camera }));
-        }
-        warnings
-    }
-
-    /// The warning about a view of the complete stage.
-    fn of_complete(&self, view: &View, camera: u32) -> Option<Warning> {
-        let overlap = self.compared.get(usize::from(view.index)).and_then(|found| found.overlap).unwrap_or(0.0);
-        match view.left_out {
-            Some(LeftOut::Contradicts) => Some(Warning::CameraContradicts { camera, overlap }),
-            None if view.is_set_aside() => Some(Warning::SilhouetteSetAside { camera, overlap }),
-            None if view.added > 0 => Some(Warning::SilhouetteCompleted { camera, pixels: view.added }),
-            _ => of_view(view, camera),
-        }
-    }
-
-    /// Warnings about silhouettes of used views that disagree with the others.
-    fn disagreements(&self) -> Vec<Warning> {
-        let used = |camera: u32| {
-            let place = self.rig().place(camera as usize)?;
-            let view = self.views().get(place).filter(|view| view.is_used() && !view.is_set_aside());
-            view.and(self.compared.get(place)?.overlap).map(|overlap| (overlap, camera))
-        };
-        let mut overlaps: Vec<(f32, u32)> = (0..self.cameras() as u32).filter_map(used).collect();
-        overlaps.sort_unstable_by_key(|&(overlap, camera)| (ordered(overlap), camera));
-        let (Some(&(median, _)), Some(&(overlap, worst))) = (overlaps.get(overlaps.len() / 2), overlaps.first()) else {
-            return Vec::new();
-        };
-        let named = (0..self.cameras() as u32).filter_map(|camera| {
-            let place = self.rig().place(camera as usize)? as u16;
-            let &(overlap, _) = overlaps.iter().find(|found| found.1 == camera)?;
-            self.contradicting.contains(&place).then_some(Warning::SilhouetteDisagrees { camera, overlap, median })
-        });
-        let named: Vec<Warning> = named.collect();
-        if named.is_empty() && median < CONTRADICT_BELOW {
-            return vec![Warning::SilhouettesContradict { median, worst, overlap }];
-        }
-        named
-    }
-}
-
-/// The warning about a view by itself.
-fn of_view(view: &View, camera: u32) -> Option<Warning> {
-    match (view.left_out, &view.silhouette) {
-        (Some(LeftOut::NoPicture), _) => Some(Warning::NoPicture { camera }),
-        (Some(LeftOut::EmptySilhouette), _) => Some(Warning::EmptySilhouette { camera }),
-        (Some(LeftOut::MaskInverted), _) => Some(Warning::MaskInverted { camera }),
-        (Some(LeftOut::BesidePicture), _) => Some(Warning::ObjectBesidePicture { camera }),
-        // Found with the hull, together with the overlap.
-        (Some(LeftOut::Contradicts), _) => None,
-        (None, None) => Some(Warning::NoSilhouette { camera }),
-        (None, Some(silhouette)) => silhouette.is_full().then_some(Warning::FullSilhouette { camera }),
     }
 }

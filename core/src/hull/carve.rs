@@ -3,13 +3,13 @@
 use super::{
     carver::{Carver, carvers, smallest_distance},
     judge::{Verdict, judge},
+    memory::check_grid,
     search::Search,
     visual_hull::VisualHull,
 };
 use crate::{
     error::{Error, Result},
     grid::{BLOCK, BLOCK_NODES, SparseGrid},
-    memory,
     progress::{self, Progress},
     rig::MIN_VIEWS,
     stage::Stage,
@@ -72,7 +72,7 @@ impl VisualHull {
         if table > MAX_BLOCKS || dims.iter().any(|&n| n > u32::from(u16::MAX)) {
             return Err(too_large(dims));
         }
-        memory::check_grid(views, table, 0, limit)?;
+        check_grid(views, table, 0, limit)?;
         let max_blocks = table as usize;
         let (mut list_starts, mut needed) = (workspace.empty(max_blocks + 1), workspace.empty(max_blocks));
         let mut carver_lists = workspace.take();
@@ -81,7 +81,7 @@ impl VisualHull {
         let mut stopped = Ok(());
         let grid = SparseGrid::new(origin, voxel, dims, |[x, y, z]| {
             if x == 0 && stopped.is_ok() {
-                stopped = memory::check_grid(views, table, needed.len() as u64, limit);
+                stopped = check_grid(views, table, needed.len() as u64, limit);
                 if y == 0 && stopped.is_ok() {
                     stopped = progress::step(progress, Stage::Hull, z, 2 * dims[2]);
                 }
@@ -104,7 +104,7 @@ impl VisualHull {
             }
         });
         stopped?;
-        memory::check_grid(views, table, grid.blocks.len() as u64, limit)?;
+        check_grid(views, table, grid.blocks.len() as u64, limit)?;
         workspace.recycle(search.needed);
 
         let values = workspace.empty(grid.blocks.len() * BLOCK_NODES);

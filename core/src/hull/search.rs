@@ -2,25 +2,16 @@
 
 use super::{
     carver::Carver,
-    judge::{Verdict, judge},
+    space::{CELLS, cell_corner, half_edge, support},
     support::{keep_objects, needed_support},
 };
 use crate::{
     error::{Error, Result},
-    progress::{self, Progress},
-    stage::Stage,
+    progress::Progress,
     workspace::Workspace,
 };
-use alloc::{vec, vec::Vec};
+use alloc::vec::Vec;
 use glam::Vec3;
-
-/// Smallest number of silhouettes that must contain a point of the object.
-pub(super) const MIN_SILHOUETTES: u32 = 2;
-
-/// Number of cells along an edge of the searched cube.
-pub(super) const CELLS: usize = 128;
-/// Ratio of a cube's diagonal to its edge: √3.
-const DIAGONAL: f32 = 1.7320508;
 
 /// The cells of a cube around the rig's origin that may contain the object.
 pub(super) struct Search {
@@ -66,97 +57,4 @@ impl Search {
         }
         least
     }
-}
-
-/// The cells of the same cube that the object may occupy even if some silhouettes wrongly exclude it.
-pub(super) struct Space {
-    half: f32,
-    /// Number of views whose silhouette a cell may lie in, x fastest. Zero if more views exclude it than are tolerated.
-    support: Vec<u16>,
-}
-
-impl Space {
-    /// The cells that at most `tolerated` views exclude.
-    pub fn new(carvers: &[Carver], tolerated: u32, workspace: &mut Workspace, progress: &dyn Progress) -> Result<Self> {
-        let half = half_edge(carvers);
-        Ok(Self { half, support: support(carvers, half, tolerated, workspace, progress)? })
-    }
-
-    /// Edge of a cell, in scene units.
-    pub fn cell(&self) -> f32 {
-        2.0 * self.half / CELLS as f32
-    }
-
-    /// Distance from a point beyond which nothing is searched, in scene units.
-    pub fn reach(&self, from: Vec3) -> f32 {
-        from.length() + DIAGONAL * self.half
-    }
-
-    /// Whether a point may belong to the object.
-    pub fn contains(&self, p: Vec3) -> bool {
-        let q = (p + Vec3::splat(self.half)) / self.cell();
-        if !(q.min_element() >= 0.0 && q.max_element() < CELLS as f32) {
-            return false;
-        }
-        self.support[(q.z as usize * CELLS + q.y as usize) * CELLS + q.x as usize] > 0
-    }
-
-    /// Returns its memory to a workspace.
-    pub fn recycle_into(self, workspace: &mut Workspace) {
-        workspace.recycle(self.support);
-    }
-}
-
-/// Half the edge of a cube around the rig's origin that contains all cameras, in scene units.
-fn half_edge(carvers: &[Carver]) -> f32 {
-    carvers.iter().map(|c| c.camera.centre.length()).fold(0.0, f32::max) * 1.2
-}
-
-/// The lowest corner of a cell.
-pub(super) fn cell_corner(i: usize, half: f32) -> Vec3 {
-    let [x, y, z] = coordinates(i).map(|v| v as f32);
-    Vec3::new(x, y, z) * (2.0 * half / CELLS as f32) - Vec3::splat(half)
-}
-
-pub(super) fn coordinates(i: usize) -> [usize; 3] {
-    [i % CELLS, i / CELLS % CELLS, i / (CELLS * CELLS)]
-}
-
-/// For every cell, the number of views whose silhouette it may lie in, or zero if more than `tolerated` views exclude
-/// it.
-fn support(
-    carvers: &[Carver],
-    half: f32,
-    tolerated: u32,
-    workspace: &mut Workspace,
-    progress: &dyn Progress,
-) -> Result<Vec<u16>> {
-    let mut support = workspace.filled(0u16, CELLS * CELLS * CELLS);
-    let mut crossing = Vec::new();
-    let mut stack = vec![([0usize; 3], CELLS)];
-    let mut visited = 0u32;
-    while let Some((corner, cells)) = stack.pop() {
-        visited += 1;
-        if visited.is_multiple_of(4096) {
-            progress::step(progress, Stage::Hull, 0, 1)?;
-        }
-        let edge = 2.0 * half * cells as f32 / CELLS as f32;
-        let [x, y, z] = corner.map(|v| v as f32 * 2.0 * half / CELLS as f32 - half + 0.5 * edge);
-        let (verdict, _, supporting) =
-            judge(carvers, Vec3::new(x, y, z), 0.5 * edge * DIAGONAL, (MIN_SILHOUETTES, tolerated), &mut crossing);
-        if verdict == Verdict::Outside {
-            continue;
-        }
-        if cells == 1 {
-            let [x, y, z] = corner;
-            support[(z * CELLS + y) * CELLS + x] = supporting as u16;
-            continue;
-        }
-        let step = cells / 2;
-        for k in 0..8 {
-            let at = |axis: usize| corner[axis] + if k >> axis & 1 == 0 { 0 } else { step };
-            stack.push(([at(0), at(1), at(2)], step));
-        }
-    }
-    Ok(support)
 }

@@ -7,7 +7,7 @@
 
 use super::{
     carver::Carver,
-    search::{CELLS, MIN_SILHOUETTES, cell_corner, coordinates},
+    space::{CELLS, MIN_SILHOUETTES, cell_corner, coordinates},
 };
 use crate::workspace::Workspace;
 use alloc::vec::Vec;

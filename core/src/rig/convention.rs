@@ -4,7 +4,7 @@
 //! them. If they do not as they are given, but do when the poses are read in another common convention, the poses are
 //! given in that one.
 
-use super::{MIN_VIEWS, meeting_point};
+use super::meeting::{MIN_VIEWS, meeting_point};
 use crate::{
     camera::Camera,
     error::{Error, Result},

@@ -1,6 +1,7 @@
 //! The rig: the cameras, and everything derived from them that all frames share.
 
 mod convention;
+mod meeting;
 mod neighbours;
 
 use crate::{
@@ -9,13 +10,12 @@ use crate::{
     undistort::Undistortion,
 };
 use alloc::{format, vec::Vec};
-use glam::{DMat3, DVec3, Vec3};
+use glam::{DVec3, Vec3};
+pub use meeting::MIN_VIEWS;
+pub(crate) use meeting::meeting_point;
 use neighbours::neighbours;
 
 pub(crate) use convention::Convention;
-
-/// Smallest number of views, and of silhouettes, for a reconstruction.
-pub const MIN_VIEWS: u32 = 3;
 
 /// Cameras closer to each other than this share of the distance to the object stand at the same place.
 const SAME_PLACE: f64 = 1e-6;
@@ -164,18 +164,4 @@ fn canonical_order(cameras: &[Camera]) -> Vec<u32> {
         unequal.unwrap_or(core::cmp::Ordering::Equal)
     });
     order
-}
-
-/// The point nearest to all optical axes in the least-squares sense. It is pulled slightly towards the mean of the
-/// camera centres, so that it also exists for parallel axes.
-pub(crate) fn meeting_point<'a>(cameras: impl ExactSizeIterator<Item = &'a Camera> + Clone) -> DVec3 {
-    let mean = cameras.clone().map(Camera::centre).sum::<DVec3>() / cameras.len() as f64;
-    let (mut a, mut b) = (DMat3::IDENTITY * 1e-9, mean * 1e-9);
-    for camera in cameras {
-        let d = camera.direction();
-        let across = DMat3::IDENTITY - DMat3::from_cols(d * d.x, d * d.y, d * d.z);
-        a += across;
-        b += across * camera.centre();
-    }
-    a.inverse() * b
 }

@@ -7,13 +7,14 @@
 
 mod colours;
 mod coverage;
+mod excluders;
 mod lacking;
 mod verdict;
 mod witness;
 
 pub use lacking::{Completed, completed};
 
-use super::{carver::Carver, search::Space};
+use super::{carver::Carver, space::Space};
 use crate::{
     camera::Pinhole, error::Result, point_cloud::Mesh, progress::Progress, silhouette::Silhouette, view::View,
     workspace::Workspace,
@@ -70,7 +71,7 @@ pub fn contradicting(
     if most == 0 || pixels < limit {
         return Ok(Vec::new());
     }
-    let space = Space::new(&carvers, witness::TOLERATED, workspace, progress)?;
+    let space = Space::new(&carvers, excluders::TOLERATED, workspace, progress)?;
     let mut verdict = Verdict::new(carvers.len());
     for (own, pixels) in uncovered.iter().enumerate() {
         witness::hear(&carvers, &space, own, pixels, &mut verdict, progress)?;

@@ -1,7 +1,7 @@
 use super::{
     coverage::{Coverage, PIXELS_PER_SAMPLE, contour_length},
+    excluders::{Excluders, Sets},
     verdict::Verdict,
-    witness::{Excluders, Sets},
 };
 use crate::testing::{pinhole, silhouette_of, sphere};
 use alloc::vec::Vec;

@@ -1,6 +1,6 @@
 //! Finds the smallest number of views at fault that explains what the witnesses say.
 
-use super::witness::{Excluders, Sets, TOLERATED, size};
+use super::excluders::{Excluders, Sets, TOLERATED, size};
 use alloc::{vec, vec::Vec};
 
 /// Number of accusing views whose pixels do not count: those with the most. A matte that shows more than the object

@@ -1,7 +1,8 @@
 //! Uncovered pixels as witnesses: which views exclude the most plausible places of a pixel's ray.
 
 use super::{
-    super::{carver::Carver, search::Space},
+    super::{carver::Carver, space::Space},
+    excluders::{Sets, TOLERATED},
     verdict::Verdict,
 };
 use crate::{
@@ -10,8 +11,6 @@ use crate::{
     stage::Stage,
 };
 
-/// Largest number of views that may wrongly exclude the same place.
-pub(super) const TOLERATED: u32 = 3;
 /// A view excludes a place that it sees by more than this outside its contour, in pixels.
 const OUTSIDE: f32 = -1.0;
 /// Smallest number of silhouettes that must contain a plausible place, and how many there must be per view that excludes
@@ -44,47 +43,6 @@ pub(super) fn hear(
         }
     }
     Ok(())
-}
-
-/// A small set of views that exclude the same place, in ascending order; unused entries are `u16::MAX`.
-pub(super) type Excluders = [u16; TOLERATED as usize];
-
-/// Distinct sets of views that exclude places of one ray. Of a place that few views exclude, but more than another, the
-/// set is kept as well: once one of its views is out, it may become the most plausible one.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Sets {
-    pub(super) sets: [Excluders; Self::MOST],
-    pub(super) count: usize,
-}
-
-impl Sets {
-    /// Largest number of sets that are kept per ray.
-    const MOST: usize = 6;
-    const NOBODY: Excluders = [u16::MAX; TOLERATED as usize];
-
-    /// No set.
-    pub(super) const fn new() -> Self {
-        Self { sets: [Self::NOBODY; Self::MOST], count: 0 }
-    }
-
-    /// Adds a set, in the place of a larger one if there is no room.
-    pub(super) fn add(&mut self, set: Excluders) {
-        if self.sets[..self.count].contains(&set) {
-            return;
-        }
-        if self.count < Self::MOST {
-            self.sets[self.count] = set;
-            self.count += 1;
-        } else if let Some(larger) = (0..Self::MOST).max_by_key(|&i| (size(&self.sets[i]), i))
-            && size(&self.sets[larger]) > size(&set)
-        {
-            self.sets[larger] = set;
-        }
-    }
-}
-
-pub(super) fn size(set: &Excluders) -> usize {
-    set.iter().filter(|&&view| view != u16::MAX).count()
 }
 
 /// The sets of views that exclude the places of a pixel's ray. `None` if some place is excluded by no view, or if all
