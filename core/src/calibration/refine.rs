@@ -64,6 +64,9 @@ const FIRST_SCALES: [f64; 4] = [32.0, 12.0, 5.0, 3.0];
 const LATER_SCALES: [f64; 2] = [5.0, 3.0];
 /// Refined cameras must make the loss of what was held out smaller by this factor.
 const BETTER: f64 = 0.97;
+/// The median miss of the contours may grow by this factor, and by this many pixels. If it grows more, the matches that have
+/// become better were wrong together.
+const CONTOURS_MAY_GROW: [f64; 2] = [1.25, 0.05];
 /// Mean distance of matches from epipolar lines, in pixels, from which a calibration is called inconsistent.
 const INCONSISTENT: f64 = 0.5;
 /// A camera was bumped if its correction is this many pixels, and this many times the median correction.
@@ -130,6 +133,13 @@ pub fn calibrate(
         contradicts: &contradicts,
     };
     Ok(judge.result(&overlaps, swapped))
+}
+
+/// Whether refined cameras do not make the contours miss each other clearly more than before.
+fn contours_agree(before: &[Residuals], after: &[Residuals]) -> bool {
+    let miss = |found: &[Residuals]| median(&mut found.iter().filter_map(|r| r.contour_px).collect::<Vec<_>>());
+    let [factor, pixels] = CONTOURS_MAY_GROW;
+    miss(before).zip(miss(after)).is_none_or(|(before, after)| after <= factor * before + pixels)
 }
 
 /// Which cameras contradict the others wherever they are put: their contours do, or their silhouettes do and no texture
@@ -254,7 +264,7 @@ impl Judge<'_> {
         let held_out = loss(given).zip(loss(models)).map(|(before, after)| [before, after]);
         let verdict = match held_out {
             None => Verdict::Undecided,
-            Some([before, after]) if after < BETTER * before => Verdict::Improved,
+            Some([a, b]) if b < BETTER * a && contours_agree(&before, &after) => Verdict::Improved,
             Some(_) => Verdict::Kept,
         };
         let (moved, uncertain) = (self.moved(), self.uncertainties());

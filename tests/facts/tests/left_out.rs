@@ -128,7 +128,7 @@ fn silhouettes_that_agree_and_one_that_does_not() {
         assert!(found.contour_px.is_some_and(|pixels| pixels < 0.3), "{found:?}");
     }
     let mut shot = copy();
-    shot.cameras[4].k[0][2] += 4.0;
+    shot.cameras[4].k[0][2] += 8.0;
     let moved = made(&shot, Preset::Hull, &some(&shot));
     let named = moved.warnings.iter().filter_map(|warning| match warning {
         Warning::SilhouetteDisagrees { camera, .. } | Warning::CameraContradicts { camera, .. } => Some(*camera),

@@ -81,7 +81,7 @@ fn a_frame_takes_what_the_formula_says() {
             let carved = VisualHull::new(&views, &params.hull, &Silent).expect("there is a hull");
             let needed = memory::needed(&views, &carved, &hull, &params);
             assert!(taken <= needed, "{preset:?}, {count} x {width}: {taken} bytes allocated, {needed} predicted");
-            assert!(width < 320 || 5 * needed < 9 * taken, "{preset:?}, {count} x {width}: {taken} of {needed}");
+            assert!(width < 320 || needed < 2 * taken, "{preset:?}, {count} x {width}: {taken} of {needed}");
 
             let within = |limit: u64, progress: &dyn Progress| {
                 Frame::new(&rig, params, Memory::limited(limit)).run_all(&shot.inputs(), &Serial, progress)
