@@ -47,13 +47,13 @@ impl<'a> Rays<'a> {
         let inside = within && x < self.width && y < self.height;
         let reach = cell / self.carver.camera.footprint(q.z);
         let contains = inside && self.carver.silhouette.sample(q.x, q.y).is_some_and(|d| d > -reach);
-        contains.then_some(y * self.width + x)
+        contains.then(|| y * self.width + x)
     }
 }
 
 /// For each cell, the number of silhouettes that must contain a point of the object: more than half of what the best cell
-/// has on that ray through the cell on which the best cell is worst, or [`SUFFICIENT`]. Zero for cells whose own `support` is less. Cells that
-/// are the best ones on the rays of enough views are marked by [`BEST`].
+/// has on that ray through the cell on which the best cell is worst, or [`SUFFICIENT`]. Zero for cells whose own `support`
+/// is less. Cells that are the best ones on the rays of enough views are marked by [`BEST`].
 pub(super) fn needed_support(carvers: &[Carver], support: &[u16], half: f32, workspace: &mut Workspace) -> Vec<u16> {
     let cell = 2.0 * half / CELLS as f32;
     let centre = |i: usize| cell_corner(i, half) + Vec3::splat(0.5 * cell);
