@@ -15,7 +15,7 @@ fn memory_is_steady_over_200_frames() {
 }
 
 #[test]
-fn later_frames_allocate_little_and_equally_and_reading_allocates_nothing() {
+fn later_frames_allocate_little_and_equally_and_reading_hardly_allocates() {
     if !cfg!(target_env = "gnu") {
         return;
     }

@@ -8,6 +8,9 @@ use core::ops::Deref;
 /// If the median overlap is smaller than this, the silhouettes as a whole contradict each other. Exact silhouettes
 /// overlap to 99.7 %, real ones that were made well to 98 %.
 const CONTRADICT_BELOW: f32 = 0.95;
+/// They do so only if the hull's outline also lies more than this from half of the contours, in pixels. In small pictures the
+/// contour alone is a large part of a silhouette.
+const CONTRADICT_PIXELS: f32 = 1.0;
 
 impl<R: Deref<Target = Rig>> Frame<R> {
     /// How well each camera's view agrees with the others, in the order in which the cameras were given. Empty before
@@ -78,7 +81,10 @@ impl<R: Deref<Target = Rig>> Frame<R> {
             self.contradicting.contains(&place).then_some(Warning::SilhouetteDisagrees { camera, overlap, median })
         });
         let named: Vec<Warning> = named.collect();
-        if named.is_empty() && median < CONTRADICT_BELOW {
+        let mut distances: Vec<f32> = self.compared.iter().filter_map(|found| found.contour).collect();
+        distances.sort_unstable_by_key(|&distance| ordered(distance));
+        let is_far = distances.get(distances.len() / 2).is_some_and(|&distance| distance > CONTRADICT_PIXELS);
+        if named.is_empty() && median < CONTRADICT_BELOW && is_far {
             return vec![Warning::SilhouettesContradict { median, worst, overlap }];
         }
         named

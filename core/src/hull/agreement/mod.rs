@@ -16,8 +16,8 @@ pub use lacking::{Completed, completed};
 
 use super::{carver::Carver, space::Space};
 use crate::{
-    camera::Pinhole, error::Result, point_cloud::Mesh, progress::Progress, silhouette::Silhouette, view::View,
-    workspace::Workspace,
+    camera::Pinhole, error::Result, math::max, point_cloud::Mesh, progress::Progress, silhouette::Silhouette,
+    view::View, workspace::Workspace,
 };
 use alloc::vec::Vec;
 use coverage::Coverage;
@@ -37,6 +37,9 @@ pub struct AgreementParams {
     /// Largest share of the silhouettes that are set aside. If more are at fault, the calibration as a whole is in question.
     pub largest_share: f32,
 }
+
+/// Fewer pixels are never held against a view: in small pictures thin parts of the hull get lost in its grid.
+const MIN_PIXELS: f32 = 50.0;
 
 impl AgreementParams {
     /// The value of [`Self::blame`] in the presets. Ordinary noise, mattes and calibration reach half of it.
@@ -65,7 +68,7 @@ pub fn contradicting(
         uncovered.push(coverage.uncovered(&carver.silhouette));
         contours += coverage::contour_length(&carver.silhouette);
     }
-    let limit = blame * contours as f32 / carvers.len().max(1) as f32;
+    let limit = max(blame * contours as f32 / carvers.len().max(1) as f32, MIN_PIXELS);
     // Every uncovered pixel stands for the pixels around it that were not looked at.
     let pixels = uncovered.iter().map(|pixels| pixels.len() as f32 * coverage::PIXELS_PER_SAMPLE).sum::<f32>();
     if most == 0 || pixels < limit {
