@@ -96,7 +96,7 @@ fn later(pixels: f64, inside: f64, hull_vertices: f64, params: &Params) -> u64 {
 /// Refuses a frame if its hull's mesh would need more than `limit` bytes. Called before that mesh is extracted.
 ///
 /// # Errors
-/// [`Error::OutOfMemory`].
+/// [`crate::Error::OutOfMemory`].
 pub fn check_hull(views: &[View], hull: &VisualHull, limit: Option<u64>) -> Result<()> {
     within(|| needed_for_hull(views, hull), limit)
 }
@@ -104,7 +104,7 @@ pub fn check_hull(views: &[View], hull: &VisualHull, limit: Option<u64>) -> Resu
 /// Refuses a frame that needs more than `limit` bytes, once its silhouettes, its hull and the hull's mesh are known.
 ///
 /// # Errors
-/// [`Error::OutOfMemory`].
+/// [`crate::Error::OutOfMemory`].
 pub fn check(views: &[View], hull: &VisualHull, hull_mesh: &Mesh, params: &Params, limit: Option<u64>) -> Result<()> {
     within(|| needed(views, hull, hull_mesh, params), limit)
 }
@@ -112,7 +112,7 @@ pub fn check(views: &[View], hull: &VisualHull, hull_mesh: &Mesh, params: &Param
 /// Refuses all frames of a rig if the views alone need more than `limit` bytes.
 ///
 /// # Errors
-/// [`Error::OutOfMemory`].
+/// [`crate::Error::OutOfMemory`].
 pub fn check_rig(rig: &Rig, limit: Option<u64>) -> Result<()> {
     within(|| smallest(rig), limit)
 }

@@ -1,8 +1,8 @@
 //! Checks and refines the calibration of a rig by what its cameras have recorded (not in the paper).
 //!
-//! Two kinds of evidence are used. Texture on the surface is matched between neighbouring views ([`matching`]); the
-//! visual hull tells where to look. Contours give frontier points without any search ([`tangents`]). A robust bundle
-//! adjustment ([`adjust`]) finds the cameras that agree best with both. A fixed part of the evidence is held out. If the
+//! Two kinds of evidence are used. Texture on the surface is matched between neighbouring views (`matching`); the
+//! visual hull tells where to look. Contours give frontier points without any search (`tangents`). A robust bundle
+//! adjustment (`adjust`) finds the cameras that agree best with both. A fixed part of the evidence is held out. If the
 //! refined cameras do not agree better with that part, the given ones are kept.
 //!
 //! The rig does not move during a take, so that frames of one take can be used together.

@@ -21,7 +21,7 @@ pub(crate) fn pixels(views: &[View]) -> u64 {
 /// bounding box and `stored` that of the blocks that its surface may pass.
 ///
 /// # Errors
-/// [`Error::OutOfMemory`].
+/// [`crate::Error::OutOfMemory`].
 pub(super) fn check_grid(views: &[View], table: u64, stored: u64, limit: Option<u64>) -> Result<()> {
     let grid = (PER_TABLE_BLOCK * table).max(PER_BLOCK * stored);
     within(|| PER_PIXEL * pixels(views) + grid, limit)
