@@ -111,33 +111,6 @@ test("faults of a capture are reported, and the page keeps working", async (t) =
     assert.deepEqual(problems, []);
 });
 
-test("warnings are listed, and their cameras are marked", async (t) => {
-    const faulty = capture([0], (s, to) => {
-        s.frames[0].images[3] = null;
-        rmSync(join(to, s.frames[0].images[5]));
-    });
-    const { page, problems, shot } = await openWith(t, faulty);
-    await run(page);
-    assert.equal(await text(page, "warnings-title"), "2 warnings");
-    assert.match(
-        await text(page, "warnings"),
-        /^\s*camera cam03: it has no picture in this frame.*\s+camera cam05: it has no/,
-    );
-    const marked = await page.$$eval("#strip button[data-warning] span", (spans) => spans.map((s) => s.textContent));
-    assert.deepEqual(marked, ["cam03 · not used", "cam05 · not used"]);
-    await page.check("#show-cameras");
-    await shot("warnings");
-    await page.click("#warnings li:nth-child(2) button");
-    assert.equal(await text(page, "through-name"), "cam05 · not used");
-    assert.equal((await text(page, "errors")).trim(), "");
-    // A capture without faults has none.
-    await openFolder(page, capture([0]));
-    await run(page);
-    assert.equal(await page.isVisible("#warnings-section"), false);
-    assert.equal(await page.$("#strip button[data-warning]"), null);
-    assert.deepEqual(problems, []);
-});
-
 test("a lack of memory is reported, and the page keeps working", async (t) => {
     const own = await launch(["--js-flags=--wasm-max-mem-pages=1200"]);
     try {
