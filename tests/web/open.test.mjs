@@ -1,7 +1,7 @@
 // Opening captures in Chromium, with and without faults.
 import assert from "node:assert/strict";
 import { execFileSync } from "node:child_process";
-import { cpSync, readFileSync, rmSync, truncateSync, writeFileSync } from "node:fs";
+import { cpSync, readFileSync, truncateSync, writeFileSync } from "node:fs";
 import { basename, join } from "node:path";
 import { test } from "node:test";
 import { capture, colmap, folder, middlebury, opencv, transforms, zipped } from "./captures.mjs";
