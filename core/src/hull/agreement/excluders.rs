@@ -6,22 +6,34 @@ pub(super) const TOLERATED: u32 = 3;
 /// A small set of views that exclude the same place, in ascending order; unused entries are `u16::MAX`.
 pub(super) type Excluders = [u16; TOLERATED as usize];
 
+/// The empty set.
+pub(super) const NOBODY: Excluders = [u16::MAX; TOLERATED as usize];
+
+/// Number of views in a set.
+pub(super) fn size(set: &Excluders) -> usize {
+    set.iter().filter(|&&view| view != u16::MAX).count()
+}
+
 /// Distinct sets of views that exclude places of one ray. Of a place that few views exclude, but more than another, the
 /// set is kept as well: once one of its views is out, it may become the most plausible one.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Sets {
-    pub(super) sets: [Excluders; Self::MOST],
-    pub(super) count: usize,
+    sets: [Excluders; Self::MOST],
+    count: usize,
 }
 
 impl Sets {
     /// Largest number of sets that are kept per ray.
-    const MOST: usize = 6;
-    pub(super) const NOBODY: Excluders = [u16::MAX; TOLERATED as usize];
+    pub(super) const MOST: usize = 6;
 
     /// No set.
     pub(super) const fn new() -> Self {
-        Self { sets: [Self::NOBODY; Self::MOST], count: 0 }
+        Self { sets: [NOBODY; Self::MOST], count: 0 }
+    }
+
+    /// The sets, in the order in which they were added.
+    pub(super) fn iter(&self) -> core::slice::Iter<'_, Excluders> {
+        self.sets[..self.count].iter()
     }
 
     /// Adds a set, in the place of a larger one if there is no room.
@@ -38,8 +50,4 @@ impl Sets {
             self.sets[larger] = set;
         }
     }
-}
-
-pub(super) fn size(set: &Excluders) -> usize {
-    set.iter().filter(|&&view| view != u16::MAX).count()
 }

@@ -2,15 +2,15 @@
 //!
 //! If all silhouettes and cameras are right, the hull covers every silhouette. Where it leaves a pixel of a silhouette
 //! uncovered, some other silhouette wrongly excludes the space along that pixel's ray: its matte lacks a part, or its
-//! camera is not where the calibration says. Such a pixel is a [`witness`] against the views that exclude the most
-//! plausible places of its ray. A view against which many pixels of many other views bear witness is at fault.
+//! camera is not where the calibration says. The views that exclude the most plausible places of the ray are to blame
+//! ([`exclusion`]). A view that is to blame for many pixels of many other views is at fault ([`blame`]).
 
+mod blame;
 mod colours;
 mod coverage;
 mod excluders;
+mod exclusion;
 mod lacking;
-mod verdict;
-mod witness;
 
 pub use lacking::{Completed, completed};
 
@@ -20,8 +20,8 @@ use crate::{
     view::View, workspace::Workspace,
 };
 use alloc::vec::Vec;
+use blame::Blame;
 use coverage::Coverage;
-use verdict::Verdict;
 
 /// Parameters of the agreement of views.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -29,7 +29,7 @@ use verdict::Verdict;
 pub struct AgreementParams {
     /// A view is at fault if the other views have at least this many uncovered pixels because of it, as a fraction of
     /// the mean length of a silhouette's contour. The two views with the most such pixels do not count, so that a matte
-    /// that shows too much accuses nobody.
+    /// that shows too much puts the blame on nobody.
     pub blame: f32,
     /// The camera of such a view is at fault, and not only its matte, if the hull of the others leaves more than this share
     /// of its own silhouette's rim uncovered.

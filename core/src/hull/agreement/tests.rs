@@ -1,7 +1,7 @@
 use super::{
+    blame::Blame,
     coverage::{Coverage, PIXELS_PER_SAMPLE, contour_length},
     excluders::{Excluders, Sets},
-    verdict::Verdict,
 };
 use crate::testing::{pinhole, silhouette_of, sphere};
 use alloc::vec::Vec;
@@ -9,58 +9,63 @@ use glam::Vec3;
 
 const NONE: u16 = u16::MAX;
 
-fn said(statements: &[(u16, f32, &[Excluders])]) -> Verdict {
-    let mut verdict = Verdict::new(8);
-    for &(from, weight, sets) in statements {
+fn blame(pixels: &[(u16, f32, &[Excluders])]) -> Blame {
+    let mut blame = Blame::new(8);
+    for &(view, weight, sets) in pixels {
         let mut all = Sets::new();
         sets.iter().for_each(|&set| all.add(set));
-        verdict.record(from, weight, all);
+        blame.add(view, weight, all);
     }
-    verdict
+    blame
 }
 
-/// The two loudest accusers do not count: with two there is nothing, with four there is what the other two say.
+/// The views at fault alone.
+fn at_fault(blame: &Blame, limit: f32, most: usize) -> Vec<u16> {
+    blame.at_fault(limit, most).into_iter().map(|(view, _)| view).collect()
+}
+
+/// The two views with the most pixels do not count: with two there is nothing, with four there is what the other two have.
 #[test]
-fn two_views_accuse_nobody() {
+fn two_views_blame_nobody() {
     let set: &[Excluders] = &[[7, NONE, NONE]];
-    let two = said(&[(0, 100.0, set), (1, 100.0, set)]);
-    assert!(two.guilty(1.0, 8).is_empty());
-    let four = said(&[(0, 100.0, set), (1, 100.0, set), (2, 5.0, set), (3, 4.0, set)]);
-    assert_eq!(four.guilty(9.0, 8), [7]);
-    assert!(four.guilty(9.5, 8).is_empty());
+    let two = blame(&[(0, 100.0, set), (1, 100.0, set)]);
+    assert!(at_fault(&two, 1.0, 8).is_empty());
+    let four = blame(&[(0, 100.0, set), (1, 100.0, set), (2, 5.0, set), (3, 4.0, set)]);
+    assert_eq!(at_fault(&four, 9.0, 8), [7]);
+    assert!(at_fault(&four, 9.5, 8).is_empty());
 }
 
 /// Of several places on a ray the one that fewest views exclude counts.
 #[test]
 fn the_most_plausible_place_counts() {
     let sets: &[Excluders] = &[[5, 6, NONE], [7, NONE, NONE]];
-    let verdict = said(&[(0, 10.0, sets), (1, 10.0, sets), (2, 10.0, sets)]);
-    assert_eq!(verdict.guilty(10.0, 8), [7]);
+    let found = blame(&[(0, 10.0, sets), (1, 10.0, sets), (2, 10.0, sets)]);
+    assert_eq!(at_fault(&found, 10.0, 8), [7]);
 }
 
 /// What a view at fault explains is not held against others, and what remains falls on the other view of a pair.
 #[test]
 fn what_is_explained_is_not_held_against_others() {
     let (shared, alone): (&[Excluders], &[Excluders]) = (&[[6, 7, NONE]], &[[7, NONE, NONE]]);
-    let mut statements: Vec<(u16, f32, &[Excluders])> = (0..5).map(|from| (from, 20.0, alone)).collect();
-    statements.extend((0..5).map(|from| (from, 6.0, shared)));
+    let mut pixels: Vec<(u16, f32, &[Excluders])> = (0..5).map(|from| (from, 20.0, alone)).collect();
+    pixels.extend((0..5).map(|from| (from, 6.0, shared)));
     // Against 7 there are 3 · (20 + 3) pixels. Without it, 3 · 6 are held against 6 alone.
-    assert_eq!(said(&statements).guilty(18.0, 8), [7, 6]);
-    assert_eq!(said(&statements).guilty(18.5, 8), [7]);
+    assert_eq!(at_fault(&blame(&pixels), 18.0, 8), [7, 6]);
+    assert_eq!(at_fault(&blame(&pixels), 18.5, 8), [7]);
     let either: &[Excluders] = &[[6, NONE, NONE], [7, NONE, NONE]];
-    let statements: Vec<(u16, f32, &[Excluders])> =
+    let pixels: Vec<(u16, f32, &[Excluders])> =
         (0..5).flat_map(|from| [(from, 20.0, alone), (from, 6.0, either)]).collect();
-    assert_eq!(said(&statements).guilty(1.0, 8), [7], "explained by the view at fault");
+    assert_eq!(at_fault(&blame(&pixels), 1.0, 8), [7], "explained by the view at fault");
 }
 
-/// A view at fault is no witness, and there are not more than asked for.
+/// Pixels of a view at fault say nothing, and there are not more views at fault than asked for.
 #[test]
-fn views_at_fault_are_not_heard() {
+fn pixels_of_views_at_fault_do_not_count() {
     let (against_7, against_6): (&[Excluders], &[Excluders]) = (&[[7, NONE, NONE]], &[[6, NONE, NONE]]);
-    let mut statements: Vec<(u16, f32, &[Excluders])> = (0..4).map(|from| (from, 50.0, against_7)).collect();
-    statements.extend([(7, 90.0, against_6), (0, 10.0, against_6), (1, 10.0, against_6)]);
-    assert_eq!(said(&statements).guilty(9.0, 8), [7], "without 7 only two views accuse 6");
-    assert!(said(&statements).guilty(9.0, 0).is_empty());
+    let mut pixels: Vec<(u16, f32, &[Excluders])> = (0..4).map(|from| (from, 50.0, against_7)).collect();
+    pixels.extend([(7, 90.0, against_6), (0, 10.0, against_6), (1, 10.0, against_6)]);
+    assert_eq!(at_fault(&blame(&pixels), 9.0, 8), [7], "without 7 only two views blame 6");
+    assert!(at_fault(&blame(&pixels), 9.0, 0).is_empty());
 }
 
 /// The mesh of a ball covers its silhouette. A smaller one leaves a rim uncovered, whose area is known.

@@ -1,9 +1,10 @@
-//! Uncovered pixels as witnesses: which views exclude the most plausible places of a pixel's ray.
+//! Which views exclude the most plausible places of an uncovered pixel's ray.
 
 use super::{
     super::{carver::Carver, space::Space},
-    excluders::{Sets, TOLERATED},
-    verdict::Verdict,
+    blame::Blame,
+    coverage::PIXELS_PER_SAMPLE,
+    excluders::{NOBODY, Sets, TOLERATED},
 };
 use crate::{
     error::Result,
@@ -14,32 +15,32 @@ use crate::{
 /// A view excludes a place that it sees by more than this outside its contour, in pixels.
 const OUTSIDE: f32 = -1.0;
 /// Smallest number of silhouettes that must contain a plausible place, and how many there must be per view that excludes
-/// it. The witness' own is one of them.
+/// it. The view that the pixel belongs to is one of them.
 const MIN_SUPPORT: u32 = 4;
 const SUPPORT_PER_EXCLUSION: u32 = 4;
 /// Number of places along a ray per cell of the searched space.
 const PLACES_PER_CELL: f32 = 8.0;
-/// Largest number of pixels of one view that are heard. If there are more, each one heard stands for several.
+/// Largest number of pixels of one view whose rays are followed. If there are more, each one stands for several.
 const MOST: usize = 1000;
 
-/// Follows the rays of a view's uncovered `pixels` and records which views exclude their most plausible places: those
-/// that the fewest views exclude.
-pub(super) fn hear(
+/// Follows the rays of a view's uncovered `pixels` and adds to `blame` which views exclude their most plausible places:
+/// those that the fewest views exclude.
+pub(super) fn follow_rays(
     carvers: &[Carver],
     space: &Space,
     own: usize,
     pixels: &[[u16; 2]],
-    verdict: &mut Verdict,
+    blame: &mut Blame,
     progress: &dyn Progress,
 ) -> Result<()> {
     let every = pixels.len().div_ceil(MOST).max(1);
-    let weight = super::coverage::PIXELS_PER_SAMPLE * every as f32;
+    let weight = PIXELS_PER_SAMPLE * every as f32;
     for (n, &[x, y]) in pixels.iter().step_by(every).enumerate() {
         if n % 64 == 0 {
             progress::step(progress, Stage::Hull, own as u32, carvers.len() as u32)?;
         }
-        if let Some(sets) = follow(carvers, space, own, f32::from(x), f32::from(y)) {
-            verdict.record(own as u16, weight, sets);
+        if let Some(sets) = follow_ray(carvers, space, own, f32::from(x), f32::from(y)) {
+            blame.add(own as u16, weight, sets);
         }
     }
     Ok(())
@@ -47,7 +48,7 @@ pub(super) fn hear(
 
 /// The sets of views that exclude the places of a pixel's ray. `None` if some place is excluded by no view, or if all
 /// places are implausible: then the pixel itself is in doubt.
-fn follow(carvers: &[Carver], space: &Space, own: usize, x: f32, y: f32) -> Option<Sets> {
+fn follow_ray(carvers: &[Carver], space: &Space, own: usize, x: f32, y: f32) -> Option<Sets> {
     let camera = &carvers[own].camera;
     let ray = camera.ray(x, y);
     let unit = 1.0 / ray.length();
@@ -62,7 +63,7 @@ fn follow(carvers: &[Carver], space: &Space, own: usize, x: f32, y: f32) -> Opti
             continue;
         }
         t += fine;
-        let (mut set, mut excluding, mut support) = (Sets::NOBODY, 0, 1);
+        let (mut set, mut excluding, mut support) = (NOBODY, 0, 1);
         for (u, carver) in carvers.iter().enumerate().filter(|&(u, _)| u != own) {
             match carver.pixels(p) {
                 Some(d) if d < OUTSIDE => {
@@ -84,5 +85,5 @@ fn follow(carvers: &[Carver], space: &Space, own: usize, x: f32, y: f32) -> Opti
             found.add(set);
         }
     }
-    (found.count > 0).then_some(found)
+    (found.iter().len() > 0).then_some(found)
 }
