@@ -24,7 +24,8 @@ pub struct Camera {
     pub t: [f64; 3],
 }
 
-fn matrix(rows: &[[f64; 3]; 3]) -> DMat3 {
+/// A matrix from its rows.
+pub(crate) fn matrix(rows: &[[f64; 3]; 3]) -> DMat3 {
     DMat3::from_cols_array_2d(rows).transpose()
 }
 

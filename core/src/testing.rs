@@ -136,16 +136,7 @@ pub fn silhouette_of(balls: &[(Vec3, f32)], camera: &Pinhole, index: u16) -> Vie
     };
     let coverage: Vec<u8> = (0..camera.width * camera.height).map(coverage).collect();
     let silhouette = Silhouette::from_coverage(camera.width, camera.height, &coverage, |_| true);
-    View {
-        index,
-        camera: *camera,
-        rgb: Vec::new(),
-        luma: Vec::new(),
-        silhouette: Some(Arc::new(silhouette.expect("a contour"))),
-        given: None,
-        added: 0,
-        left_out: None,
-    }
+    View::of_silhouette(index, *camera, Some(Arc::new(silhouette.expect("a contour"))))
 }
 
 /// Places on a ring of `radius` around the z axis at `height`.

@@ -102,16 +102,14 @@ impl View {
     pub fn absent(rig: &Rig, index: usize) -> Result<Self> {
         let missing = Error::NoSuchCamera { camera: index as u32, cameras: rig.cameras().len() as u32 };
         let place = rig.place(index).ok_or(missing)?;
-        Ok(Self {
-            index: place as u16,
-            camera: rig.pinholes()[index],
-            rgb: Vec::new(),
-            luma: Vec::new(),
-            silhouette: None,
-            given: None,
-            added: 0,
-            left_out: Some(LeftOut::NoPicture),
-        })
+        let view = Self::of_silhouette(place as u16, rig.pinholes()[index], None);
+        Ok(Self { left_out: Some(LeftOut::NoPicture), ..view })
+    }
+
+    /// A view without picture. `index` is the place of the camera in [`Rig::order`].
+    pub fn of_silhouette(index: u16, camera: Pinhole, silhouette: Option<Arc<Silhouette>>) -> Self {
+        let (rgb, luma) = (Vec::new(), Vec::new());
+        Self { index, camera, rgb, luma, silhouette, given: None, added: 0, left_out: None }
     }
 
     /// Whether the view takes part in its frame.
@@ -122,6 +120,11 @@ impl View {
     /// Whether the silhouette is not used because it contradicts the other views.
     pub fn is_set_aside(&self) -> bool {
         self.silhouette.is_none() && self.given.is_some()
+    }
+
+    /// The silhouette as it was before the other views changed it.
+    pub(crate) fn silhouette_as_given(&self) -> Option<&Arc<Silhouette>> {
+        self.given.as_ref().or(self.silhouette.as_ref())
     }
 
     /// Gives the view its silhouette back as it was before the other views changed it.
@@ -228,6 +231,6 @@ impl View {
         luma.extend(rgb.chunks_exact(3).map(|p| image::luma([p[0], p[1], p[2]])));
         let silhouette = silhouette.map(Arc::new);
         let camera = rig.pinholes()[index];
-        Ok(Self { index: place as u16, camera, rgb, luma, silhouette, given: None, added: 0, left_out })
+        Ok(Self { rgb, luma, left_out, ..Self::of_silhouette(place as u16, camera, silhouette) })
     }
 }

@@ -193,16 +193,7 @@ fn view_of(balls: &[(Vec3, f32)], camera: &Camera, index: u16) -> Option<View> {
     };
     let coverage: Vec<u8> = (0..camera.width * camera.height).map(covered).collect();
     let silhouette = Silhouette::from_coverage(camera.width, camera.height, &coverage, |_| true).ok()?;
-    Some(View {
-        index,
-        camera,
-        rgb: Vec::new(),
-        luma: Vec::new(),
-        silhouette: Some(Arc::new(silhouette)),
-        given: None,
-        added: 0,
-        left_out: None,
-    })
+    Some(View::of_silhouette(index, camera, Some(Arc::new(silhouette))))
 }
 
 proptest! {

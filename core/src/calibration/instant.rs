@@ -9,12 +9,11 @@ use super::{
     smooth::Smooth,
 };
 use crate::{
-    error::{Error, Result},
+    error::Result,
     executor::Executor,
-    hull::{AgreementParams, HullParams, VisualHull, contradicting, uncovered_share},
+    hull::{AgreementParams, Carving, HullParams, VisualHull, apart, carve_agreeing},
     point_cloud::Mesh,
     progress::Progress,
-    rig::MIN_VIEWS,
     silhouette::Silhouette,
     surface::drop_small_components,
     view::View,
@@ -27,13 +26,15 @@ const INSIDE: f32 = 5.0;
 /// Parts of the hull that are smaller than this share of the largest are dropped.
 const SMALLEST_PART: f32 = 0.01;
 /// Largest number of times that the hull is carved again without silhouettes that contradict it.
-const ROUNDS: usize = 2;
+const ROUNDS: u32 = 2;
 
 /// One view.
 pub(super) struct Picture {
     pub(super) smooth: Smooth,
     pub(super) corners: Vec<[u16; 2]>,
     pub(super) silhouette: Option<Arc<Silhouette>>,
+    /// Whether the camera has a picture in this frame.
+    pub(super) is_there: bool,
 }
 
 /// One frame, with its views in the rig's order.
@@ -50,17 +51,26 @@ impl Instant {
             let (w, h) = (view.camera.width as usize, view.camera.height as usize);
             let smooth = Smooth::new(&view.luma, w, h);
             // The silhouette as it was given: one that contradicts the others may be that of a camera that was bumped.
-            let silhouette = view.given.clone().or_else(|| view.silhouette.clone());
+            let silhouette = view.silhouette_as_given().cloned();
             let deep = (INSIDE * Silhouette::UNITS) as i16;
             let wanted = |i: usize| {
                 silhouette.as_ref().is_some_and(|s| s.distances()[i] > deep && s.distances()[i] != Silhouette::UNKNOWN)
             };
             let corners = corners(&smooth, MARGIN, wanted);
             let outline = silhouette.as_deref().map(outline).unwrap_or_default();
-            (Picture { smooth, corners, silhouette }, outline)
+            (Picture { smooth, corners, silhouette, is_there: !view.luma.is_empty() }, outline)
         });
         let (pictures, outlines) = made.into_iter().unzip();
         Self { pictures, outlines }
+    }
+
+    /// The views as the cameras now stand, without pictures. Cameras that are `excluded` have no silhouette.
+    pub(super) fn views(&self, models: &[Model], excluded: impl Fn(usize) -> bool) -> Vec<View> {
+        let of = |i: usize| {
+            let silhouette = self.pictures[i].silhouette.clone().filter(|_| !excluded(i));
+            View::of_silhouette(i as u16, models[i].pinhole(), silhouette)
+        };
+        (0..models.len()).map(of).collect()
     }
 
     /// The visual hull as the cameras now stand. Silhouettes that contradict the others do not carve it, nor do those of
@@ -75,51 +85,40 @@ impl Instant {
         params: &GuideParams,
         progress: &dyn Progress,
     ) -> Result<Guide> {
-        let mut workspace = Workspace::default();
-        let mut views: Vec<View> = (0..models.len())
-            .map(|i| View {
-                index: i as u16,
-                camera: models[i].pinhole(),
-                rgb: Vec::new(),
-                luma: Vec::new(),
-                silhouette: self.pictures[i].silhouette.clone().filter(|_| !excluded(i)),
-                given: None,
-                added: 0,
-                left_out: None,
-            })
-            .collect();
-        let silhouettes = views.iter().filter(|view| view.silhouette.is_some()).count();
-        let spare = silhouettes.saturating_sub(MIN_VIEWS as usize);
-        let mut carved = carve(&views, &params.hull, &mut workspace, progress);
-        let Some(agreement) = params.agreement else {
-            return carved.map(|(mesh, footprint)| Guide { mesh, footprint, apart: Vec::new() });
+        let mut carved = Carved {
+            views: self.views(models, excluded),
+            mesh: Mesh::default(),
+            footprint: 0.0,
+            params: params.hull,
+            workspace: Workspace::default(),
         };
-        let most = ((agreement.largest_share * silhouettes as f32) as usize).min(spare);
-        let mut set_aside = Vec::new();
-        for _ in 0..ROUNDS {
-            let empty = Mesh::default();
-            let mesh = match &carved {
-                Ok((mesh, _)) => mesh,
-                Err(Error::EmptyHull) => &empty,
-                Err(error) => return Err(error.clone()),
-            };
-            let room = most.saturating_sub(set_aside.len());
-            let guilty = contradicting(&views, mesh, agreement.blame, room, &mut workspace, progress)?;
-            if guilty.is_empty() {
-                break;
-            }
-            guilty.iter().for_each(|&place| views[usize::from(place)].silhouette = None);
-            set_aside.extend(guilty);
-            carved = carve(&views, &params.hull, &mut workspace, progress);
-        }
-        let (mesh, footprint) = carved?;
-        let is_apart = |&place: &u16| {
-            let silhouette = self.pictures[usize::from(place)].silhouette.as_deref();
-            let share = silhouette.map(|s| uncovered_share(&views[usize::from(place)].camera, s, &mesh));
-            share.is_some_and(|share| share > agreement.uncovered)
-        };
-        set_aside.retain(is_apart);
-        Ok(Guide { mesh, footprint, apart: set_aside })
+        let agreement = params.agreement.as_ref();
+        carve_agreeing(&mut carved, agreement, if agreement.is_some() { ROUNDS } else { 0 }, progress)?;
+        let apart = agreement.map(|params| apart(&carved.views, &carved.mesh, params)).unwrap_or_default();
+        Ok(Guide { mesh: carved.mesh, footprint: carved.footprint, apart })
+    }
+}
+
+/// A hull that is carved from the views that agree.
+struct Carved {
+    views: Vec<View>,
+    mesh: Mesh,
+    footprint: f32,
+    params: HullParams,
+    workspace: Workspace,
+}
+
+impl Carving for Carved {
+    fn carve(&mut self, progress: &dyn Progress) -> Result<()> {
+        let hull = VisualHull::with_workspace(&self.views, &self.params, None, &mut self.workspace, progress)?;
+        self.mesh = hull.mesh(&mut self.workspace);
+        drop_small_components(&mut self.mesh, SMALLEST_PART, &mut self.workspace);
+        self.footprint = hull.footprint();
+        Ok(())
+    }
+
+    fn parts(&mut self) -> (&mut [View], &mut Mesh, &mut Workspace) {
+        (&mut self.views, &mut self.mesh, &mut self.workspace)
     }
 }
 
@@ -136,17 +135,4 @@ pub(super) struct Guide {
 pub(super) struct GuideParams {
     pub(super) hull: HullParams,
     pub(super) agreement: Option<AgreementParams>,
-}
-
-/// The mesh of the hull of some views, and its footprint.
-fn carve(
-    views: &[View],
-    params: &HullParams,
-    workspace: &mut Workspace,
-    progress: &dyn Progress,
-) -> Result<(Mesh, f32)> {
-    let hull = VisualHull::with_workspace(views, params, None, workspace, progress)?;
-    let mut mesh = hull.mesh(workspace);
-    drop_small_components(&mut mesh, SMALLEST_PART, workspace);
-    Ok((mesh, hull.footprint()))
 }

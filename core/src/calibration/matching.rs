@@ -4,7 +4,7 @@ use super::{
     instant::{Guide, Instant},
     model::Model,
     patch,
-    track::{Observation, Source, Track},
+    track::{Observation, Source, Track, is_held_out},
 };
 use crate::{camera::Pinhole, executor::Executor, raster::Raster, rig::Rig};
 use alloc::{vec, vec::Vec};
@@ -22,9 +22,6 @@ const HIDDEN: f32 = 8.0;
 const AREAS: [f32; 2] = [0.35, 2.8];
 /// Standard deviation of a corner's own position in pixels. Matches are relative to it.
 const OWN_SIGMA: f64 = 0.08;
-/// Every so many tracks one is held out.
-pub(super) const HELD_OUT: usize = 5;
-
 /// A comparison of the brightness of two views: the places of both cameras, and the second over the first.
 pub(super) type Brightness = (u16, u16, f32);
 
@@ -46,7 +43,7 @@ pub(super) fn tracks(
     });
     let found = executor.map(models.len(), |view| {
         let (mut tracks, mut brightness) = (Vec::new(), Vec::new());
-        for &corner in &instant.pictures[view].corners {
+        for (number, &corner) in instant.pictures[view].corners.iter().enumerate() {
             let Some(around) = Surroundings::new(&rasters[view], &pinholes[view], corner, footprint) else { continue };
             let own = Observation {
                 camera: view as u16,
@@ -54,7 +51,8 @@ pub(super) fn tracks(
                 sigma: OWN_SIGMA,
             };
             let mut observations = vec![own];
-            for &other in rig.neighbours(view).iter().take(NEIGHBOURS) {
+            let there = |&&other: &&u16| instant.pictures[usize::from(other)].is_there;
+            for &other in rig.neighbours(view).iter().filter(there).take(NEIGHBOURS) {
                 let there = other as usize;
                 let Some((expected, affine)) = around.seen_by(&pinholes[there], &rasters[there], footprint) else {
                     continue;
@@ -66,7 +64,7 @@ pub(super) fn tracks(
                     brightness.push((view as u16, other, found.gain));
                 }
             }
-            let held_out = tracks.len() % HELD_OUT == HELD_OUT - 1;
+            let held_out = is_held_out(number);
             let mut track = Track { observations, point: DVec3::ZERO, source: Source::Texture, held_out };
             if track.observations.len() > 1 && track.triangulate(models, 1e3) {
                 tracks.push(track);

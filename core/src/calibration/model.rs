@@ -1,6 +1,6 @@
 //! A camera whose calibration is being adjusted, in double precision and relative to the rig's origin.
 
-use crate::camera::{Camera, Pinhole};
+use crate::camera::{Camera, Pinhole, matrix};
 use glam::{DMat2, DMat3, DVec2, DVec3};
 
 /// Parameters per camera: turn about its own x, y and z axes (radians), shift along them (scene units), logarithm of the
@@ -30,10 +30,6 @@ pub(super) struct Projection {
     pub(super) by_camera: [DVec2; PARAMETERS],
     /// Derivative by each coordinate of the point.
     pub(super) by_point: [DVec2; 3],
-}
-
-fn matrix(rows: &[[f64; 3]; 3]) -> DMat3 {
-    DMat3::from_cols_array_2d(rows).transpose()
 }
 
 /// The rotation by a vector's length about its direction (Rodrigues' formula).

@@ -7,9 +7,8 @@ use super::{
 use crate::{
     error::{Error, Result},
     executor::Executor,
+    hull::compare,
     progress::Progress,
-    raster::Raster,
-    silhouette::Silhouette,
 };
 use alloc::{vec, vec::Vec};
 
@@ -33,28 +32,12 @@ pub(super) fn overlaps(
             Err(Error::EmptyHull) => continue,
             Err(error) => return Err(error),
         };
-        let found = executor.map(models.len(), |i| {
-            let silhouette = instant.pictures[i].silhouette.as_deref()?;
-            let mut raster = Raster::default();
-            raster.render(&mesh, &models[i].pinhole());
-            Some(overlap(&raster, silhouette))
-        });
-        for (sum, overlap) in sums.iter_mut().zip(found) {
+        let found = compare(&instant.views(models, |_| false), &mesh, executor);
+        for (sum, overlap) in sums.iter_mut().zip(found.into_iter().map(|found| found.overlap)) {
             if let Some(overlap) = overlap {
-                *sum = (sum.0 + overlap, sum.1 + 1);
+                *sum = (sum.0 + f64::from(overlap), sum.1 + 1);
             }
         }
     }
     Ok(sums.into_iter().map(|(sum, count)| (count > 0).then(|| sum / f64::from(count))).collect())
-}
-
-fn overlap(raster: &Raster, silhouette: &Silhouette) -> f64 {
-    let (mut both, mut either) = (0_u32, 0_u32);
-    for (&inverse, &d) in raster.inverse.iter().zip(silhouette.distances()) {
-        if d != Silhouette::UNKNOWN {
-            both += u32::from(inverse > 0.0 && d > 0);
-            either += u32::from(inverse > 0.0 || d > 0);
-        }
-    }
-    f64::from(both) / f64::from(either.max(1))
 }

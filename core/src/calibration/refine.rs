@@ -10,7 +10,7 @@ use super::{
     overlap::overlaps,
     prior::{SHARED, Spread, spreads},
     report::{Calibration, CameraReport, Uncertainty, Verdict},
-    residuals::{Residuals, all_tangencies, epipolar_bias, held_out_loss, is_held_out, residuals},
+    residuals::{Residuals, all_tangencies, epipolar_bias, held_out_loss, residuals},
     statistics::{median, robust_sigma},
     swap::swapped,
     tangents::{self, misses},
@@ -21,7 +21,7 @@ use crate::{
     executor::Executor,
     hull::{AgreementParams, HullParams},
     params::{Params, Preset},
-    progress::{self, Progress},
+    progress::{self, Onward, Part, Progress},
     rig::Rig,
     stage::Stage,
     view::View,
@@ -36,9 +36,9 @@ pub struct CalibrationParams {
     pub voxel_pixels: f32,
     /// Agreement of the silhouettes that carve it. Without it all of them do.
     pub agreement: Option<AgreementParams>,
-    /// Rounds of matching and adjustment. Each starts from the cameras of the one before.
+    /// Rounds of matching and adjustment, 1 to 100. Each starts from the cameras of the one before.
     pub rounds: u32,
-    /// How far matches may be from where they are expected in the first round, in pixels.
+    /// How far matches may be from where they are expected in the first round, in pixels, at most 64.
     pub reach_pixels: u32,
     /// Also refines focal length and principal point of each camera. Rings of few cameras determine them weakly.
     pub intrinsics: bool,
@@ -51,6 +51,9 @@ impl Default for CalibrationParams {
     }
 }
 
+/// Bounds of [`CalibrationParams::rounds`] and [`CalibrationParams::reach_pixels`].
+const MOST_ROUNDS: u32 = 100;
+const MOST_REACH: u32 = 64;
 /// Reach in the rounds after the first one, in pixels.
 const LATER_REACH: usize = 3;
 /// Scales of the loss in pixels for aligning contours: from gross errors to small ones.
@@ -102,20 +105,25 @@ pub fn calibrate(
     let ordered = rig.order().iter().map(|&i| &rig.cameras()[i as usize]);
     let given: Vec<Model> = ordered.map(|camera| Model::new(camera, rig.origin())).collect();
     let instants: Vec<Instant> = frames.iter().map(|views| Instant::new(views, executor)).collect();
-    let steps = params.rounds + 2;
+    let rounds = params.rounds.clamp(1, MOST_ROUNDS);
+    let steps = rounds + 2;
     let hull = GuideParams { hull: HullParams { voxel_pixels: params.voxel_pixels }, agreement: params.agreement };
+    // The hulls of several frames are parts of one step.
+    let onward = Onward::new(progress);
+    let progress: &dyn Progress = &onward;
+    let part = |part: u32| Part { of: progress, stage: Stage::Detect, part, parts: steps };
     progress::step(progress, Stage::Detect, 0, steps)?;
 
-    let overlaps = overlaps(&instants, &given, &hull, executor, progress)?;
+    let overlaps = overlaps(&instants, &given, &hull, executor, &part(0))?;
     let swapped = swapped(&given, &instants, &all_tangencies(&instants, &given));
     let mut models = align_contours(&given, &instants);
     progress::step(progress, Stage::Detect, 1, steps)?;
 
     let mut priors = Spread::priors(&given, &vec![Spread::FIRST; count], params.intrinsics);
     let mut evidence = Evidence::default();
-    for round in 0..params.rounds {
-        let reach = if round == 0 { params.reach_pixels as usize } else { LATER_REACH };
-        evidence = Evidence::new(rig, &instants, &models, &hull, reach, executor, progress)?;
+    for round in 0..rounds {
+        let reach = if round == 0 { params.reach_pixels.min(MOST_REACH) as usize } else { LATER_REACH };
+        evidence = Evidence::new(rig, &instants, &models, &hull, reach, executor, &part(round + 1))?;
         let scales: &[f64] = if round == 0 { &FIRST_SCALES } else { &LATER_SCALES };
         adjust(&mut models, &mut evidence.tracks, &priors, scales);
         priors = Spread::priors(&given, &spreads(&given, &models), params.intrinsics);
@@ -146,11 +154,11 @@ fn contours_agree(before: &[Residuals], after: &[Residuals]) -> bool {
 /// speaks for them. Such a camera did not move, but shows something else.
 fn contradicts(models: &[Model], instants: &[Instant], evidence: &Evidence) -> Vec<bool> {
     let found = residuals(instants, models, &evidence.tracks);
-    let by_contour = contradicting(&found.iter().map(|r| r.contour_px).collect::<Vec<_>>());
+    let by_contour = far_off(&found.iter().map(|r| r.contour_px).collect::<Vec<_>>());
     let mut sizes: Vec<f64> = found.iter().filter_map(|r| r.epipolar_px).collect();
     let limit = SUPPORTED[0].max(SUPPORTED[1] * median(&mut sizes).unwrap_or(0.0));
     let is_supported = |r: &Residuals| r.matches >= SUPPORTING && r.epipolar_px.is_some_and(|d| d < limit);
-    let is_one = |i: usize| by_contour[i].is_some() || evidence.is_apart(i, instants) && !is_supported(&found[i]);
+    let is_one = |i: usize| by_contour[i] || evidence.is_apart(i, instants) && !is_supported(&found[i]);
     (0..models.len()).map(is_one).collect()
 }
 
@@ -165,11 +173,11 @@ fn restore(given: &[Model], models: &mut [Model], contradicts: &[bool], evidence
     }
 }
 
-/// For each camera by how many pixels its contour misses the others, if that is far more than usual.
-fn contradicting(misses: &[Option<f64>]) -> Vec<Option<f64>> {
+/// Whose contours miss those of the others far more than usual. `misses` are in pixels, by place.
+fn far_off(misses: &[Option<f64>]) -> Vec<bool> {
     let usual = median(&mut misses.iter().flatten().copied().collect::<Vec<f64>>()).unwrap_or(0.0);
     let limit = CONTRADICTS[0].max(CONTRADICTS[1] * usual);
-    misses.iter().map(|miss| miss.filter(|&miss| miss > limit)).collect()
+    misses.iter().map(|miss| miss.is_some_and(|miss| miss > limit)).collect()
 }
 
 /// Turns the cameras so that their contours agree: this finds errors of any size, of all cameras or of one. Returns the
@@ -178,11 +186,9 @@ fn align_contours(given: &[Model], instants: &[Instant]) -> Vec<Model> {
     let mut models = given.to_vec();
     let priors = Spread::priors(given, &vec![Spread { shift: 0.0, ..Spread::FIRST }; given.len()], false);
     let miss = |models: &[Model]| {
-        let mut sizes: Vec<f64> =
-            misses(models.len(), &all_tangencies(instants, models)).into_iter().flatten().collect();
+        let sizes: Vec<f64> = misses(models.len(), &all_tangencies(instants, models)).into_iter().flatten().collect();
         // The mean, because a single camera may be far off.
-        let count = sizes.len();
-        sizes.drain(..).sum::<f64>() / count.max(1) as f64
+        sizes.iter().sum::<f64>() / sizes.len().max(1) as f64
     };
     for scale in CONTOUR_SCALES {
         let mut tracks = tangents::tracks(&models, &all_tangencies(instants, &models), 1.0);
@@ -221,19 +227,15 @@ impl Evidence {
         let found = all_tangencies(instants, models);
         let sizes: Vec<f64> = found.iter().map(|t| t.miss).collect();
         evidence.contour_sigma = robust_sigma(&sizes).unwrap_or(1.0).max(CONTOUR_SIGMA);
-        let contradicting = contradicting(&misses(models.len(), &found));
+        let far_off = far_off(&misses(models.len(), &found));
         for instant in instants {
-            let guide = instant.hull(models, |i| contradicting[i].is_some(), hull, progress)?;
+            let guide = instant.hull(models, |i| far_off[i], hull, progress)?;
             guide.apart.iter().for_each(|&place| evidence.apart[usize::from(place)] += 1);
             let (tracks, brightness) = matching::tracks(rig, instant, models, &guide, reach, executor);
             evidence.tracks.extend(tracks);
             evidence.brightness.extend(brightness);
-            let used: Vec<_> = tangents::tangencies(models, &instant.outlines)
-                .into_iter()
-                .enumerate()
-                .filter(|&(k, _)| !is_held_out(k))
-                .map(|(_, tangency)| tangency)
-                .collect();
+            let found = tangents::tangencies(models, &instant.outlines);
+            let used: Vec<_> = found.into_iter().filter(|tangency| !tangency.held_out).collect();
             evidence.tracks.extend(tangents::tracks(models, &used, evidence.contour_sigma));
         }
         Ok(evidence)
@@ -304,8 +306,7 @@ impl Judge<'_> {
             findings.push(Finding::CamerasSwapped { first: a.min(b), second: a.max(b) });
         }
         let is_swapped = |camera: u32| swapped.is_some_and(|cameras| cameras.contains(&camera));
-        let contradicts =
-            |camera: u32| order.iter().position(|&i| i == camera).is_some_and(|place| self.contradicts[place]);
+        let contradicts = |camera: u32| self.rig.place(camera as usize).is_some_and(|place| self.contradicts[place]);
         let mut moved: Vec<f64> = reports.iter().map(|r| r.moved_px).collect();
         let limit = BUMPED[0].max(BUMPED[1] * median(&mut moved).unwrap_or(0.0));
         for (camera, report) in (0..).zip(reports).filter(|&(camera, _)| !is_swapped(camera)) {

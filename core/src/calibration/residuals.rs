@@ -92,19 +92,12 @@ pub(super) fn held_out_loss(instants: &[Instant], models: &[Model], tracks: &[Tr
         }
     });
     for instant in instants {
-        for (k, tangency) in tangencies(models, &instant.outlines).iter().enumerate() {
-            if is_held_out(k) {
-                sum += loss(tangency.miss, sigmas[1]);
-                count += 1;
-            }
+        for tangency in tangencies(models, &instant.outlines).iter().filter(|tangency| tangency.held_out) {
+            sum += loss(tangency.miss, sigmas[1]);
+            count += 1;
         }
     }
     (count as usize >= models.len()).then(|| sum / f64::from(count))
-}
-
-/// Whether the k-th tangency of a frame is held out.
-pub(super) fn is_held_out(k: usize) -> bool {
-    k % super::matching::HELD_OUT == super::matching::HELD_OUT - 1
 }
 
 /// The mean over all pairs of cameras of the size of their median signed distance, in pixels: what calibration, not

@@ -6,7 +6,7 @@
 use super::{
     model::Model,
     outline::Corner,
-    track::{Observation, Source, Track},
+    track::{Observation, Source, Track, is_held_out},
 };
 use alloc::{vec, vec::Vec};
 use glam::{DVec2, DVec3};
@@ -26,6 +26,9 @@ pub(super) struct Tangency {
     pub(super) pixels: [DVec2; 2],
     /// Mean over both pictures of how far the tangent of the other one misses this one's, in pixels.
     pub(super) miss: f64,
+    /// Whether it is not used to adjust the cameras but to judge them. It follows from the cameras and the end alone, so that
+    /// it is the same for all poses.
+    pub(super) held_out: bool,
 }
 
 /// The tangencies of all pairs of outlines of one frame. `outlines[k]` is that of the camera with place k; it is empty
@@ -44,7 +47,7 @@ pub(super) fn tangencies(models: &[Model], outlines: &[Vec<Corner>]) -> Vec<Tang
 pub(super) fn pair(models: &[Model], outlines: &[Vec<Corner>], cameras: [usize; 2], found: &mut Vec<Tangency>) {
     let [a, b] = cameras.map(|i| &models[i]);
     let base = (b.centre() - a.centre()).normalize_or_zero();
-    // The direction from the cameras to the middle of the outlines, at a right angle to the base.
+    // The direction from a camera to the middle of its outline.
     let middle = |model: &Model, corners: &[Corner]| {
         let sum: DVec3 = corners.iter().map(|c| model.ray_of_ideal(c.pixel).normalize()).sum();
         sum.normalize_or_zero()
@@ -57,17 +60,21 @@ pub(super) fn pair(models: &[Model], outlines: &[Vec<Corner>], cameras: [usize; 
     if !(to_a.dot(to_b) < COSINES[0] && to_a.dot(to_b) > COSINES[1]) {
         return;
     }
+    // At a right angle to the base.
     let ahead = (to_a + to_b) - base * (to_a + to_b).dot(base);
     let ahead = ahead.normalize_or_zero();
     let up = base.cross(ahead);
     let (Some(ends_a), Some(ends_b)) = (ends(a, of_a, ahead, up), ends(b, of_b, ahead, up)) else { return };
-    for (end_a, end_b) in ends_a.into_iter().zip(ends_b) {
+    let [i, j] = cameras;
+    let number = 2 * (j * j.saturating_sub(1) / 2 + i);
+    for (end, (end_a, end_b)) in ends_a.into_iter().zip(ends_b).enumerate() {
         let (Some(end_a), Some(end_b)) = (end_a, end_b) else { continue };
         let (p, q) = (of_a[end_a], of_b[end_b]);
         let miss_b = b.ideal_epipolar_distance(q.pixel, a.centre(), a.ray_of_ideal(p.pixel));
         let miss_a = a.ideal_epipolar_distance(p.pixel, b.centre(), b.ray_of_ideal(q.pixel));
         let miss = 0.5 * (miss_a.abs() + miss_b.abs());
-        found.push(Tangency { cameras: cameras.map(|i| i as u16), pixels: [p.pixel, q.pixel], miss });
+        let held_out = is_held_out(number + end);
+        found.push(Tangency { cameras: cameras.map(|i| i as u16), pixels: [p.pixel, q.pixel], miss, held_out });
     }
 }
 

@@ -91,16 +91,7 @@ fn photograph(balls: &[Ball], index: u16, from: DVec3, gain: Vec3) -> View {
         coverage.push(if nearest.0 < f32::INFINITY { 255 } else { 0 });
     }
     let silhouette = Some(Silhouette::from_coverage(SIZE, SIZE, &coverage, |_| true).unwrap());
-    View {
-        index,
-        camera,
-        rgb,
-        luma: Vec::new(),
-        silhouette: silhouette.map(Arc::new),
-        given: None,
-        added: 0,
-        left_out: None,
-    }
+    View { rgb, ..View::of_silhouette(index, camera, silhouette.map(Arc::new)) }
 }
 
 fn ring(balls: &[Ball], count: u32, gain: impl Fn(u32) -> Vec3) -> Vec<View> {

@@ -1,19 +1,30 @@
-//! Carves the hull from the views that agree. Views that contradict the others are found, and the hull is carved again
-//! without their silhouettes.
+//! The hull of the views that agree.
 
 use super::state::Frame;
 use crate::{
-    error::{Error, Result},
-    hull::{AgreementParams, Completed, completed, contradicting, uncovered_share},
+    error::Result,
+    hull::{AgreementParams, Carving, Completed, apart, carve_agreeing, completed, contradicting},
     left_out::LeftOut,
+    point_cloud::Mesh,
     progress::Progress,
-    rig::{MIN_VIEWS, Rig},
+    rig::Rig,
     view::View,
+    workspace::Workspace,
 };
-use core::{mem::take, ops::Deref};
+use core::ops::Deref;
 
-/// Largest number of times that the hull is carved again.
+/// Largest number of times that the hull is carved again without views that contradict the others.
 const ROUNDS: u32 = 3;
+
+impl<R: Deref<Target = Rig> + Sync> Carving for Frame<R> {
+    fn carve(&mut self, progress: &dyn Progress) -> Result<()> {
+        self.carve_hull(progress)
+    }
+
+    fn parts(&mut self) -> (&mut [View], &mut Mesh, &mut Workspace) {
+        (&mut self.views, &mut self.intermediates.hull, &mut self.memory.workspace)
+    }
+}
 
 impl<R: Deref<Target = Rig> + Sync> Frame<R> {
     /// Carves the hull (§0). The silhouettes of views that contradict the others are set aside. If not only the matte but
@@ -23,40 +34,21 @@ impl<R: Deref<Target = Rig> + Sync> Frame<R> {
     /// Those of carving.
     pub(super) fn carve_agreeing(&mut self, progress: &dyn Progress) -> Result<()> {
         self.views.iter_mut().for_each(View::take_back);
-        let mut carved = self.carve_hull(progress);
-        let Some(params) = self.params.agreement else { return carved };
-        let silhouettes = self.views.iter().filter(|view| view.is_used() && view.silhouette.is_some()).count();
-        let most = (params.largest_share * silhouettes as f32) as usize;
-        for _ in 0..ROUNDS {
-            if !matches!(carved, Ok(()) | Err(Error::EmptyHull)) {
-                return carved;
-            }
-            if carved.is_err() {
-                take(&mut self.intermediates.hull).recycle_into(&mut self.memory.workspace);
-            }
-            let room = most.saturating_sub(self.views.iter().filter(|view| view.is_set_aside()).count());
-            let guilty = contradicting(
-                &self.views,
-                &self.intermediates.hull,
-                params.blame,
-                room.min(silhouettes.saturating_sub(MIN_VIEWS as usize)),
-                &mut self.memory.workspace,
-                progress,
-            )?;
-            if guilty.is_empty() {
-                break;
-            }
-            for place in guilty {
-                let view = &mut self.views[usize::from(place)];
-                view.given = view.silhouette.take();
-            }
-            carved = self.carve_hull(progress);
-        }
-        carved?;
+        let agreement = self.params.agreement;
+        let rounds = if agreement.is_some() { ROUNDS } else { 0 };
+        self.contradicting = carve_agreeing(self, agreement.as_ref(), rounds, progress)?;
+        let Some(params) = agreement else { return Ok(()) };
         if self.complete_silhouettes(progress)? {
             self.carve_hull(progress)?;
+            let (views, mesh, workspace) = self.parts();
+            let found = contradicting(views, mesh, AgreementParams::BLAME, workspace, progress)?;
+            self.contradicting = found.places;
         }
-        self.leave_out_moved(&params);
+        for place in apart(&self.views, &self.intermediates.hull, &params) {
+            let view = &mut self.views[usize::from(place)];
+            view.take_back();
+            view.left_out = Some(LeftOut::Contradicts);
+        }
         Ok(())
     }
 
@@ -71,17 +63,5 @@ impl<R: Deref<Target = Rig> + Sync> Frame<R> {
             view.added = added;
         }
         Ok(any)
-    }
-
-    /// Leaves out the views whose silhouettes, besides lacking something, show what the hull of the others does not
-    /// have: their cameras are not where the calibration says, or their pictures are of another instant.
-    fn leave_out_moved(&mut self, params: &AgreementParams) {
-        for view in &mut self.views {
-            let Some(silhouette) = view.given.as_ref().filter(|_| view.is_set_aside()) else { continue };
-            if uncovered_share(&view.camera, silhouette, &self.intermediates.hull) > params.uncovered {
-                view.take_back();
-                view.left_out = Some(LeftOut::Contradicts);
-            }
-        }
     }
 }

@@ -1,15 +1,12 @@
 //! Checks of a frame's views against each other, around the carving of the hull: inverted masks, cameras that do not see
 //! the object, and poses in another convention.
 
-use super::{
-    diagnostics::{Comparison, compare},
-    state::Frame,
-};
+use super::state::Frame;
 use crate::{
     camera::Pinhole,
     error::{Error, Result},
     executor::Executor,
-    hull::{AgreementParams, HullParams, VisualHull, contradicting},
+    hull::{Comparison, HullParams, VisualHull, compare},
     left_out::LeftOut,
     math::ordered,
     progress::{Onward, Progress, Silent},
@@ -29,9 +26,6 @@ const INVERTED_BORDER: f32 = 0.6;
 const DOUBTFUL_OVERLAP: f32 = 0.5;
 /// Poses are in another convention if the median overlap with them exceeds this.
 const CONVINCING_OVERLAP: f32 = 0.75;
-/// A view that is believed is named if at least this share of the pixels speak against it that would be needed to set it
-/// aside.
-const NAMED: f32 = 0.6;
 /// Spacing of the hull's grid for another convention, in pixels of footprint.
 const TRIAL_VOXEL_PIXELS: f32 = 4.0;
 
@@ -74,14 +68,6 @@ impl<R: Deref<Target = Rig> + Sync> Frame<R> {
         {
             return Err(error);
         }
-        self.contradicting = contradicting(
-            &self.views,
-            &self.intermediates.hull,
-            NAMED * AgreementParams::BLAME,
-            self.views.len(),
-            &mut self.memory.workspace,
-            progress,
-        )?;
         Ok(())
     }
 
@@ -101,15 +87,9 @@ impl<R: Deref<Target = Rig> + Sync> Frame<R> {
         for convention in Convention::others() {
             let Some((_, read)) = convention.meeting(self.rig.cameras()) else { continue };
             let origin = meeting_point(read.iter());
-            let posed = |view: &View| View {
-                index: view.index,
-                camera: Pinhole::new(&read[self.rig.order()[view.index as usize] as usize], origin),
-                rgb: Vec::new(),
-                luma: Vec::new(),
-                silhouette: view.given.as_ref().or(view.silhouette.as_ref()).cloned(),
-                given: None,
-                added: 0,
-                left_out: None,
+            let posed = |view: &View| {
+                let camera = &read[self.rig.order()[view.index as usize] as usize];
+                View::of_silhouette(view.index, Pinhole::new(camera, origin), view.silhouette_as_given().cloned())
             };
             let views: Vec<View> = self.views.iter().filter(|view| is_evidence(view)).map(posed).collect();
             let smallest = self.params.meshing.smallest_component;

@@ -1,13 +1,11 @@
 //! The state of a frame.
 
-use super::{
-    diagnostics::Comparison, intermediates::Intermediates, memory::Memory, prior::Prior, reconstruction::Reconstruction,
-};
+use super::{intermediates::Intermediates, memory::Memory, prior::Prior, reconstruction::Reconstruction};
 use crate::{
     context::Context,
     detect::{Guide, PyramidLevel, detect_view},
     error::{Error, Result},
-    hull::VisualHull,
+    hull::{Comparison, VisualHull},
     memory,
     mesh::weigh,
     params::{Method, Params},

@@ -45,7 +45,7 @@ pub(super) fn carvers(views: &[View]) -> Vec<Carver> {
 
 impl Carver {
     /// `None` if the view has no silhouette or is left out.
-    pub(super) fn new(view: &View) -> Option<Self> {
+    fn new(view: &View) -> Option<Self> {
         if !view.is_used() {
             return None;
         }

@@ -8,6 +8,7 @@
 mod agreement;
 mod carve;
 mod carver;
+mod comparison;
 mod judge;
 pub(crate) mod memory;
 mod ray;
@@ -17,7 +18,8 @@ mod support;
 mod visual_hull;
 mod walk;
 
-pub use agreement::{AgreementParams, Completed, completed, contradicting, uncovered_share};
+pub use agreement::{AgreementParams, Carving, Completed, apart, carve_agreeing, completed, contradicting};
 pub use carve::HullParams;
+pub use comparison::{Comparison, compare};
 pub use visual_hull::VisualHull;
 pub(crate) use walk::Walk;

@@ -2,7 +2,7 @@
 
 use super::{
     carver::Carver,
-    space::{CELLS, cell_corner, half_edge, support},
+    space::{CELLS, cell_corner, cell_edge, half_edge, support},
     support::{keep_objects, needed_support},
 };
 use crate::{
@@ -33,7 +33,7 @@ impl Search {
         workspace.recycle(support);
         keep_objects(&mut needed, workspace);
         let (mut lower, mut upper) = (Vec3::INFINITY, Vec3::NEG_INFINITY);
-        let size = 2.0 * half / CELLS as f32;
+        let size = cell_edge(half);
         for i in (0..needed.len()).filter(|&i| needed[i] > 0) {
             let corner = cell_corner(i, half);
             (lower, upper) = (lower.min(corner), upper.max(corner + Vec3::splat(size)));

@@ -37,7 +37,7 @@ impl Space {
 
     /// Edge of a cell, in scene units.
     pub fn cell(&self) -> f32 {
-        2.0 * self.half / CELLS as f32
+        cell_edge(self.half)
     }
 
     /// Distance from a point beyond which nothing is searched, in scene units.
@@ -65,12 +65,18 @@ pub(super) fn half_edge(carvers: &[Carver]) -> f32 {
     carvers.iter().map(|c| c.camera.centre.length()).fold(0.0, f32::max) * 1.2
 }
 
-/// The lowest corner of a cell.
-pub(super) fn cell_corner(i: usize, half: f32) -> Vec3 {
-    let [x, y, z] = coordinates(i).map(|v| v as f32);
-    Vec3::new(x, y, z) * (2.0 * half / CELLS as f32) - Vec3::splat(half)
+/// Edge of a cell, in scene units, from half the edge of the cube.
+pub(super) fn cell_edge(half: f32) -> f32 {
+    2.0 * half / CELLS as f32
 }
 
+/// The lowest corner of a cell, relative to the rig's origin.
+pub(super) fn cell_corner(i: usize, half: f32) -> Vec3 {
+    let [x, y, z] = coordinates(i).map(|v| v as f32);
+    Vec3::new(x, y, z) * cell_edge(half) - Vec3::splat(half)
+}
+
+/// Numbers of a cell along x, y and z.
 pub(super) fn coordinates(i: usize) -> [usize; 3] {
     [i % CELLS, i / CELLS % CELLS, i / (CELLS * CELLS)]
 }

@@ -7,10 +7,10 @@
 
 use super::{
     carver::Carver,
-    space::{CELLS, MIN_SILHOUETTES, cell_corner, coordinates},
+    space::{CELLS, MIN_SILHOUETTES, cell_corner, cell_edge, coordinates},
 };
 use crate::workspace::Workspace;
-use alloc::vec::Vec;
+use alloc::{vec, vec::Vec};
 use glam::Vec3;
 
 /// Number of views on whose rays some cell of an object is the best one. With few views it is one less than their number.
@@ -36,7 +36,7 @@ impl<'a> Rays<'a> {
         let edge = (cell / camera.footprint(camera.centre.length())).clamp(4.0, camera.width as f32);
         let squares = |pixels: u32| (pixels as f32 / edge) as usize + 1;
         let (width, height) = (squares(camera.width), squares(camera.height));
-        Self { carver, edge, width, height, best: alloc::vec![0; width * height] }
+        Self { carver, edge, width, height, best: vec![0; width * height] }
     }
 
     /// The square to which a point projects, if its silhouette may contain it.
@@ -55,12 +55,10 @@ impl<'a> Rays<'a> {
 /// has on that ray through the cell on which the best cell is worst, or [`SUFFICIENT`]. Zero for cells whose own `support`
 /// is less. Cells that are the best ones on the rays of enough views are marked by [`BEST`].
 pub(super) fn needed_support(carvers: &[Carver], support: &[u16], half: f32, workspace: &mut Workspace) -> Vec<u16> {
-    let cell = 2.0 * half / CELLS as f32;
+    let cell = cell_edge(half);
     let centre = |i: usize| cell_corner(i, half) + Vec3::splat(0.5 * cell);
     let mut rays: Vec<Rays> = carvers.iter().map(|carver| Rays::new(carver, cell)).collect();
-    let occupied =
-        |support: &[u16]| -> Vec<u32> { (0..support.len()).filter(|&i| support[i] > 0).map(|i| i as u32).collect() };
-    let occupied = occupied(support);
+    let occupied: Vec<u32> = (0..support.len()).filter(|&i| support[i] > 0).map(|i| i as u32).collect();
     for &i in &occupied {
         let p = centre(i as usize);
         for rays in &mut rays {

@@ -2,7 +2,7 @@
 //! along whose rays all other silhouettes agree that there is something.
 
 use super::{
-    super::carver::Carver,
+    super::carver::{Carver, carvers},
     colours::{ObjectColours, bin},
 };
 use crate::{
@@ -51,7 +51,7 @@ pub fn completed(
     footprint: f32,
     progress: &dyn Progress,
 ) -> Result<Vec<Completed>> {
-    let carvers: Vec<Carver> = views.iter().filter_map(Carver::new).collect();
+    let carvers = carvers(views);
     let object = ObjectColours::new(views);
     let mut completed = Vec::new();
     for own in 0..carvers.len() {

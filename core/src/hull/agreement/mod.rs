@@ -11,14 +11,13 @@ mod coverage;
 mod excluders;
 mod exclusion;
 mod lacking;
+mod rounds;
 
 pub use lacking::{Completed, completed};
+pub use rounds::{Carving, apart, carve_agreeing};
 
-use super::{carver::Carver, space::Space};
-use crate::{
-    camera::Pinhole, error::Result, math::max, point_cloud::Mesh, progress::Progress, silhouette::Silhouette,
-    view::View, workspace::Workspace,
-};
+use super::{carver::carvers, space::Space};
+use crate::{error::Result, math::max, point_cloud::Mesh, progress::Progress, view::View, workspace::Workspace};
 use alloc::vec::Vec;
 use blame::Blame;
 use coverage::Coverage;
@@ -46,9 +45,21 @@ impl AgreementParams {
     pub const BLAME: f32 = 0.08;
 }
 
-/// The places in the rig's order of the views whose silhouettes contradict the others, in ascending order. `mesh` is the
-/// mesh of the hull of all views that carve it; it is empty if their hull is. `blame` is [`AgreementParams::blame`]. There
-/// are at most `most`, the worst.
+/// A view that is believed is named if at least this share of the pixels speak against it that would be needed to set it
+/// aside.
+const NAMED: f32 = 0.6;
+
+/// Views whose silhouettes contradict the others.
+#[derive(Debug, Default)]
+pub struct Contradicting {
+    /// Their places in the rig's order, the worst one first.
+    pub places: Vec<u16>,
+    /// How many of them, from the first on, are at fault. The others are doubtful.
+    pub certain: usize,
+}
+
+/// Finds the views whose silhouettes contradict the others. `mesh` is the mesh of the hull of all views that carve it; it is
+/// empty if their hull is. `blame` is [`AgreementParams::blame`].
 ///
 /// # Errors
 /// [`crate::Error::Cancelled`].
@@ -56,11 +67,10 @@ pub fn contradicting(
     views: &[View],
     mesh: &Mesh,
     blame: f32,
-    most: usize,
     workspace: &mut Workspace,
     progress: &dyn Progress,
-) -> Result<Vec<u16>> {
-    let carvers: Vec<Carver> = views.iter().filter_map(Carver::new).collect();
+) -> Result<Contradicting> {
+    let carvers = carvers(views);
     let mut uncovered: Vec<Vec<[u16; 2]>> = Vec::with_capacity(carvers.len());
     let (mut coverage, mut contours) = (Coverage::default(), 0);
     for carver in &carvers {
@@ -68,28 +78,21 @@ pub fn contradicting(
         uncovered.push(coverage.uncovered(&carver.silhouette));
         contours += coverage::contour_length(&carver.silhouette);
     }
-    let limit = max(blame * contours as f32 / carvers.len().max(1) as f32, MIN_PIXELS);
+    let limit = |share: f32| max(share * blame * contours as f32 / carvers.len().max(1) as f32, MIN_PIXELS);
     // Every uncovered pixel stands for the pixels around it that were not looked at.
     let pixels = uncovered.iter().map(|pixels| pixels.len() as f32 * coverage::PIXELS_PER_SAMPLE).sum::<f32>();
-    if most == 0 || pixels < limit {
-        return Ok(Vec::new());
+    if pixels < limit(NAMED) {
+        return Ok(Contradicting::default());
     }
     let space = Space::new(&carvers, excluders::TOLERATED, workspace, progress)?;
-    let mut verdict = Verdict::new(carvers.len());
+    let mut blame = Blame::new(carvers.len());
     for (own, pixels) in uncovered.iter().enumerate() {
-        witness::hear(&carvers, &space, own, pixels, &mut verdict, progress)?;
+        exclusion::follow_rays(&carvers, &space, own, pixels, &mut blame, progress)?;
     }
     space.recycle_into(workspace);
-    let mut guilty: Vec<u16> = verdict.guilty(limit, most).into_iter().map(|g| carvers[g as usize].index).collect();
-    guilty.sort_unstable();
-    Ok(guilty)
-}
-
-/// Share of a silhouette's rim that the hull leaves uncovered. `mesh` is the hull's mesh.
-pub fn uncovered_share(camera: &Pinhole, silhouette: &Silhouette, mesh: &Mesh) -> f32 {
-    let mut coverage = Coverage::default();
-    coverage.draw(mesh, camera);
-    coverage.uncovered_rim(silhouette)
+    let found = blame.at_fault(limit(NAMED), carvers.len());
+    let certain = found.iter().take_while(|&&(_, pixels)| pixels >= limit(1.0)).count();
+    Ok(Contradicting { places: found.iter().map(|&(view, _)| carvers[usize::from(view)].index).collect(), certain })
 }
 
 #[cfg(test)]
