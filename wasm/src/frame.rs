@@ -29,21 +29,25 @@ enum Matte {
     Key(ChromaKey),
 }
 
+/// A camera's picture in this frame.
+#[derive(Debug, Clone, Default)]
+enum Photo {
+    #[default]
+    NotYet,
+    /// The camera has none.
+    Absent,
+    Given {
+        image: Picture,
+        /// The mask in the alpha channel of the picture's file.
+        alpha: Option<Picture>,
+    },
+}
+
 /// What is known of a camera's view.
 #[derive(Debug, Clone, Default)]
 struct Slot {
-    image: Option<Picture>,
-    /// The mask in the alpha channel of the picture's file.
-    alpha: Option<Picture>,
-    /// Whether the camera has no picture in this frame.
-    absent: bool,
+    photo: Photo,
     matte: Matte,
-}
-
-impl Slot {
-    fn set_picture(&mut self, image: Option<Picture>, alpha: Option<Picture>) {
-        (self.absent, self.image, self.alpha) = (image.is_none(), image, alpha);
-    }
 }
 
 /// A frame of a rig: a picture and a silhouette for every camera, from which it is reconstructed as often as wanted. Call
@@ -67,23 +71,24 @@ impl Frame {
     /// another one is set. Throws `PcmvsError`.
     #[wasm_bindgen(js_name = setImage)]
     pub fn set_image(&mut self, camera: usize, file: &[u8]) -> Result<(), Failed> {
-        let picture = decode("image", camera, file)?;
-        let alpha = picture.alpha();
-        self.slot(camera)?.set_picture(Some(picture), alpha);
+        let image = decode("image", camera, file)?;
+        let alpha = image.alpha();
+        self.slot(camera)?.photo = Photo::Given { image, alpha };
         Ok(())
     }
 
     /// Declares that a camera has no picture in this frame: it contributes nothing, which is a warning of the result.
     #[wasm_bindgen(js_name = setAbsent)]
     pub fn set_absent(&mut self, camera: usize) -> Result<(), Failed> {
-        self.slot(camera)?.set_picture(None, None);
+        self.slot(camera)?.photo = Photo::Absent;
         Ok(())
     }
 
     /// Takes a camera's photograph as RGBA pixels by rows, such as a canvas' image data. Alpha is ignored.
     #[wasm_bindgen(js_name = setPixels)]
     pub fn set_pixels(&mut self, camera: usize, rgba: Vec<u8>, width: u32, height: u32) -> Result<(), Failed> {
-        self.slot(camera)?.set_picture(Some(Picture::new(rgba, width, height, PixelFormat::Rgba8)), None);
+        let image = Picture::new(rgba, width, height, PixelFormat::Rgba8);
+        self.slot(camera)?.photo = Photo::Given { image, alpha: None };
         Ok(())
     }
 
@@ -120,7 +125,8 @@ impl Frame {
 
     /// A camera's picture and silhouette without lens distortion, as the stages see them. Throws `PcmvsError`.
     pub fn photograph(&self, camera: usize) -> Result<Photograph, Failed> {
-        let input = self.input(camera)?.ok_or_else(|| missing(camera))?;
+        let absent = || Failed::of_camera("image", "this camera has no picture in this frame", camera);
+        let input = self.input(camera)?.ok_or_else(absent)?;
         let view = View::new(&self.rig, camera, &input, Some(&ContourParams::default()));
         let view = view.map_err(|error| Failed::core(&error, None))?;
         if view.left_out == Some(LeftOut::EmptySilhouette) {
@@ -143,7 +149,8 @@ impl Frame {
     /// A coarse visual hull from the cameras that have their pictures so far, to be looked at early. Its only stage output
     /// is the hull, and it has neither warnings nor figures of views. Throws `PcmvsError`.
     pub fn sketch(&self) -> Result<Reconstruction, Failed> {
-        let present: Vec<usize> = (0..self.slots.len()).filter(|&i| self.slots[i].image.is_some()).collect();
+        let has_picture = |&i: &usize| matches!(self.slots[i].photo, Photo::Given { .. });
+        let present: Vec<usize> = (0..self.slots.len()).filter(has_picture).collect();
         let inputs: Vec<Option<ViewInput>> = present.iter().map(|&i| self.input(i)).collect::<Result<_, _>>()?;
         let made = sketch::rig_of(&self.rig, &present).and_then(|rig| run(&rig, &inputs, &sketch::params(), None));
         made.map(Reconstruction::without_findings).map_err(|failed| failed.of_cameras(&present))
@@ -167,17 +174,18 @@ fn run(
 impl Frame {
     fn slot(&mut self, camera: usize) -> Result<&mut Slot, Failed> {
         let count = self.slots.len();
-        self.slots.get_mut(camera).ok_or_else(|| Failed::input(&format!("there are cameras 0 to {}", count - 1)))
+        self.slots.get_mut(camera).ok_or_else(|| no_camera(count))
     }
 
     /// A camera's view, or `None` if it has no picture in this frame.
     fn input(&self, camera: usize) -> Result<Option<ViewInput<'_>>, Failed> {
-        let slot = self.slots.get(camera).ok_or_else(|| missing(camera))?;
-        if slot.absent {
-            return Ok(None);
-        }
-        let image = slot.image.as_ref().ok_or_else(|| missing(camera))?;
-        let mask = match (&slot.matte, &slot.alpha) {
+        let slot = self.slots.get(camera).ok_or_else(|| no_camera(self.slots.len()))?;
+        let (image, alpha) = match &slot.photo {
+            Photo::NotYet => return Err(Failed::of_camera("image", "this camera has no picture yet", camera)),
+            Photo::Absent => return Ok(None),
+            Photo::Given { image, alpha } => (image, alpha),
+        };
+        let mask = match (&slot.matte, alpha) {
             (Matte::Picture(picture), _) | (Matte::Alpha, Some(picture)) => Mask::Given(picture.view()),
             (Matte::Key(key), _) => Mask::ChromaKey(*key),
             (Matte::Alpha | Matte::Unknown, _) => Mask::Unknown,
@@ -186,8 +194,9 @@ impl Frame {
     }
 }
 
-fn missing(camera: usize) -> Failed {
-    Failed::of_camera("image", "this camera has no picture yet", camera)
+/// A camera's number is not one of the rig's `count`.
+fn no_camera(count: usize) -> Failed {
+    Failed::input(&format!("there are cameras 0 to {}", count - 1))
 }
 
 fn decode(code: &'static str, camera: usize, file: &[u8]) -> Result<Picture, Failed> {

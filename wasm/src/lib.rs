@@ -22,7 +22,7 @@ pub use rig::Rig;
 use error::Failed;
 use files::Given;
 use serde::Serialize;
-use std::path::{Path, PathBuf};
+use std::{iter, path::Path};
 use types::{FileSource, SceneObject};
 use wasm_bindgen::prelude::*;
 
@@ -43,12 +43,11 @@ pub fn version() -> String {
 #[wasm_bindgen(js_name = openScene)]
 pub fn open_scene(files: &FileSource) -> Result<SceneObject, Failed> {
     let mut scene = pcmvs_scene::open(&Given::new(files)?, Path::new(""))?;
-    for frame in 0..scene.frames.len() {
-        let normal = |path: &Option<PathBuf>| path.as_ref().map(|path| files::normal(&scene.resolve(path)));
-        let images = scene.frames[frame].images.iter().map(normal).collect();
-        let masks = scene.frames[frame].masks.iter().flatten().map(normal).collect();
-        (scene.frames[frame].images, scene.frames[frame].masks) =
-            (images, Some(masks).filter(|m: &Vec<_>| !m.is_empty()));
+    let folder = scene.resolve(Path::new(""));
+    let of_frames = scene.frames.iter_mut().flat_map(|frame| iter::once(&mut frame.images).chain(&mut frame.masks));
+    let plates = scene.background.iter_mut().filter_map(|background| background.plates.as_mut());
+    for path in of_frames.chain(plates).flatten().flatten() {
+        *path = files::normal(&folder.join(&*path));
     }
     let object = scene.serialize(&serde_wasm_bindgen::Serializer::json_compatible())?;
     Ok(object.unchecked_into())

@@ -74,8 +74,6 @@ export interface ViewReport {
     silhouetteOverlap: number | null;
     /** Median distance of the hull's outline from the silhouette's contour in pixels. */
     contourPx: number | null;
-    /** Median distance of matches from their epipolar lines in pixels. */
-    epipolarPx: number | null;
 }
 
 /** Returns false to cancel. */

@@ -40,9 +40,7 @@ export const reconstruct = (job: FrameJob, send: Send) =>
             if (!made) continue;
             const seconds = (performance.now() - start) / 1000;
             const glb = made.glb(job.up) as Uint8Array<ArrayBuffer>;
-            const { triangles } = made;
-            // A sketch numbers the cameras that it has pictures of, and a better mesh follows soon.
-            const [warnings, views] = level === "sketch" ? [[], []] : [made.warnings, made.views];
+            const { triangles, warnings, views } = made;
             const withStages = job.stages && level !== "hull" && level !== "sketch";
             const stages = withStages ? stagesOf(made, rig) : null;
             made.free();
