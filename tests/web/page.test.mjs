@@ -213,7 +213,9 @@ test("seen through a camera, the mesh covers the photograph's silhouette", async
 });
 
 test("chroma sliders change the silhouettes immediately, and give the command line's bytes", async (t) => {
-    const { page, problems, shot } = await openWith(t, capture([0]));
+    // A backdrop of two colours.
+    const source = capture([0], (s) => (s.background.colours = [s.background.chroma_rgb, [30, 120, 80]]));
+    const { page, problems, shot } = await openWith(t, source);
     await page.selectOption("#silhouettes", "chroma");
     await page.click("#strip button:first-child");
     await page.waitForSelector("#photo:not([hidden])");
@@ -229,7 +231,7 @@ test("chroma sliders change the silhouettes immediately, and give the command li
     await page.click("#through-leave");
     await run(page);
     const out = folder();
-    pcmvs("reconstruct", capture([0]), "-o", out, "--preset", "hull", "--masks", "chroma");
+    pcmvs("reconstruct", source, "-o", out, "--preset", "hull", "--masks", "chroma");
     same(await download(page, "export-glb"), readFileSync(join(out, "frame_0000.glb")));
     assert.deepEqual(problems, []);
 });

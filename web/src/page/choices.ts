@@ -11,6 +11,12 @@ import { strip } from "./view";
 /** The unit of the sliders for the smallest part and hole, as a share of the picture. */
 const AREA_UNIT = 1e-5;
 
+/** The colours of a scene's backdrop in sRGB, each once. */
+function backdropColours({ background }: Scene): ChromaKey["rgb"][] {
+    const all = [...(background?.chroma_rgb ? [background.chroma_rgb] : []), ...(background?.colours ?? [])];
+    return [...new Map(all.map((rgb) => [rgb.join(), rgb])).values()];
+}
+
 /** Fills in what can be chosen for a scene. */
 export function offerChoices(scene: Scene) {
     const count = scene.cameras.length;
@@ -19,7 +25,7 @@ export function offerChoices(scene: Scene) {
     if (count >= 8) options.push(["bino", `Pairs, BINO (${chosenCameras(scene, "bino").length})`]);
     select("views").replaceChildren(...options.map(([value, text]) => new Option(text, value)));
     const masked = scene.frames.some((frame) => frame.masks?.some((mask) => mask !== null));
-    const chroma = scene.background?.chroma_rgb;
+    const [chroma] = backdropColours(scene);
     // Without mask files and a backdrop's colour, pictures may have an alpha channel.
     select("silhouettes").value = masked || !chroma ? "masks" : "chroma";
     if (chroma) input("key-colour").value = `#${chroma.map((v) => v.toString(16).padStart(2, "0")).join("")}`;
@@ -34,8 +40,11 @@ export function offerChoices(scene: Scene) {
 
 export function chosen(): Choice {
     const hex = input("key-colour").value;
+    const scene = state.capture?.source?.scene;
     const key: ChromaKey = {
         rgb: [1, 3, 5].map((at) => Number.parseInt(hex.slice(at, at + 2), 16)) as [number, number, number],
+        // The control holds the first colour.
+        more: scene ? backdropColours(scene).slice(1) : [],
         tolerance: input("key-tolerance").valueAsNumber,
         darkestShadow: input("key-shadow").valueAsNumber,
         smallestPart: input("key-part").valueAsNumber * AREA_UNIT,
