@@ -1,7 +1,7 @@
 // Opening captures in Chromium, with and without faults.
 import assert from "node:assert/strict";
 import { execFileSync } from "node:child_process";
-import { cpSync, readFileSync, truncateSync, writeFileSync } from "node:fs";
+import { cpSync, readFileSync, rmSync, truncateSync, writeFileSync } from "node:fs";
 import { basename, join } from "node:path";
 import { test } from "node:test";
 import { capture, colmap, folder, middlebury, opencv, transforms, zipped } from "./captures.mjs";
@@ -102,12 +102,82 @@ test("faults of a capture are reported, and the page keeps working", async (t) =
 
     const nothing = folder();
     writeFileSync(join(nothing, "notes.txt"), "no capture\n");
-    await openFolder(page, nothing);
+    await openFolder(page, nothing, /^Nothing opened/);
     await reported(/no calibrated capture was found/, "nothing");
 
     await openFolder(page, capture([0]));
     await run(page);
     assert.match(await text(page, "status"), /^1 of 1 frames/);
+    assert.deepEqual(problems, []);
+});
+
+test("warnings are listed, and their cameras are marked", async (t) => {
+    const faulty = capture([0], (s, to) => {
+        s.frames[0].images[3] = null;
+        rmSync(join(to, s.frames[0].images[5]));
+    });
+    const { page, problems, shot } = await openWith(t, faulty);
+    await run(page);
+    await page.waitForSelector("#strip button[data-warning]");
+    assert.equal(await text(page, "warnings-title"), "2 warnings");
+    assert.match(
+        await text(page, "warnings"),
+        /^\s*camera cam03: it has no picture in this frame.*\s+camera cam05: it has no/,
+    );
+    const marked = await page.$$eval("#strip button[data-warning] span", (spans) => spans.map((s) => s.textContent));
+    assert.deepEqual(marked, ["cam03 · not used", "cam05 · not used"]);
+    await page.check("#show-cameras");
+    await page.waitForSelector('#strip button:last-child canvas[width="240"]');
+    await page.focus("#canvas");
+    for (let i = 0; i < 9; i++) await page.keyboard.press("-");
+    await shot("warnings");
+    await page.click("#warnings li:nth-child(2) button");
+    assert.equal(await text(page, "through-name"), "cam05 · not used");
+    assert.equal((await text(page, "errors")).trim(), "");
+    // A capture without faults has none. It opens while the page looks through a camera of the other one.
+    await openFolder(page, capture([0]));
+    assert.equal((await text(page, "errors")).trim(), "");
+    await run(page);
+    await page.waitForFunction(() =>
+        [...document.querySelectorAll("#strip span")].some((span) => / %$/.test(span.textContent)),
+    );
+    assert.equal(await page.isVisible("#warnings-section"), false);
+    assert.equal(await page.$("#strip button[data-warning]"), null);
+    assert.deepEqual(problems, []);
+});
+
+test("a run starts while the page looks through a camera", async (t) => {
+    const { page, problems } = await openWith(t, capture([0]));
+    await page.focus("#canvas");
+    await page.keyboard.press("c");
+    await page.waitForSelector("#photo:not([hidden])");
+    await run(page);
+    assert.equal(await page.getAttribute("body", "data-state"), "done");
+    assert.equal(await page.isVisible("#through"), false);
+    assert.deepEqual(problems, []);
+});
+
+test("the picture of one frame is not shown in another that has none", async (t) => {
+    const gap = capture([0, 1], (s) => (s.frames[1].images[3] = null));
+    const { page, problems } = await openWith(t, gap);
+    const button = "#strip button:nth-child(4)";
+    const title = (wanted) => page.waitForSelector(`${button}[title="${wanted}"]`);
+    const painted = () =>
+        page.$eval(`${button} canvas`, (canvas) => {
+            const { data } = canvas.getContext("2d").getImageData(0, 0, canvas.width, canvas.height);
+            return data.some((value) => value > 0);
+        });
+    await page.click(button);
+    await page.waitForSelector("#photo:not([hidden])");
+    await page.waitForSelector(`${button} canvas[width="240"]`);
+    assert.equal(await painted(), true);
+    await page.fill("#scrub", "1");
+    await title("cam03: no picture in this frame");
+    assert.equal(await painted(), false);
+    assert.equal(await page.isVisible("#photo"), false);
+    await page.fill("#scrub", "0");
+    await title("Look through cam03");
+    assert.equal(await painted(), true);
     assert.deepEqual(problems, []);
 });
 

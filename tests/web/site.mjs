@@ -92,11 +92,12 @@ export async function download(page, id) {
     return readFileSync(await file.path());
 }
 
-/** Opens a folder through the file picker. */
-export async function openFolder(page, folder) {
+/** Opens a folder through the file picker, and waits for a status that begins with one of those `wanted`. */
+export async function openFolder(page, folder, wanted = /^(Ready|Clip opened)/) {
     await page.setInputFiles("#folder-input", folder);
-    await page.waitForFunction(() =>
-        /^(Ready|Nothing opened|Clip opened)/.test(document.getElementById("status").textContent),
+    await page.waitForFunction(
+        (source) => new RegExp(source).test(document.getElementById("status").textContent),
+        wanted.source,
     );
 }
 

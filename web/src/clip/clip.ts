@@ -40,8 +40,8 @@ export class Clip {
     onshow: (frame: ClipFrame, geometry: BufferGeometry) => void = () => {};
     /** The playhead, the frames or whether it plays has changed. */
     onchange: () => void = () => {};
-    /** What was found out about a frame has changed. */
-    onfindings: () => void = () => {};
+    /** The warnings of a frame have changed. */
+    onwarnings: () => void = () => {};
 
     constructor(
         indices: number[],
@@ -70,8 +70,9 @@ export class Clip {
     set(position: number, made: Omit<ClipFrame, "index">) {
         const frame = this.frames[position];
         this.drop(frame);
+        const warned = [frame, made].some(({ findings }) => findings && findings.warnings.length > 0);
         Object.assign(frame, made);
-        this.onfindings();
+        if (warned) this.onwarnings();
         const empty = this.current.glb === null;
         if (position === this.at || empty) void this.show(position);
         else this.onchange();

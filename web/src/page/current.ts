@@ -4,29 +4,31 @@ import type { Scene } from "pcmvs";
 import { Clip } from "../clip/clip";
 import { meanUp } from "../viewer/cameras";
 import { $ } from "./dom";
-import { listWarnings, showFindings } from "./findings";
+import { listWarnings } from "./findings";
 import { showStage } from "./look";
 import { type Capture, FPS, state } from "./state";
 import { drawTransport, setUpTimeline } from "./transport";
-import { viewer } from "./view";
+import { strip, viewer } from "./view";
 
 /** Replaces the capture that is shown, and frees what the view and the clip hold of the previous one. */
 export function setCapture(next: Capture) {
     if (state.capture) {
         const { clip } = state.capture;
-        clip.onchange = clip.onshow = clip.onfindings = () => {};
+        clip.onchange = clip.onshow = clip.onwarnings = () => {};
         clip.dispose();
     }
     state.capture = next;
+    // Nobody looks through the previous capture's cameras any more.
+    strip.load(null);
     viewer.clear();
     const { clip } = next;
     clip.onchange = () => drawTransport(clip);
-    clip.onfindings = () => listWarnings(clip);
+    clip.onwarnings = () => listWarnings(clip);
     clip.onshow = (frame, geometry) => {
         viewer.show(geometry);
         void viewer.drawn().then(() => performance.mark(`shown-${frame.preset ?? "clip"}`));
         showStage(frame);
-        showFindings(frame);
+        strip.mark(frame.findings);
     };
     $<HTMLProgressElement>("progress").value = 0;
     $("name").textContent = next.name;

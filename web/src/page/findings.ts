@@ -1,13 +1,8 @@
-// What the library found out about a frame's views: a list of warnings, and marks on the cameras.
+// What the library found out about the views of all frames, as a list of warnings.
 
-import type { Clip, ClipFrame } from "../clip/clip";
+import type { Clip } from "../clip/clip";
 import { $ } from "./dom";
 import { strip } from "./view";
-
-/** Marks the cameras by what was found in a frame. */
-export function showFindings({ findings }: ClipFrame) {
-    strip.mark(findings);
-}
 
 /** Lists the warnings of all frames. A click shows the frame and looks through the camera. */
 export function listWarnings(clip: Clip) {

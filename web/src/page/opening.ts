@@ -57,7 +57,6 @@ async function openClip(name: string, entries: Entries, turn: number) {
     const index = (path: string, i: number) => Number(/(\d+)\.glb$/i.exec(path)?.[1] ?? i);
     const clip = new Clip(paths.map(index), manifest.fps ?? FPS);
     setCapture({ name, source: null, clip });
-    strip.load(null);
     $("cameras-section").hidden = true;
     button("run").disabled = true;
     viewer.setUp(manifest.up ?? infos[0].up);

@@ -67,13 +67,17 @@ export class Frusta {
         }
     }
 
-    /** Puts a small picture on a camera's frustum. */
-    setPicture(camera: number, picture: HTMLCanvasElement) {
+    /** Puts a small picture on a camera's frustum, or with null none. */
+    setPicture(camera: number, picture: HTMLCanvasElement | null) {
         const plate = this.plates[camera];
         if (!plate) return;
+        disposePicture(plate);
+        if (!picture) {
+            plate.material = BLANK;
+            return;
+        }
         const texture = new CanvasTexture(picture);
         texture.colorSpace = SRGBColorSpace;
-        disposePicture(plate);
         plate.material = new MeshBasicMaterial({ map: texture, side: DoubleSide });
     }
 

@@ -51,7 +51,8 @@ export class Strip {
         this.buttons.length = this.titles.length = 0;
         for (const [i, camera] of rig?.cameras.entries() ?? []) this.addButton(i, camera.name);
         this.viewer.setCameras(rig?.cameras ?? []);
-        this.mark(null);
+        this.findings = null;
+        this.drawMarks();
         const generation = ++this.generation;
         void Promise.resolve(when).then(() => {
             if (generation === this.generation) void this.refresh(rig);
@@ -83,21 +84,37 @@ export class Strip {
         for (const camera of order) {
             const made = await this.take(camera, THUMBNAIL);
             if (generation !== this.generation) return;
-            if (!made) continue;
-            const button = this.buttons[camera];
-            const canvas = button.querySelector("canvas") as HTMLCanvasElement;
-            paint(canvas, made, true);
-            const { name } = rig.cameras[camera];
-            button.toggleAttribute("data-problem", made.problem !== null);
-            this.titles[camera] = made.problem ? `${name}: ${made.problem}` : `Look through ${name}`;
-            this.viewer.setThumbnail(camera, canvas);
+            if (made !== "failed") this.showThumbnail(camera, rig.cameras[camera].name, made);
         }
-        this.mark(this.findings);
+        this.drawMarks();
+    }
+
+    private showThumbnail(camera: number, name: string, made: PhotographResult | "absent") {
+        const button = this.buttons[camera];
+        const canvas = button.querySelector("canvas") as HTMLCanvasElement;
+        if (made === "absent") {
+            // Not a problem of the picture: a warning of the frame tells it.
+            clear(canvas);
+            button.removeAttribute("data-problem");
+            this.titles[camera] = `${name}: no picture in this frame`;
+            this.viewer.setThumbnail(camera, null);
+            return;
+        }
+        paint(canvas, made, true);
+        button.toggleAttribute("data-problem", made.problem !== null);
+        this.titles[camera] = made.problem ? `${name}: ${made.problem}` : `Look through ${name}`;
+        this.viewer.setThumbnail(camera, canvas);
     }
 
     /** Marks the cameras by what was found in the frame that is shown: those with warnings, and all silhouettes' overlap. */
     mark(findings: Findings | null) {
+        if (findings === this.findings) return;
         this.findings = findings;
+        this.drawMarks();
+    }
+
+    private drawMarks() {
+        const { findings } = this;
         const warned = new Set<number>();
         for (const [i, { name }] of this.rig?.cameras.entries() ?? []) {
             const messages =
@@ -105,8 +122,11 @@ export class Strip {
             if (messages.length > 0) warned.add(i);
             const button = this.buttons[i];
             button.toggleAttribute("data-warning", messages.length > 0);
-            button.title = [this.titles[i], ...messages].join("\n");
-            (button.querySelector("span") as HTMLElement).textContent = this.label(i);
+            const span = button.querySelector("span") as HTMLElement;
+            const [title, label] = [[this.titles[i], ...messages].join("\n"), this.label(i)];
+            // During playback most of them stay as they are, and writing costs a new layout.
+            if (button.title !== title) button.title = title;
+            if (span.textContent !== label) span.textContent = label;
         }
         this.viewer.markCameras(warned);
         this.onlook(this.looking);
@@ -148,19 +168,24 @@ export class Strip {
         const wanted = ++this.photographs;
         if (camera === null) return;
         const made = await this.take(camera, PHOTOGRAPH);
-        if (wanted !== this.photographs || !made) return;
+        if (wanted !== this.photographs || made === "failed") return;
+        if (made === "absent") {
+            this.photo.hidden = true;
+            return;
+        }
         paint(this.photo, made, this.rig?.tinted ?? false);
         this.photo.hidden = false;
         this.place();
     }
 
-    private async take(camera: number, width: number): Promise<PhotographResult | null> {
+    /** A camera's picture, unless it has none in this frame, or none can be made, which is reported. */
+    private async take(camera: number, width: number): Promise<PhotographResult | "absent" | "failed"> {
         const rig = this.rig as ShownRig;
         try {
             const { cameras } = rig;
             const view = rig.files(camera);
             // A warning of the frame says that there is none.
-            if (!view.image) return null;
+            if (!view.image) return "absent";
             return await this.pool.run({ type: "photograph", cameras, camera, view, width });
         } catch (error) {
             if (!(error instanceof JobError)) throw error;
@@ -169,7 +194,7 @@ export class Strip {
                 this.buttons[failure.camera ?? camera]?.setAttribute("data-problem", "");
                 this.onproblem({ camera, ...failure });
             }
-            return null;
+            return "failed";
         }
     }
 
@@ -180,6 +205,10 @@ export class Strip {
             this.photo.style.setProperty(side, `${pixels}px`);
         }
     }
+}
+
+function clear(canvas: HTMLCanvasElement) {
+    canvas.getContext("2d")?.clearRect(0, 0, canvas.width, canvas.height);
 }
 
 function paint(canvas: HTMLCanvasElement, made: PhotographResult, tinted: boolean) {

@@ -162,11 +162,11 @@ export class Viewer {
         this.draw();
     }
 
+    /** Shows neither a mesh nor the grid. The cameras stay. */
     clear() {
         this.grid.visible = false;
         this.surface.clear();
         this.bounds = null;
-        this.setCameras([]);
         this.draw();
     }
 
@@ -199,8 +199,8 @@ export class Viewer {
         this.draw();
     }
 
-    /** Puts a small picture on a camera's frustum. */
-    setThumbnail(camera: number, picture: HTMLCanvasElement) {
+    /** Puts a small picture on a camera's frustum, or with null none. */
+    setThumbnail(camera: number, picture: HTMLCanvasElement | null) {
         this.frusta.setPicture(camera, picture);
         this.draw();
     }
