@@ -1,4 +1,5 @@
 // The files of a capture, as entries by path.
+import type { Scene } from "pcmvs";
 import { sampleHash } from "../version";
 import type { Pool } from "../workers/pool";
 import type { Entries } from "../workers/protocol";
@@ -12,11 +13,11 @@ export async function sampleFiles(): Promise<Entries> {
     const response = await fetch(url("scene.json"));
     if (!response.ok) throw new Error("the sample is missing on this host: drop a capture of your own");
     const scene = await response.blob();
-    const { frames } = JSON.parse(await scene.text()) as { frames: { images: string[]; masks: string[] }[] };
+    const { frames } = JSON.parse(await scene.text()) as Pick<Scene, "frames">;
     const entries: Entries = new Map([["scene.json", { kind: "blob", blob: scene }]]);
     // Workers fetch the pictures, because this thread is busy while the page loads.
-    for (const path of frames.flatMap((frame) => [...frame.images, ...frame.masks])) {
-        entries.set(path, { kind: "url", url: url(path) });
+    for (const path of frames.flatMap(({ images, masks }) => [...images, ...(masks ?? [])])) {
+        if (path !== null) entries.set(path, { kind: "url", url: url(path) });
     }
     return entries;
 }

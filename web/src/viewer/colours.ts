@@ -22,9 +22,9 @@ export const SURFACE_MATERIALS: Record<Shading, Material> = {
 };
 export const POINTS = new PointsMaterial({ vertexColors: true, sizeAttenuation: false });
 export const FRUSTUM_LINES = new LineBasicMaterial({ color: 0x3ddc97, transparent: true, opacity: 0.75 });
-/** Of a camera with a warning. */
-export const MARKED_LINES = new LineBasicMaterial({ color: 0xffb454 });
-/** On a frustum whose picture has not been read yet. */
+/** Of a camera with a warning. Transparent, because an opaque material needs another shader than that of other cameras. */
+export const MARKED_LINES = new LineBasicMaterial({ color: 0xffb454, transparent: true });
+/** On a frustum that has no picture, or whose picture has not been read yet. */
 export const BLANK = new MeshBasicMaterial({ color: 0x8892a0, transparent: true, opacity: 0.25, side: DoubleSide });
 
 /** Tag of a point that no view detected. */
