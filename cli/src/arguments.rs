@@ -64,16 +64,11 @@ pub struct Reconstruct {
     /// of the stable command line, because the parameters may change with any version
     #[arg(long = "set", value_name = "KEY=VALUE", hide = true)]
     pub overrides: Vec<String>,
-    /// Source of the silhouettes: mask files (without one, the alpha channel of the picture), the backdrop's colours in
-    /// scene.json, or its clean plates, the pictures of the empty set
-    #[arg(long, value_enum, default_value_t = MaskSource::File)]
-    pub masks: MaskSource,
+    #[command(flatten)]
+    pub common: Common,
     /// First correct the calibration by the pictures, as `pcmvs refine` does
     #[arg(long)]
     pub refine: bool,
-    /// Number of threads. It does not change the result [default: all cores]
-    #[arg(long, value_name = "N")]
-    pub threads: Option<NonZeroUsize>,
     /// Memory limit per frame in MiB, without its pictures. A frame that needs more fails before it starts
     #[arg(long, value_name = "MIB")]
     pub max_memory: Option<u64>,
@@ -123,7 +118,15 @@ pub struct Evidence {
     /// 4, evenly over the scene]
     #[arg(long, value_name = "LIST", value_parser = parse_list)]
     pub frames: Option<List>,
-    /// Source of the silhouettes: mask files, or the backdrop's colour in scene.json
+    #[command(flatten)]
+    pub common: Common,
+}
+
+/// How pictures are read and worked on.
+#[derive(Debug, Args)]
+pub struct Common {
+    /// Source of the silhouettes: mask files (without one, the alpha channel of the picture), the backdrop's colours in
+    /// scene.json, or its clean plates, the pictures of the empty set
     #[arg(long, value_enum, default_value_t = MaskSource::File)]
     pub masks: MaskSource,
     /// Number of threads. It does not change the result [default: all cores]

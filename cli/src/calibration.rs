@@ -1,10 +1,11 @@
 //! Checks and refines the calibration of a scene by some of its frames.
 
 use crate::{
-    inputs::{FrameFiles, Silhouettes},
+    arguments::{Evidence, List},
+    inputs::{FrameFiles, Pictures, Silhouettes},
     json::to_value,
     progress::Console,
-    threads::Threads,
+    threads::{Threads, thread_count},
     warning::WarningReport,
 };
 use pcmvs_core::{
@@ -13,11 +14,29 @@ use pcmvs_core::{
 };
 use pcmvs_scene::{Failure, Scene, SceneCamera, SceneFrame};
 use serde_json::{Value, json};
+use std::sync::atomic::AtomicBool;
 
 /// Frames that are used if none are asked for.
 const FRAMES: usize = 4;
 
-/// What the check and the refinement share.
+/// Calibrates the cameras of a scene as asked, and writes what was found to the terminal.
+pub fn calibrated(
+    scene: &Scene,
+    asked: &Evidence,
+    params: &CalibrationParams,
+    cancelled: &AtomicBool,
+) -> Result<Found, Failure> {
+    let cameras = scene.cameras()?;
+    let silhouettes = Silhouettes::new(asked.common.masks, scene)?;
+    let threads = Threads::new(thread_count(asked.common.threads))?;
+    let console = Console::new(cancelled);
+    let run = Run { scene, silhouettes, threads: &threads, console: &console };
+    let found = run.calibrate(&cameras, &evidence(scene, asked.frames.as_ref())?, params)?;
+    found.print(scene, &console);
+    Ok(found)
+}
+
+/// What a calibration works with.
 pub struct Run<'a> {
     pub scene: &'a Scene,
     pub silhouettes: Silhouettes,
@@ -33,18 +52,17 @@ pub struct Found {
     pub exchanged: Option<[usize; 2]>,
 }
 
-/// The frames to use: those asked for, or a few that are spread over the scene.
-pub fn evidence<'s>(scene: &'s Scene, asked: Option<&[u32]>) -> Result<Vec<&'s SceneFrame>, Failure> {
-    if let Some(asked) = asked {
-        let find = |index: &u32| {
-            scene.frames.iter().find(|frame| frame.index == *index).ok_or_else(|| {
-                Failure::Input(format!("--frames {index}: {} has no frame {index}", scene.path.display()))
-            })
-        };
-        return asked.iter().map(find).collect();
-    }
-    let count = scene.frames.len().min(FRAMES);
-    Ok((0..count).map(|i| &scene.frames[i * scene.frames.len() / count]).collect())
+/// The frames to use, sorted by index: those asked for, or a few that are spread over the scene.
+pub fn evidence(scene: &Scene, asked: Option<&List>) -> Result<Vec<SceneFrame>, Failure> {
+    let (mut frames, most) = match asked {
+        Some(List(asked)) => {
+            (asked.iter().map(|&index| scene.frame(index)).collect::<Result<Vec<_>, _>>()?, asked.len())
+        }
+        None => (scene.frames.iter().collect(), FRAMES),
+    };
+    frames.sort_by_key(|frame| frame.index);
+    let count = frames.len().min(most);
+    Ok((0..count).map(|i| frames[i * frames.len() / count].clone()).collect())
 }
 
 impl Run<'_> {
@@ -53,10 +71,11 @@ impl Run<'_> {
     pub fn calibrate(
         &self,
         cameras: &[Camera],
-        frames: &[&SceneFrame],
+        frames: &[SceneFrame],
         params: &CalibrationParams,
     ) -> Result<Found, Failure> {
-        let calibration = self.once(cameras, frames, params)?;
+        let pictures = frames.iter().map(|frame| self.pictures(frame)).collect::<Result<Vec<_>, _>>()?;
+        let calibration = self.once(cameras, frames, &pictures, params)?;
         let mut found = Found { calibration, frames: frames.iter().map(|f| f.index).collect(), exchanged: None };
         let swapped = found.calibration.findings.iter().find_map(|finding| match finding {
             Finding::CamerasSwapped { first, second } => Some([*first as usize, *second as usize]),
@@ -67,7 +86,7 @@ impl Run<'_> {
         {
             let mut exchanged = cameras.to_vec();
             exchanged.swap(a, b);
-            let mut again = self.once(&exchanged, frames, params)?;
+            let mut again = self.once(&exchanged, frames, &pictures, params)?;
             again.findings.insert(0, Finding::CamerasSwapped { first: a as u32, second: b as u32 });
             again.verdict = Verdict::Improved;
             found.calibration = again;
@@ -76,27 +95,35 @@ impl Run<'_> {
         Ok(found)
     }
 
+    /// The decoded pictures of a frame.
+    fn pictures(&self, frame: &SceneFrame) -> Result<Pictures, Failure> {
+        let files = FrameFiles::read(self.scene, frame, self.silhouettes)?;
+        files.warnings.iter().for_each(|warning| self.console.warn(warning));
+        files.decode(self.threads)
+    }
+
     fn once(
         &self,
         cameras: &[Camera],
-        frames: &[&SceneFrame],
+        frames: &[SceneFrame],
+        pictures: &[Pictures],
         params: &CalibrationParams,
     ) -> Result<Calibration, Failure> {
         let rig = Rig::new(cameras).map_err(|error| self.scene.explain(&error, None))?;
-        let views: Vec<Vec<View>> = frames.iter().map(|frame| self.views(&rig, frame)).collect::<Result<_, _>>()?;
+        let of_frames = frames.iter().zip(pictures).map(|(frame, pictures)| self.views(&rig, frame, pictures));
+        let views: Vec<Vec<View>> = of_frames.collect::<Result<_, _>>()?;
         let views: Vec<&[View]> = views.iter().map(Vec::as_slice).collect();
         let progress = self.console.frame(frames.first().map_or(0, |frame| frame.index));
-        let progress: &dyn Progress = &progress;
-        let frame = if let [frame] = frames { Some(*frame) } else { None };
-        calibrate(&rig, &views, params, self.threads, progress).map_err(|error| self.scene.explain(&error, frame))
+        let frame = if let [frame] = frames { Some(frame) } else { None };
+        progress.begin("calibrate");
+        let result = calibrate(&rig, &views, params, self.threads, &progress as &dyn Progress);
+        progress.end("calibrate");
+        result.map_err(|error| self.scene.explain(&error, frame))
     }
 
     /// The views of a frame, in the rig's order, without their colours.
-    fn views(&self, rig: &Rig, frame: &SceneFrame) -> Result<Vec<View>, Failure> {
+    fn views(&self, rig: &Rig, frame: &SceneFrame, pictures: &Pictures) -> Result<Vec<View>, Failure> {
         let contour = Params::preset(Preset::Default).contour;
-        let files = FrameFiles::read(self.scene, frame, self.silhouettes)?;
-        files.warnings.iter().for_each(|warning| self.console.warn(warning));
-        let pictures = files.decode(self.scene, frame, self.silhouettes, self.threads)?;
         let (order, inputs) = (rig.order(), pictures.inputs());
         let made = self.threads.map(order.len(), |place| {
             if self.console.is_cancelled() {
@@ -128,6 +155,11 @@ impl Found {
     /// The cameras to go on with.
     pub fn cameras(&self) -> &[Camera] {
         &self.calibration.cameras
+    }
+
+    /// Whether something is wrong with the given calibration.
+    pub fn is_doubtful(&self) -> bool {
+        !self.calibration.findings.is_empty()
     }
 
     /// What became of the refinement, in one sentence.
@@ -197,7 +229,7 @@ impl Found {
                 "matches": given.matches,
                 "match_noise_px": rounded(given.noise_px),
                 "gain": rounded(*gain),
-                // Cameras' clocks are not compared.
+                // Cameras' clocks are not compared. The name stays, because other tools that read this expect it.
                 "time_offset": null,
                 "refined": {
                     "contour_px": rounded(refined.contour_px),

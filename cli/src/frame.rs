@@ -136,7 +136,7 @@ impl Job<'_> {
         progress.begin("decode");
         let missing = take(&mut files.warnings);
         self.warn(warnings, missing);
-        let pictures = files.decode(self.scene, frame, self.silhouettes, self.threads)?;
+        let pictures = files.decode(self.threads)?;
         progress.end("decode");
         let progress: &dyn Progress = progress;
         let memory = self.max_memory.map_or_else(Memory::default, Memory::limited);
@@ -155,7 +155,7 @@ impl Job<'_> {
         let is_known = |warning: &WarningReport| {
             let explains = |code: &str| match code {
                 "missing-picture" => "no-picture",
-                "missing-mask" => "no-silhouette",
+                "missing-mask" | "missing-plate" => "no-silhouette",
                 _ => "",
             };
             known.iter().any(|known| known.camera == warning.camera && explains(&known.code) == warning.code)

@@ -1,8 +1,8 @@
 //! The pictures and masks of a frame, from files to what the core takes.
 
-use crate::{fingerprint::Fingerprint, threads::Threads, warning::WarningReport};
-use pcmvs_core::{ChromaKey, Executor, Mask, ViewInput};
-use pcmvs_scene::{Failure, Picture, Scene, SceneCamera, SceneFrame};
+use crate::{arguments::MaskSource, fingerprint::Fingerprint, threads::Threads, warning::WarningReport};
+use pcmvs_core::{ChromaKey, Executor, Mask, ViewInput, silhouette::MORE_COLOURS};
+use pcmvs_scene::{Background, Failure, Picture, Scene, SceneCamera, SceneFrame};
 use std::{fs, io, path::Path};
 
 /// Where the silhouettes come from.
@@ -17,6 +17,31 @@ pub enum Silhouettes {
 }
 
 impl Silhouettes {
+    /// What was asked for, with what the scene holds for it.
+    pub fn new(masks: MaskSource, scene: &Scene) -> Result<Self, Failure> {
+        let background = scene.background.as_ref();
+        let problem = |problem: String| Failure::Input(format!("{}: {problem}", scene.path.display()));
+        match masks {
+            MaskSource::File => Ok(Self::Files),
+            MaskSource::Plates if background.is_some_and(|background| background.plates.is_some()) => Ok(Self::Plates),
+            MaskSource::Plates => Err(problem(String::from(
+                "--masks plates needs pictures of the empty set: add \"background\": { \"plates\": [one path per camera] }",
+            ))),
+            MaskSource::Chroma => match background.map(Background::all_colours).unwrap_or_default() {
+                colours if colours.is_empty() => Err(problem(String::from(
+                    "--masks chroma needs the backdrop's colour: add \"background\": { \"chroma_rgb\": [r, g, b] }",
+                ))),
+                colours => ChromaKey::with_colours(&colours).map(Self::Key).ok_or_else(|| {
+                    problem(format!(
+                        "background.colours: {} colours are more than the {} that a chroma key holds: leave out similar ones",
+                        colours.len(),
+                        1 + MORE_COLOURS
+                    ))
+                }),
+            },
+        }
+    }
+
     /// Path of the file besides the picture: a mask or a clean plate.
     fn path<'s>(self, scene: &'s Scene, frame: &'s SceneFrame, camera: usize) -> Option<&'s Path> {
         match self {
@@ -29,14 +54,17 @@ impl Silhouettes {
 
 /// The files of one camera and one frame, not yet decoded. A camera without picture has none.
 #[derive(Default)]
-struct View {
+struct ViewFiles {
     image: Option<Vec<u8>>,
     mask: Option<Vec<u8>>,
 }
 
 /// The files of a frame, not yet decoded.
-pub struct FrameFiles {
-    views: Vec<View>,
+pub struct FrameFiles<'s> {
+    scene: &'s Scene,
+    frame: &'s SceneFrame,
+    silhouettes: Silhouettes,
+    views: Vec<ViewFiles>,
     /// Files that scene.json names but that do not exist.
     pub warnings: Vec<WarningReport>,
 }
@@ -47,10 +75,10 @@ pub struct Pictures {
     silhouettes: Silhouettes,
 }
 
-impl FrameFiles {
+impl<'s> FrameFiles<'s> {
     /// Reads the files of a frame. A file that does not exist is a warning.
-    pub fn read(scene: &Scene, frame: &SceneFrame, silhouettes: Silhouettes) -> Result<Self, Failure> {
-        let mut files = Self { views: Vec::new(), warnings: Vec::new() };
+    pub fn read(scene: &'s Scene, frame: &'s SceneFrame, silhouettes: Silhouettes) -> Result<Self, Failure> {
+        let mut files = Self { scene, frame, silhouettes, views: Vec::new(), warnings: Vec::new() };
         for (camera, SceneCamera { name, .. }) in scene.cameras.iter().enumerate() {
             let mut read = |path: Option<&Path>, code: &str, effect: &str| {
                 let Some(path) = path else { return Ok(None) };
@@ -81,7 +109,7 @@ impl FrameFiles {
                 Some(_) => read(silhouettes.path(scene, frame, camera), code, "the view does not carve the hull")?,
                 None => None,
             };
-            files.views.push(View { image, mask });
+            files.views.push(ViewFiles { image, mask });
         }
         Ok(files)
     }
@@ -97,13 +125,8 @@ impl FrameFiles {
     }
 
     /// Decodes all files.
-    pub fn decode(
-        self,
-        scene: &Scene,
-        frame: &SceneFrame,
-        silhouettes: Silhouettes,
-        threads: &Threads,
-    ) -> Result<Pictures, Failure> {
+    pub fn decode(self, threads: &Threads) -> Result<Pictures, Failure> {
+        let Self { scene, frame, silhouettes, .. } = self;
         let decode = |camera: usize, file: &Option<Vec<u8>>, path: Option<&Path>| {
             let (Some(file), Some(path)) = (file, path) else { return Ok(None) };
             let decoded = Picture::decode(file);
@@ -112,7 +135,7 @@ impl FrameFiles {
                 .map_err(|problem| Failure::Input(format!("{}: {problem}", scene.place_of(frame, camera, path))))
         };
         let views = threads.map(self.views.len(), |camera| {
-            let View { image, mask } = &self.views[camera];
+            let ViewFiles { image, mask } = &self.views[camera];
             let Some(image) = decode(camera, image, frame.image(camera))? else { return Ok(None) };
             let mask = match (decode(camera, mask, silhouettes.path(scene, frame, camera))?, silhouettes) {
                 (Some(mask), Silhouettes::Files) => Some(mask.into_mask()),

@@ -23,6 +23,9 @@ use arguments::{Arguments, Command};
 use clap::Parser;
 use std::{ffi::OsString, sync::atomic::AtomicBool};
 
+/// Exit status of a check that found something doubtful.
+const DOUBTFUL: u8 = 4;
+
 /// Runs the command until it is done or `cancelled` becomes true. The first argument is the program's name. Returns the
 /// exit status: 0 success, 1 other errors, 2 wrong usage or input, 3 cancelled, 4 a check found something doubtful.
 /// Messages go to stderr.
@@ -49,9 +52,6 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>, cancelled: &AtomicBool
         }
     }
 }
-
-/// Exit status of a check that found something doubtful.
-const DOUBTFUL: u8 = 4;
 
 /// Exit status of a failed command.
 pub const fn status(failure: &Failure) -> u8 {

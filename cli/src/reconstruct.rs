@@ -1,7 +1,7 @@
 //! `pcmvs reconstruct`: reconstructs all frames of a scene.
 
 use crate::{
-    arguments::{Format, MaskSource, Reconstruct},
+    arguments::{Format, Reconstruct},
     calibration,
     fingerprint::Fingerprint,
     frame::Job,
@@ -9,17 +9,15 @@ use crate::{
     json, output, overrides,
     progress::Console,
     report::{self, Earlier, FrameFailure, Report, peak_memory},
-    threads::Threads,
+    threads::{Threads, thread_count},
     warning::WarningReport,
 };
-use pcmvs_core::{Camera, ChromaKey, Params, Rig, Warning, calibration::CalibrationParams, silhouette::MORE_COLOURS};
-use pcmvs_scene::{Background, Disk, Failure, Scene, SceneCamera};
+use pcmvs_core::{Camera, Params, Rig, Warning, calibration::CalibrationParams};
+use pcmvs_scene::{Disk, Failure, Scene};
 use std::{
-    num::NonZeroUsize,
     panic::{AssertUnwindSafe, catch_unwind},
     path::Path,
     sync::{Mutex, PoisonError, atomic::AtomicBool},
-    thread,
 };
 
 /// Largest number of frames in memory at a time, because each takes hundreds of MiB. Further threads work on the views of
@@ -30,28 +28,31 @@ const MAX_FRAMES: usize = 8;
 pub fn run(options: &Reconstruct, cancelled: &AtomicBool) -> Result<(), Failure> {
     let mut scene = Scene::load(&Disk, &options.scene)?;
     let first_index = scene.frames.iter().map(|f| f.index).min().unwrap_or(0);
-    scene.select_frames(options.frames.as_ref().map(|list| list.0.as_slice()))?;
     if let Some(list) = &options.cameras {
         scene.select_cameras(&list.0)?;
     }
+    // Chosen from the whole clip, so that runs over parts of it get the same cameras.
+    let evidence = calibration::evidence(&scene, None)?;
+    scene.select_frames(options.frames.as_ref().map(|list| list.0.as_slice()))?;
     if options.output.exists() && !options.output.is_dir() {
         return Err(Failure::Input(format!("{}: is a file: name a folder", options.output.display())));
     }
-    let mut cameras = scene_cameras(&scene)?;
+    let mut cameras = scene.cameras()?;
     let mut params = Params::preset(options.preset.preset());
     for assignment in &options.overrides {
         params = overrides::set(&params, assignment).map_err(Failure::Input)?;
     }
-    let silhouettes = silhouettes(options.masks, &scene)?;
-    let threads = thread_count(options.threads);
+    let silhouettes = Silhouettes::new(options.common.masks, &scene)?;
+    let threads = thread_count(options.common.threads);
     let pool = Threads::new(threads)?;
     let console = Console::new(cancelled);
-    let mut calibration = None;
+    let (mut calibration, mut is_doubtful) = (None, false);
     if options.refine {
         let run = calibration::Run { scene: &scene, silhouettes, threads: &pool, console: &console };
-        let found = run.calibrate(&cameras, &calibration::evidence(&scene, None)?, &CalibrationParams::default())?;
+        let found = run.calibrate(&cameras, &evidence, &CalibrationParams::default())?;
         found.print(&scene, &console);
         cameras = found.cameras().to_vec();
+        is_doubtful = found.is_doubtful();
         calibration = Some(found.to_json(&scene));
     }
     let rig = Rig::new(&cameras).map_err(|error| scene.explain(&error, None))?;
@@ -60,7 +61,7 @@ pub fn run(options: &Reconstruct, cancelled: &AtomicBool) -> Result<(), Failure>
     let earlier = Earlier::read(&options.output, &settings_text);
     let about_rig = warnings_about(&rig, &scene);
     about_rig.iter().for_each(|warning| console.warn(warning));
-    if options.strict && !about_rig.is_empty() {
+    if options.strict && (is_doubtful || !about_rig.is_empty()) {
         return Err(Failure::Input(format!(
             "{}: the warnings above are errors with --strict: correct what they name, or run without --strict",
             scene.path.display()
@@ -84,7 +85,7 @@ pub fn run(options: &Reconstruct, cancelled: &AtomicBool) -> Result<(), Failure>
     let report = Report {
         version: env!("CARGO_PKG_VERSION").to_owned(),
         preset: options.preset.name().to_owned(),
-        masks: options.masks.name().to_owned(),
+        masks: options.common.masks.name().to_owned(),
         cameras: scene.cameras.iter().map(|c| c.name.clone()).collect(),
         threads: threads.get(),
         params: json::to_value(&params),
@@ -109,45 +110,6 @@ pub fn run(options: &Reconstruct, cancelled: &AtomicBool) -> Result<(), Failure>
             println!("{} frames in {}", scene.frames.len(), options.output.display());
             Ok(())
         }
-    }
-}
-
-/// The number of threads that was asked for, or that of the machine's cores.
-pub fn thread_count(asked: Option<NonZeroUsize>) -> NonZeroUsize {
-    asked.unwrap_or_else(|| thread::available_parallelism().unwrap_or(NonZeroUsize::MIN))
-}
-
-/// The cameras as the core takes them.
-pub fn scene_cameras(scene: &Scene) -> Result<Vec<Camera>, Failure> {
-    let camera = |c: &SceneCamera| {
-        c.camera()
-            .map_err(|problem| Failure::Input(format!("camera `{}`: {}: {problem}", c.name, scene.path.display())))
-    };
-    scene.cameras.iter().map(camera).collect()
-}
-
-/// Where the silhouettes come from.
-pub fn silhouettes(masks: MaskSource, scene: &Scene) -> Result<Silhouettes, Failure> {
-    let background = scene.background.as_ref();
-    let problem = |problem: String| Failure::Input(format!("{}: {problem}", scene.path.display()));
-    match masks {
-        MaskSource::File => Ok(Silhouettes::Files),
-        MaskSource::Plates if background.is_some_and(|background| background.plates.is_some()) => Ok(Silhouettes::Plates),
-        MaskSource::Plates => Err(problem(String::from(
-            "--masks plates needs pictures of the empty set: add \"background\": { \"plates\": [one path per camera] }",
-        ))),
-        MaskSource::Chroma => match background.map(Background::all_colours).unwrap_or_default() {
-            colours if colours.is_empty() => Err(problem(String::from(
-                "--masks chroma needs the backdrop's colour: add \"background\": { \"chroma_rgb\": [r, g, b] }",
-            ))),
-            colours => ChromaKey::with_colours(&colours).map(Silhouettes::Key).ok_or_else(|| {
-                problem(format!(
-                    "background.colours: {} colours are more than the {} that a chroma key holds: leave out similar ones",
-                    colours.len(),
-                    1 + MORE_COLOURS
-                ))
-            }),
-        },
     }
 }
 

@@ -1,17 +1,11 @@
 //! `pcmvs refine`: a scene with a corrected calibration.
 
-use crate::{
-    arguments::Refine,
-    calibration::{Run, evidence},
-    output,
-    progress::Console,
-    reconstruct::{scene_cameras, silhouettes, thread_count},
-    threads::Threads,
-};
+use crate::{arguments::Refine, calibration::calibrated, output};
 use pcmvs_core::calibration::{CalibrationParams, Verdict};
-use pcmvs_scene::{Disk, FILE_NAME, Failure, Scene, SceneFrame};
+use pcmvs_scene::{Disk, FILE_NAME, Failure, Scene};
 use std::{
-    path::{Component, Path, PathBuf, absolute},
+    fs,
+    path::{Component, Path, PathBuf},
     sync::atomic::AtomicBool,
 };
 
@@ -23,15 +17,8 @@ pub fn run(options: &Refine, cancelled: &AtomicBool) -> Result<(), Failure> {
         let target = target.display();
         return Err(Failure::Input(format!("{target}: exists already: name another folder or remove that file")));
     }
-    let cameras = scene_cameras(&scene)?;
-    let silhouettes = silhouettes(options.evidence.masks, &scene)?;
-    let threads = Threads::new(thread_count(options.evidence.threads))?;
-    let console = Console::new(cancelled);
-    let frames = evidence(&scene, options.evidence.frames.as_ref().map(|list| list.0.as_slice()))?;
-    let run = Run { scene: &scene, silhouettes, threads: &threads, console: &console };
     let params = CalibrationParams { intrinsics: options.intrinsics, ..CalibrationParams::default() };
-    let found = run.calibrate(&cameras, &frames, &params)?;
-    found.print(&scene, &console);
+    let found = calibrated(&scene, &options.evidence, &params, cancelled)?;
     if found.calibration.verdict != Verdict::Improved {
         let path = scene.path.display();
         return Err(Failure::Other(format!("{path}: {}: nothing is written", found.summary())));
@@ -40,53 +27,118 @@ pub fn run(options: &Refine, cancelled: &AtomicBool) -> Result<(), Failure> {
         (camera.k, camera.r, camera.t) = (refined.k, refined.r, refined.t);
         camera.distortion = refined.distortion.to_vec();
     }
-    let frames = scene.frames.iter().map(|frame| seen_from(&scene, frame, &options.output)).collect();
-    scene.frames = frames;
-    output::write_json(&target, &scene)?;
-    println!("{} cameras with a corrected calibration in {}", scene.cameras.len(), options.output.display());
+    write(scene, &options.output)?;
+    println!("{} cameras with a corrected calibration in {}", found.cameras().len(), options.output.display());
     Ok(())
 }
 
-/// A frame whose paths lead from another folder to the same files.
-fn seen_from(scene: &Scene, frame: &SceneFrame, folder: &Path) -> SceneFrame {
-    let mut frame = frame.clone();
-    let paths = frame.images.iter_mut().chain(frame.masks.iter_mut().flatten());
-    for path in paths.flatten() {
-        *path = path_from(folder, &scene.resolve(path));
+/// Writes a scene to another folder, with paths that lead from there to the same files. If that fails, folders that it
+/// made are removed again.
+fn write(scene: Scene, folder: &Path) -> Result<(), Failure> {
+    let is_missing = |folder: &&Path| !folder.as_os_str().is_empty() && !folder.exists();
+    let made: Vec<&Path> = folder.ancestors().take_while(is_missing).collect();
+    let written = fs::create_dir_all(folder)
+        .map_err(|e| Failure::unwritable(folder, &e))
+        .and_then(|()| moved(scene, folder))
+        .and_then(|scene| output::write_json(&folder.join(FILE_NAME), &scene));
+    if written.is_err() {
+        // Report the error of the write, not one of the clean-up.
+        made.iter().for_each(|folder| drop(fs::remove_dir(folder)));
     }
-    frame
+    written
 }
 
-/// The path of a file from a folder: relative if both are on one file system tree, so that the scenes can be moved
-/// together.
-fn path_from(folder: &Path, file: &Path) -> PathBuf {
-    let full = |path: &Path| path.canonicalize().or_else(|_| absolute(path)).unwrap_or_else(|_| path.to_path_buf());
-    // The folder may not exist yet. Its parent then does, or is made with it.
-    let name = folder.file_name().unwrap_or_default();
-    let folder = match folder.parent() {
-        Some(parent) if !folder.exists() && !parent.as_os_str().is_empty() => full(parent).join(name),
-        Some(_) if !folder.exists() => full(Path::new(".")).join(name),
-        _ => full(folder),
-    };
-    let file = full(file);
-    let (from, to): (Vec<_>, Vec<_>) = (folder.components().collect(), file.components().collect());
-    let shared = from.iter().zip(&to).take_while(|(a, b)| a == b).count();
-    if shared == 0 {
-        return file;
+/// The scene with paths from another folder, which exists. Paths stay relative, so that both can be moved together.
+fn moved(mut scene: Scene, folder: &Path) -> Result<Scene, Failure> {
+    let canonical = |folder: &Path| folder.canonicalize().map_err(|e| Failure::unreadable(folder, &e));
+    let lead = path_between(&canonical(folder)?, &canonical(&scene.resolve(Path::new(".")))?);
+    for path in scene.paths_mut() {
+        *path = lead.join(&*path);
     }
-    let up = from[shared..].iter().map(|_| Component::ParentDir);
-    up.chain(to[shared..].iter().copied()).collect()
+    Ok(scene)
+}
+
+/// The path from one canonical folder to another: relative, unless they share no root.
+fn path_between(from: &Path, to: &Path) -> PathBuf {
+    let shared = from.components().zip(to.components()).take_while(|(a, b)| a == b).count();
+    if shared == 0 {
+        return to.to_path_buf();
+    }
+    let up = from.components().skip(shared).map(|_| Component::ParentDir);
+    up.chain(to.components().skip(shared)).collect()
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use tempfile::{TempDir, tempdir};
+
+    /// A folder with a scene in `captures/scene` that has one picture, one mask, one clean plate, and no second camera.
+    fn with_scene() -> (TempDir, Scene) {
+        let root = tempdir().unwrap();
+        let folder = root.path().join("captures/scene");
+        fs::create_dir_all(&folder).unwrap();
+        for name in ["image", "mask", "plate"] {
+            fs::write(folder.join(name), name).unwrap();
+        }
+        let camera = r#"{ "name": "c", "width": 1, "height": 1, "t": [0, 0, 1],
+            "K": [[1, 0, 0], [0, 1, 0], [0, 0, 1]], "R": [[1, 0, 0], [0, 1, 0], [0, 0, 1]] }"#;
+        let text = format!(
+            r#"{{ "version": 1, "cameras": [{camera}, {camera}], "background": {{ "plates": ["plate", null] }},
+                "frames": [{{ "index": 0, "images": ["image", null], "masks": ["mask", null] }}] }}"#
+        );
+        fs::write(folder.join(FILE_NAME), text).unwrap();
+        let scene = Scene::load(&Disk, &folder).unwrap();
+        (root, scene)
+    }
+
+    /// Writes the scene to a folder, and checks that all its paths lead to its files.
+    #[track_caller]
+    fn assert_leads_back(scene: Scene, folder: &Path) -> Scene {
+        write(scene, folder).unwrap();
+        let mut written = Scene::load(&Disk, folder).unwrap();
+        let paths: Vec<PathBuf> = written.paths_mut().map(|path| path.clone()).collect();
+        let contents: Vec<_> = paths.iter().map(|path| fs::read_to_string(written.resolve(path)).unwrap()).collect();
+        assert_eq!(contents, ["image", "mask", "plate"]);
+        written
+    }
 
     #[test]
-    fn paths_lead_from_one_folder_to_the_other() {
-        let root = std::env::temp_dir();
-        let from = |folder: &str| path_from(&root.join(folder), &root.join("scene/images/a.png"));
-        assert_eq!(from("scene2"), Path::new("../scene/images/a.png"));
-        assert_eq!(from("scene"), Path::new("images/a.png"));
+    fn paths_lead_from_the_new_folder_to_the_same_files() {
+        let (root, scene) = with_scene();
+        let beside = assert_leads_back(scene.clone(), &root.path().join("captures/scene2"));
+        assert_eq!(beside.frames[0].image(0), Some(Path::new("../scene/image")));
+        let inside = assert_leads_back(scene.clone(), &root.path().join("captures/scene/refined"));
+        assert_eq!(inside.plate(0), Some(Path::new("../plate")));
+        assert_leads_back(scene, &root.path().join("other/deep/scene2"));
+    }
+
+    #[test]
+    fn absolute_paths_stay() {
+        let (root, mut scene) = with_scene();
+        let folder = root.path().join("captures/scene");
+        scene.paths_mut().for_each(|path| *path = folder.join(&*path));
+        let written = assert_leads_back(scene, &root.path().join("scene2"));
+        assert_eq!(written.frames[0].mask(0), Some(&*folder.join("mask")));
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn paths_lead_through_links() {
+        let (root, scene) = with_scene();
+        fs::create_dir_all(root.path().join("far/away")).unwrap();
+        std::os::unix::fs::symlink(root.path().join("far/away"), root.path().join("link")).unwrap();
+        assert_leads_back(scene.clone(), &root.path().join("link/new/scene2"));
+        std::os::unix::fs::symlink(root.path().join("captures/scene"), root.path().join("far/scene")).unwrap();
+        let scene = Scene { path: root.path().join("far/scene").join(FILE_NAME), ..scene };
+        assert_leads_back(scene, &root.path().join("scene3"));
+    }
+
+    #[test]
+    fn nothing_is_left_of_a_folder_that_cannot_be_made() {
+        let (root, scene) = with_scene();
+        let too_long = "x".repeat(300);
+        assert!(matches!(write(scene, &root.path().join("new").join(too_long)), Err(Failure::Other(_))));
+        assert!(!root.path().join("new").exists());
     }
 }

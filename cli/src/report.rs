@@ -22,7 +22,6 @@ pub struct Report {
     /// SHA-256 of the program, the parameters and the cameras.
     pub settings: String,
     /// What the correction of the calibration found; null if it was not asked for.
-    #[serde(default)]
     pub calibration: Option<Value>,
     /// Peak memory of the process so far, in bytes; null if the system does not report it.
     pub peak_memory: Option<u64>,

@@ -10,10 +10,16 @@ use std::{
         Mutex, PoisonError,
         atomic::{AtomicUsize, Ordering},
     },
+    thread,
 };
 
 /// Stack size in bytes. A thread that waits for the last views of a frame may start another frame on top of its stack.
 const STACK: usize = 8 << 20;
+
+/// The number of threads that was asked for, or that of the machine's cores.
+pub fn thread_count(asked: Option<NonZeroUsize>) -> NonZeroUsize {
+    asked.unwrap_or_else(|| thread::available_parallelism().unwrap_or(NonZeroUsize::MIN))
+}
 
 /// A fixed number of threads. Calls may nest (views within frames).
 #[derive(Debug)]

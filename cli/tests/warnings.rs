@@ -16,7 +16,13 @@ fn report(capture: &Capture) -> Value {
 /// message, in report.json and on the terminal alike. The answer is the report.
 #[track_caller]
 fn assert_warns(capture: &Capture, codes: &[&str], words: &[&str]) -> Value {
-    let output = capture.run(&[]);
+    assert_warns_with(capture, &[], codes, words)
+}
+
+/// The same for a run with more arguments.
+#[track_caller]
+fn assert_warns_with(capture: &Capture, arguments: &[&str], codes: &[&str], words: &[&str]) -> Value {
+    let output = capture.run(arguments);
     let (message, report) = (stderr(&output), report(capture));
     assert_eq!(output.status.code(), Some(0), "{message}");
     let warnings = report["warnings"].as_array().unwrap();
@@ -77,6 +83,15 @@ fn a_missing_mask() {
     fs::remove_file(capture.path("masks/cam02_0.png")).unwrap();
     let words = ["frame 0", "cam02", "masks/cam02_0.png", "does not carve"];
     assert_eq!(used(&assert_warns(&capture, &["missing-mask"], &words)), [true; 5]);
+}
+
+#[test]
+fn a_missing_clean_plate() {
+    let capture = Capture::new(5, 1).with_plates();
+    fs::remove_file(capture.path("plate_cam02.png")).unwrap();
+    let words = ["frame 0", "cam02", "plate_cam02.png", "does not carve"];
+    let report = assert_warns_with(&capture, &["--masks", "plates"], &["missing-plate"], &words);
+    assert_eq!(used(&report), [true; 5]);
 }
 
 #[test]

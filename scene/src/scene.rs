@@ -199,6 +199,34 @@ impl Scene {
         Ok(())
     }
 
+    /// The cameras as the core takes them.
+    pub fn cameras(&self) -> Result<Vec<Camera>, Failure> {
+        let camera = |c: &SceneCamera| {
+            c.camera()
+                .map_err(|problem| Failure::Input(format!("camera `{}`: {}: {problem}", c.name, self.path.display())))
+        };
+        self.cameras.iter().map(camera).collect()
+    }
+
+    /// The frame with an index that `--frames` names.
+    pub fn frame(&self, index: u32) -> Result<&SceneFrame, Failure> {
+        self.frames.iter().find(|frame| frame.index == index).ok_or_else(|| {
+            Failure::Input(format!(
+                "--frames {index}: {} has no frame {index}, it has {} frames",
+                self.path.display(),
+                self.frames.len()
+            ))
+        })
+    }
+
+    /// All paths of pictures, masks and clean plates.
+    pub fn paths_mut(&mut self) -> impl Iterator<Item = &mut PathBuf> {
+        let frames = self.frames.iter_mut();
+        let of_frames = frames.flat_map(|frame| frame.images.iter_mut().chain(frame.masks.iter_mut().flatten()));
+        let plates = self.background.iter_mut().flat_map(|background| background.plates.iter_mut().flatten());
+        of_frames.chain(plates).flatten()
+    }
+
     /// Path of a camera's picture of the empty set, as written in scene.json.
     pub fn plate(&self, camera: usize) -> Option<&Path> {
         self.background.as_ref()?.plates.as_ref()?[camera].as_deref()
@@ -232,12 +260,8 @@ impl Scene {
     /// Keeps only the given frames, or all of them, and sorts them by index.
     pub fn select_frames(&mut self, chosen: Option<&[u32]>) -> Result<(), Failure> {
         if let Some(chosen) = chosen {
-            if let Some(missing) = chosen.iter().find(|i| !self.frames.iter().any(|f| f.index == **i)) {
-                return Err(Failure::Input(format!(
-                    "--frames {missing}: {} has no frame {missing}, it has {} frames",
-                    self.path.display(),
-                    self.frames.len()
-                )));
+            for &index in chosen {
+                self.frame(index)?;
             }
             self.frames.retain(|f| chosen.contains(&f.index));
         }

@@ -15,6 +15,7 @@ use tempfile::TempDir;
 pub const WIDTH: u32 = 64;
 pub const HEIGHT: u32 = 48;
 const FOCAL: f64 = 60.0;
+const WALL: Rgb<u8> = Rgb([20, 20, 20]);
 
 /// A textured unit ball at the origin, seen by a ring of cameras.
 pub struct Capture {
@@ -95,6 +96,22 @@ impl Capture {
         mask.save(self.path(relative)).unwrap();
     }
 
+    /// Takes the masks away, and adds pictures of the empty set.
+    pub fn with_plates(mut self) -> Self {
+        let cameras = self.scene["cameras"].as_array().unwrap();
+        let plates = cameras.iter().map(|camera| {
+            let path = format!("plate_{}.png", camera["name"].as_str().unwrap());
+            let [width, height] = ["width", "height"].map(|size| camera[size].as_u64().unwrap() as u32);
+            RgbImage::from_pixel(width, height, WALL).save(self.path(&path)).unwrap();
+            path
+        });
+        self.scene["background"] = json!({ "plates": plates.collect::<Vec<_>>() });
+        for frame in self.scene["frames"].as_array_mut().unwrap() {
+            frame["masks"] = Value::Null;
+        }
+        self
+    }
+
     /// Runs `pcmvs reconstruct` with more arguments. The results go to `out`.
     pub fn run(&self, arguments: &[&str]) -> Output {
         fs::write(self.path("scene.json"), serde_json::to_string_pretty(&self.scene).unwrap()).unwrap();
@@ -128,7 +145,7 @@ fn colour(camera: &Value, look: DVec2, frame: u32) -> Rgb<u8> {
     let (along, radius) = (-centre.dot(ray), 0.97);
     let inside = along * along - centre.length_squared() + radius * radius;
     if inside < 0.0 {
-        return Rgb([20, 20, 20]);
+        return WALL;
     }
     let p = centre + ray * (along - inside.sqrt()) + DVec3::splat(f64::from(frame));
     let wave = |axis: DVec3| (128.0 + 100.0 * (axis.dot(p)).sin()) as u8;
