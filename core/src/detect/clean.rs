@@ -81,15 +81,16 @@ pub fn clean(
             continue;
         }
         let position = level.camera.unproject((i % w) as f32, (i / w) as f32, map.depth[i]);
-        let toward = (level.camera.centre - position).normalize_or_zero();
-        let facing = fit.normal.dot(toward);
+        let toward = level.camera.centre - position;
+        let (distance, facing) = (toward.length(), fit.normal.dot(toward.normalize_or_zero()));
         if params.facing.is_some_and(|limit| facing.abs() < limit) {
             counts.cleaned_normal += 1;
             continue;
         }
         let normal = if facing < 0.0 { -fit.normal } else { fit.normal };
         let sigma = match rank[i] {
-            Rank::Detected => map.sigma[i] * facing.abs() / footprint,
+            // A ray of depth 1 is distance / depth long.
+            Rank::Detected => map.sigma[i] * (distance / map.depth[i]) * facing.abs() / footprint,
             _ => SUBSTITUTED_SIGMA,
         };
         cloud.push(Point { position, normal, fidelity: map.fidelity[i], sigma, weight: 0.0, view, rank: rank[i] });

@@ -51,15 +51,15 @@ pub enum Windows {
     Upright,
 }
 
-/// Depth (0 where there is none) with its standard deviation, and fidelity f of eq. 1 per pixel, row after row.
+/// Depth with its standard deviation, and fidelity f of eq. 1 per pixel, row after row.
 #[derive(Debug, Clone, Default)]
 pub struct DepthMap {
-    /// Depth along the optical axis.
+    /// Depth along the optical axis, in scene units. 0 where there is none.
     pub depth: Vec<f32>,
     /// Fidelity: the support of the neighbouring views. At most their number if peaks vote as printed; spread peaks can
     /// add up to more.
     pub fidelity: Vec<f32>,
-    /// Standard deviation of the depth.
+    /// Standard deviation of the depth, in scene units. Means nothing where the depth was substituted.
     pub sigma: Vec<f32>,
 }
 
@@ -196,7 +196,7 @@ fn sweep_tile(tile: TileSweep) {
             map.depth[pixel] = 1.0 / (1.0 / guide - hypotheses.shift(best.0));
             map.fidelity[pixel] = best.1;
             // The derivative of the depth by the hypothesis is depth² step.
-            let sigma = deviation(best.1 / neighbours.len() as f32, independent);
+            let sigma = deviation(best.1 / neighbours.len() as f32, independent, params.vote.support);
             map.sigma[pixel] = sigma * map.depth[pixel] * map.depth[pixel] * hypotheses.step;
         }
     }

@@ -70,11 +70,11 @@ pub fn detect_view<'l>(
     params: &DetectionParams,
     scratch: &mut DetectionScratch,
 ) -> Result<(PointCloud, Counts)> {
-    let Context { rig, views, hull, progress } = context;
-    let DetectionScratch { raster, crossings, range, depth, map, rank, clean } = scratch;
-    if !views[view].is_used() {
+    if !context.views[view].is_used() {
         return Ok((PointCloud::new(), Counts::default()));
     }
+    let Context { rig, views, hull, progress } = context;
+    let DetectionScratch { raster, crossings, range, depth, map, rank, clean } = scratch;
     let compared = rig.neighbours(view).iter().map(|&j| j as usize).filter(|&j| views[j].is_used());
     let neighbours: Vec<PyramidLevel> = compared.take(params.search.neighbours as usize).map(level).collect();
     let neighbours: Vec<&PyramidLevel> = neighbours.iter().collect();

@@ -33,6 +33,16 @@ pub enum Support {
     SpreadPeaks(f32),
 }
 
+impl Support {
+    /// Standard deviation of the kernel that spreads peaks, in hypotheses. `None` if peaks are not spread.
+    pub(super) fn width(self) -> Option<f32> {
+        match self {
+            Self::SpreadPeaks(sigma) => Some(sigma).filter(|&sigma| sigma > 0.0),
+            Self::Peaks | Self::Scores => None,
+        }
+    }
+}
+
 /// Correlation curves of a tile: the scores of one neighbour on all hypotheses, and the votes of all neighbours so far.
 #[derive(Debug, Default)]
 pub struct Curves {
@@ -51,11 +61,8 @@ pub struct Curves {
 impl Curves {
     /// Computes the kernels for the given parameters.
     pub fn tune(&mut self, params: &VoteParams) {
-        let spread = match params.support {
-            Support::SpreadPeaks(sigma) => sigma,
-            Support::Peaks | Support::Scores => 0.0,
-        };
-        (self.gaussian, self.spread) = (gaussian(params.smoothing.unwrap_or(0.0)), Spread::new(spread));
+        self.gaussian = gaussian(params.smoothing.unwrap_or(0.0));
+        self.spread = Spread::new(params.support.width().unwrap_or(0.0));
     }
 
     /// Starts a new tile with `count` hypotheses.
@@ -126,16 +133,21 @@ impl Curves {
     }
 }
 
-/// Standard deviation of the best hypothesis, in hypotheses, from its support per view and the number of independent
-/// peaks in it.
+/// Standard deviation of the best hypothesis, in hypotheses, from its support per view, the number of independent peaks
+/// in it and the kind of support.
 ///
-/// A peak of height s that is δ hypotheses away adds s exp(-δ²/2) to the support, and low scores come with scattered
-/// peaks. Both lower the support q: 2 (1 - q) / q is about the variance of single peaks. The best hypothesis is the mean
-/// of those that support it.
-pub fn deviation(support: f32, independent: f32) -> f32 {
+/// With a kernel of width w, a peak of height s that is δ hypotheses away adds s exp(-δ² / 2w²) to the support, and low
+/// scores come with scattered peaks. Both lower the support q: 2w² (1 - q) / q is about the mean square of the peaks'
+/// distances from the best hypothesis. The best hypothesis is the mean of the peaks that support it, which are a share q
+/// of all. Peaks are nearer to their own mean than to the truth. To make up for that, one peak less is counted (Bessel's
+/// correction).
+///
+/// If peaks are not spread, w is taken as 1, and the result is a rough value.
+pub fn deviation(support: f32, independent: f32, kind: Support) -> f32 {
     // Beyond these the support says no more: fewer than one view in twenty, and a perfect match.
     let q = support.clamp(0.05, 0.97);
-    sqrt(2.0 * (1.0 - q) / (q * q * max(independent - 1.0, 1.0)))
+    let width = kind.width().unwrap_or(1.0);
+    width * sqrt(2.0 * (1.0 - q) / (q * q * max(independent - 1.0, 1.0)))
 }
 
 /// One half of a normalised Gaussian, from the centre to two standard deviations.

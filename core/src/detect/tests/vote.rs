@@ -4,11 +4,11 @@ use super::super::{
     sweep::{TILE, TILE_PIXELS},
     vote::{Curves, Support, VoteParams, deviation},
 };
-use super::Random;
 use crate::testing::law;
 use alloc::{vec, vec::Vec};
 use core::slice;
 use proptest::prelude::*;
+use studio::noise::Random;
 
 /// Eq. 1 as printed, without smoothing.
 const PRINTED: VoteParams = VoteParams { smoothing: None, support: Support::Peaks, agreement_radius: None };
@@ -76,32 +76,35 @@ fn an_occluded_view_abstains() {
     assert_eq!(votes(&SUM, &with).best(PIXEL, 1, COUNT - 2, false).0, 1.0);
 }
 
-/// Four views whose peaks scatter by half a sample or more: the error that the support predicts is the one that is made.
+/// Four views whose peaks scatter by half the kernel's width or more: the error that the support predicts is the one that
+/// is made.
 #[test]
 fn the_support_tells_the_error_of_the_best_sample() {
-    const COUNT: usize = 15;
+    const COUNT: usize = 25;
     const VIEWS: usize = 4;
-    let mut random = Random(7);
-    let mut normal = || (0..12).fold(-6.0, |sum: f32, _| sum + random.unit());
-    for scatter in [0.5, 0.8, 1.0] {
+    const PLACE: f32 = 12.3;
+    let mut random = Random::new(7, 0);
+    for (width, scatter) in [1.0, 2.0].into_iter().flat_map(|width| [0.5, 0.8, 1.0].map(|share| (width, share * width)))
+    {
+        let params = VoteParams { support: Support::SpreadPeaks(width), ..PRINTED };
         let mut curves = Curves::default();
-        curves.tune(&PARZEN);
+        curves.tune(&params);
         curves.reset(COUNT);
         for _ in 0..VIEWS {
             for pixel in 0..TILE_PIXELS {
-                let bell = bell(COUNT, 1.0, 7.3 + scatter * normal(), 1.5);
+                let bell = bell(COUNT, 1.0, PLACE + scatter * random.normal() as f32, 1.5);
                 curves.scores_mut().iter_mut().zip(bell).for_each(|(scores, score)| scores[pixel] = score);
             }
-            curves.vote(&PARZEN);
+            curves.vote(&params);
         }
         let (mut made, mut predicted) = (0.0, 0.0);
         for pixel in 0..TILE_PIXELS {
             let (place, support) = curves.best(pixel, 1, COUNT - 2, true);
-            let sigma = deviation(support / VIEWS as f32, VIEWS as f32);
-            (made, predicted) = (made + (place - 7.3) * (place - 7.3), predicted + sigma * sigma);
+            let sigma = deviation(support / VIEWS as f32, VIEWS as f32, params.support);
+            (made, predicted) = (made + (place - PLACE) * (place - PLACE), predicted + sigma * sigma);
         }
         let ratio = libm::sqrtf(predicted / made);
-        assert!((0.7..1.5).contains(&ratio), "scatter {scatter}: {ratio} of the error is predicted");
+        assert!((0.7..1.5).contains(&ratio), "width {width}, scatter {scatter}: {ratio} of the error is predicted");
     }
 }
 
