@@ -92,6 +92,12 @@ fn quantile(values: impl Iterator<Item = f32>, rank: f32) -> f32 {
     values[(rank * (values.len() - 1) as f32) as usize]
 }
 
+/// Median angle in degrees between the mesh's normals and the surface's.
+fn median_angle(mesh: &Mesh, solid: Solid) -> f32 {
+    let normals = mesh.positions.iter().zip(&mesh.normals);
+    quantile(normals.map(|(&p, &n)| outward(solid, p).dot(n).clamp(-1.0, 1.0).acos().to_degrees()), 0.5)
+}
+
 #[test]
 fn surfaces_are_met_within_a_small_part_of_a_voxel() {
     for solid in [sphere as Solid, torus] {
@@ -103,9 +109,7 @@ fn surfaces_are_met_within_a_small_part_of_a_voxel() {
             assert!(error(&mesh, solid, 0.5) < 0.03);
             assert!(error(&mesh, solid, 0.9) < 0.08);
             assert!(error(&mesh, solid, 1.0) < 0.35);
-            let angles = mesh.positions.iter().zip(&mesh.normals);
-            let angles = angles.map(|(&p, &n)| outward(solid, p).dot(n).clamp(-1.0, 1.0).acos().to_degrees());
-            assert!(quantile(angles, 0.5) < 2.0);
+            assert!(median_angle(&mesh, solid) < 2.0);
         }
     }
 }
@@ -122,29 +126,28 @@ fn noise_averages_out() {
     assert!(error(&mesh, sphere, 0.9) < 0.5 * of_points);
 }
 
-/// Noise of points that are known to be imprecise hardly shows. Points that are known to be precise keep an edge.
+/// The noise of points that are known to be imprecise shows less. Points that are known to be precise keep more of an
+/// edge.
 #[test]
 fn imprecise_points_make_a_calm_surface_and_precise_ones_an_edge() {
     let mut random = Random::new(31);
     let mut points = cloud(sphere, 1.5, |_| true);
     for point in &mut points {
         point.position += point.normal * (random.normal() * 0.5 * VOXEL);
-        let lean = Vec3::new(random.normal(), random.normal(), random.normal()) * 0.3;
-        point.normal = (point.normal + lean).normalize();
+        let error = Vec3::new(random.normal(), random.normal(), random.normal()) * 0.3;
+        point.normal = (point.normal + error).normalize();
         point.sigma = 1.0;
     }
-    let lean = |calm: Option<f32>| {
-        let mesh = run(&points, |p| sphere(p) + 0.05, &MeshingParams { calm, ..params() }).mesh;
-        let angles = mesh.positions.iter().zip(&mesh.normals);
-        quantile(angles.map(|(&p, &n)| outward(sphere, p).dot(n).clamp(-1.0, 1.0).acos().to_degrees()), 0.5)
+    let angle = |calm: Option<f32>| {
+        median_angle(&run(&points, |p| sphere(p) + 0.05, &MeshingParams { calm, ..params() }).mesh, sphere)
     };
-    let (rough, calm) = (lean(None), lean(Some(0.15)));
+    let (rough, calm) = (angle(None), angle(Some(0.15)));
     assert!(calm < 0.95 * rough, "{calm} of {rough} degrees");
 
-    let square = |p: Vec3| 0.4 - p.abs().max_element();
+    let cube = |p: Vec3| 0.4 - p.abs().max_element();
     let at = |sigma: f32| {
-        let points: Vec<Point> = cloud(square, 1.5, |_| true).into_iter().map(|p| Point { sigma, ..p }).collect();
-        error(&run(&points, |p| square(p) + 0.05, &params()).mesh, square, 0.99)
+        let points: Vec<Point> = cloud(cube, 1.5, |_| true).into_iter().map(|p| Point { sigma, ..p }).collect();
+        error(&run(&points, |p| cube(p) + 0.05, &params()).mesh, cube, 0.99)
     };
     let (precise, imprecise) = (at(0.03), at(1.0));
     assert!(precise < 0.95 * imprecise, "{precise} of {imprecise} voxels");

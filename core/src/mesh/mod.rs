@@ -31,8 +31,9 @@ pub struct MeshingParams {
     /// Weight of the screening term, which pulls the surface to the positions of the points (Kazhdan & Hoppe, Screened
     /// Poisson Surface Reconstruction, 2013). Without it the solver is unscreened, as in the paper.
     pub screening: Option<f32>,
-    /// Calms the surface where its points are imprecise: where their standard deviation is this many pixels of footprint,
-    /// half of the noise of the finest detail goes, where it is larger nearly all. Not in the paper.
+    /// Smooths the surface where its points are imprecise. This is the standard deviation of points, in pixels of
+    /// footprint, at which half of the finest detail is removed. Around points that are less precise more of it is
+    /// removed, around more precise ones less. Without it all detail is kept. Not in the paper.
     pub calm: Option<f32>,
     /// Space constraint (§6.2). Without it the surface may leave the hull.
     pub space_constraint: Option<SpaceConstraint>,
@@ -83,7 +84,8 @@ pub fn mesh(
         return Err(Error::NoSurface);
     }
     let solves = if params.space_constraint == Some(SpaceConstraint::Rectify) { 2 } else { 1 };
-    let total = solves * (poisson::steps(low, high, voxel) + 2) + 1;
+    // A second solve takes the first surface's vertices as points. Their number is not known yet, but is about the same.
+    let total = solves * (poisson::steps(low, high, voxel, points.len()) + 2) + 1;
     let mut steps = Steps { progress, done: 0, total };
     let screening = params.screening.unwrap_or(0.0);
     let mut surface = |points: &[Point], constraint: Option<&dyn Envelope>| -> Result<Mesh> {

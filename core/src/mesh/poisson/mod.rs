@@ -20,6 +20,7 @@ mod surface;
 mod system;
 
 use alloc::{vec, vec::Vec};
+use core::iter::once;
 use glam::Vec3;
 
 use super::steps::Steps;
@@ -44,10 +45,13 @@ const ITERATIONS: u32 = 6;
 const ITERATIONS_COARSEST: u32 = 200;
 const TOLERANCE: f64 = 1e-4;
 
-/// Largest number of steps that [`solve`] reports.
-pub(super) fn steps(low: Vec3, high: Vec3, voxel: f32) -> u32 {
+/// Largest number of steps that [`solve`] reports for so many points.
+pub(super) fn steps(low: Vec3, high: Vec3, voxel: f32, points: usize) -> u32 {
     let (_, levels) = domain::domain(low, high, voxel);
-    5 + levels as u32 * (ITERATIONS + 12)
+    let (levels, parts) = (levels as u32, points.div_ceil(SAMPLES_PER_STEP) as u32);
+    // Collecting has 3, and converting to distances 2. Samples are weighed on each level but the finest. The coarsest
+    // level reports no iterations.
+    5 + (levels - 1) * (3 + parts) + levels * (5 + parts) + (levels - 1) * ITERATIONS
 }
 
 /// How closely the surface follows the points.
@@ -137,10 +141,10 @@ pub(super) fn solve(
     steps.step()?;
     let at_points = median(&cells, &distances, workspace).unwrap_or(0.0);
     distances.iter_mut().for_each(|distance| *distance -= at_points);
-    let calm = calm.map(|half| calm::shares(&cells, distances.len(), half, workspace));
+    let calm_shares = calm.map(|half| calm::shares(&cells, distances.len(), half, workspace));
     workspace.recycle(cells);
     workspace.recycle(finest.chi);
-    Ok(Solution { grid: finest.grid, distances, calm, envelope: held })
+    Ok(Solution { grid: finest.grid, distances, calm_shares, envelope: held })
 }
 
 /// The right-hand side of a level. Samples of this level's detail or finer are splatted here. Coarser samples act
@@ -166,19 +170,18 @@ fn right_hand_side(
     // from its own.
     let whole = |detail: f32| (1.0 - (detail - here)).clamp(0.0, 1.0);
     let shares = |detail: f32| [whole(detail), max(1.0 - (detail - here).abs(), 0.0)];
-    let mut own = workspace.empty(if level > 0 { rhs.len() } else { 0 });
-    if level > 0 {
+    // The finest level passes nothing on.
+    let mut own = (level > 0).then(|| {
+        let mut own = workspace.empty(rhs.len());
         own.extend_from_slice(&rhs);
-    }
+        own
+    });
+    let mut fields: Vec<&mut [f32]> = once(&mut rhs[..]).chain(own.as_deref_mut()).collect();
     for part in samples.chunks(SAMPLES_PER_STEP) {
         step()?;
-        if level > 0 {
-            system::splat(part, grid, level, shares, &mut [&mut rhs, &mut own]);
-        } else {
-            system::splat(part, grid, level, shares, &mut [&mut rhs]);
-        }
+        system::splat(part, grid, level, shares, &mut fields);
     }
-    workspace.recycle(core::mem::replace(sparse, own));
+    workspace.recycle(core::mem::replace(sparse, own.unwrap_or_default()));
     Ok(rhs)
 }
 

@@ -37,11 +37,12 @@ pub(super) fn distances(
 }
 
 impl Solution {
-    /// The surface, clipped at the envelope, calmed and clipped again.
+    /// The surface, clipped at the envelope, calmed and clipped again: calming smooths the edges that the first clip
+    /// leaves, where the hull has creases, and may move the surface over the envelope again.
     pub(in crate::mesh) fn surface(self, workspace: &mut Workspace) -> Mesh {
-        let Self { grid, mut distances, calm, envelope } = self;
+        let Self { grid, mut distances, calm_shares, envelope } = self;
         clip(&mut distances, envelope.as_deref());
-        if let Some(shares) = calm {
+        if let Some(shares) = calm_shares {
             calm::calm(&grid, &mut distances, &shares, workspace);
             clip(&mut distances, envelope.as_deref());
             workspace.recycle(shares);
