@@ -45,7 +45,7 @@ pub fn coarse(
     let Context { views, hull, progress, .. } = context;
     let octave = params.detection.octave;
     let made =
-        executor.map(views.len(), |i| views[i].is_used().then(|| PyramidLevel::made(&views[i], octave)).flatten());
+        executor.map(views.len(), |i| if views[i].is_used() { PyramidLevel::made(&views[i], octave) } else { None });
     let level = |i: usize| PyramidLevel::new(&views[i], made[i].as_ref());
     let detecting = Part { of: progress, stage: Stage::Coarse, part: 0, parts: 2 };
     let inner = context.reporting_to(&detecting);

@@ -29,8 +29,9 @@ pub struct Point {
     /// Fidelity f of eq. 1: at most the number of neighbouring views J if peaks vote as printed
     /// ([`crate::detect::Support::Peaks`]). Spread peaks can add up to more.
     pub fidelity: f32,
-    /// Standard deviation of the position along the normal, in pixels of footprint: of a detected point by its support
-    /// curve, of a frontier point by its contour and its interval. 0 where nothing is known of it.
+    /// Standard deviation of the position along the normal, in pixels of footprint. That of a detected point follows from
+    /// its support, that of a frontier point from its contour and its interval. For substituted points it is a constant.
+    /// For implicit points it is 0, which meshing takes as exact.
     pub sigma: f32,
     /// Non-negative weight in meshing (eq. 3).
     pub weight: f32,

@@ -64,17 +64,15 @@ pub fn colour(
     let mut overlap = gains::Overlap::new(mesh.positions.len(), views.len(), workspace);
     let mut buffer = DepthBuffer::with_workspace(workspace);
     for (i, view) in views.iter().enumerate() {
-        if !view.is_used() {
-            step(i as u32 + 1)?;
-            continue;
-        }
-        buffer.render(mesh, &view.camera);
-        for (v, (&position, &normal)) in mesh.positions.iter().zip(&mesh.normals).enumerate() {
-            let Some(candidate) = sample_view(view, i as u16, &buffer, position, normal, v) else { continue };
-            if let Some(params) = &solved {
-                overlap.add(v, i, &candidate, params);
+        if view.is_used() {
+            buffer.render(mesh, &view.camera);
+            for (v, (&position, &normal)) in mesh.positions.iter().zip(&mesh.normals).enumerate() {
+                let Some(candidate) = sample_view(view, i as u16, &buffer, position, normal, v) else { continue };
+                if let Some(params) = &solved {
+                    overlap.add(v, i, &candidate, params);
+                }
+                insert_best(&mut candidates[v * kept..][..kept], candidate);
             }
-            insert_best(&mut candidates[v * kept..][..kept], candidate);
         }
         step(i as u32 + 1)?;
     }

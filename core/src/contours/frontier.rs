@@ -40,7 +40,7 @@ const GIVEN_SIGMA: f32 = 0.25;
 const LIMB_RADIUS: f32 = 25.0;
 
 /// Standard deviation along the normal in pixels of footprint, from that of the contour and the length of the interval
-/// in pixels of footprint.
+/// in pixels of footprint. The contour's is in pixels of this view's picture, which are taken as pixels of footprint.
 fn deviation(contour: Option<f32>, length: f32) -> f32 {
     let contour = contour.unwrap_or(GIVEN_SIGMA);
     let sag = length * length / (8.0 * LIMB_RADIUS);

@@ -42,7 +42,8 @@ pub fn write_mesh(mesh: &Mesh, origin: DVec3) -> Vec<u8> {
 }
 
 /// Writes a point cloud as the bytes of a PLY file: position in the scene's frame (`origin` is [`crate::Rig::origin`]),
-/// normal, fidelity, standard deviation in pixels of footprint, weight, detecting view (65535 for none) and rank (the value of [`crate::Rank`]).
+/// normal, fidelity, standard deviation in pixels of footprint, weight, detecting view (65535 for none) and rank (the
+/// value of [`crate::Rank`]).
 pub fn write_cloud(cloud: &PointCloud, origin: DVec3) -> Vec<u8> {
     let mut out = header(
         "comment rank 0 implicit, 1 substituted, 2 detected, 3 frontier\n",
