@@ -60,7 +60,7 @@ fn noise_of_a_mosaic() {
 /// Contours are off by a pixel in long stretches, as keyers leave them. The pictures show where they are.
 #[test]
 fn smooth_errors_of_contours() {
-    let faults = Faults { contours: 1.0, ..Faults::default() };
+    let faults = Faults { contour_error: 1.0, ..Faults::default() };
     errors(&torus(&faults), 1, "contours").assert_within(0.9, 0.35, "contours");
 }
 

@@ -51,7 +51,7 @@ impl CapturedFrame {
 /// The recording of a dome, with its ground truth.
 #[derive(Debug, Clone)]
 pub struct Capture {
-    /// The given calibration, which has the error of [`Faults::calibration`].
+    /// The given calibration, with the errors of [`Faults::calibration`] and [`Faults::bumped`].
     pub cameras: Vec<Camera>,
     /// The true calibration.
     pub true_cameras: Vec<Camera>,

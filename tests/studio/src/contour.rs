@@ -14,7 +14,7 @@ pub fn displaced(coverage: &[f64], width: u32, height: u32, wider: f64, error: f
     let contour = Contour::new(coverage, width, height);
     let mut offsets = if error > 0.0 { contour.smooth_errors(error, random) } else { vec![0.0; coverage.len()] };
     offsets.iter_mut().for_each(|offset| *offset += wider);
-    // Beyond this distance, no pixel changes its side.
+    // Pixels farther than this from the given contour lie wholly on one side of both contours.
     let reach = 1.0 + offsets.iter().fold(0.0, |most: f64, offset| most.max(libm::fabs(*offset)));
     let distances = contour.distances(reach);
     distances.iter().zip(&offsets).map(|(distance, offset)| (0.5 + distance + offset).clamp(0.0, 1.0)).collect()

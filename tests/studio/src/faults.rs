@@ -24,7 +24,7 @@ pub struct Faults {
     pub mosaic: bool,
     /// Largest deviation of a camera's gain from 1. Each channel deviates by up to half of it in addition.
     pub gain: f64,
-    /// Standard deviation of a Gaussian blur in pixels.
+    /// Standard deviation in pixels of a Gaussian blur of the pictures, as of a lens out of focus. Masks stay sharp.
     pub blur: f64,
     /// Rotation of the given calibration against the true one, in pixels at the principal point.
     pub calibration: f64,
@@ -43,7 +43,7 @@ pub struct Faults {
     /// Distance in pixels by which the masks' contours lie outside the true ones, inside if negative.
     pub wider_masks: f64,
     /// Root mean square in pixels of smooth errors of the masks' contours, anew in every mask. See [`contour::displaced`].
-    pub contours: f64,
+    pub contour_error: f64,
     /// Holes in every mask.
     pub holes: Spots,
     /// Specks in the background of every mask.
@@ -142,9 +142,9 @@ impl Faults {
         if self.unmasked.contains(&camera) || self.missing.contains(&camera) {
             return None;
         }
-        let displaced = (self.wider_masks != 0.0 || self.contours > 0.0).then(|| {
+        let displaced = (self.wider_masks != 0.0 || self.contour_error > 0.0).then(|| {
             let mut random = self.random(Stream::Contours, camera, frame);
-            contour::displaced(coverage, width, height, self.wider_masks, self.contours, &mut random)
+            contour::displaced(coverage, width, height, self.wider_masks, self.contour_error, &mut random)
         });
         let coverage = displaced.as_deref().unwrap_or(coverage);
         let black_and_white = |v: &f64| if *v >= 0.5 { 255 } else { 0 };

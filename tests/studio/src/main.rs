@@ -70,7 +70,7 @@ struct Arguments {
     wider_masks: f64,
     /// Root mean square in pixels of smooth errors of the masks' contours
     #[arg(long, default_value_t = 0.0)]
-    contours: f64,
+    contour_error: f64,
     /// Holes in every mask: their number and their diameter in pixels
     #[arg(long, value_name = "COUNTxDIAMETER", value_parser = spots, default_value = "0x0")]
     holes: Spots,
@@ -125,6 +125,9 @@ fn main() -> ExitCode {
 }
 
 fn run(a: &Arguments) -> io::Result<()> {
+    if a.mosaic && (a.size.0 < 2 || a.size.1 < 2) {
+        return Err(io::Error::new(io::ErrorKind::InvalidInput, "--mosaic needs pictures of at least 2x2 pixels"));
+    }
     let ring = Ring { count: a.views, distortion: a.distortion, ..Ring::default() }.sized(a.size.0, a.size.1);
     let faults = Faults {
         noise: a.noise,
@@ -139,7 +142,7 @@ fn run(a: &Arguments) -> io::Result<()> {
         coarse_masks: a.coarse_masks,
         binary_masks: a.binary_masks,
         wider_masks: a.wider_masks,
-        contours: a.contours,
+        contour_error: a.contour_error,
         holes: a.holes,
         specks: a.specks,
         jpeg: a.jpeg,

@@ -83,19 +83,22 @@ fn wide_and_narrow_masks() {
 /// The errors are measured along the displaced contour, which is longer where the mask is wider.
 #[test]
 fn contours_are_off_by_their_pixels() {
-    for (contours, binary_masks) in [(1.0, false), (1.0, true), (3.0, false)] {
-        let masks = errors(&Faults { contours, binary_masks, ..Faults::default() });
-        let shares: Vec<f64> = masks.iter().map(|contour| rms(contour) / contours).collect();
-        assert!(shares.iter().all(|share| (share - 1.0).abs() < 0.08 * (1.0 + contours)), "{contours}: {shares:?}");
+    for (contour_error, binary_masks) in [(1.0, false), (1.0, true), (3.0, false)] {
+        let masks = errors(&Faults { contour_error, binary_masks, ..Faults::default() });
+        let shares: Vec<f64> = masks.iter().map(|contour| rms(contour) / contour_error).collect();
+        assert!(
+            shares.iter().all(|share| (share - 1.0).abs() < 0.08 * (1.0 + contour_error)),
+            "{contour_error}: {shares:?}"
+        );
         let all = mean(shares.iter().copied());
-        assert!((all - 1.0).abs() < 0.05, "{contours}: {all}");
+        assert!((all - 1.0).abs() < 0.05, "{contour_error}: {all}");
     }
 }
 
 /// Places 12 pixels apart share most of their error, places 40 pixels apart and other masks nearly nothing.
 #[test]
 fn errors_of_contours_are_smooth_and_differ_between_masks() {
-    let masks = errors(&Faults { contours: 1.0, ..Faults::default() });
+    let masks = errors(&Faults { contour_error: 1.0, ..Faults::default() });
     // The points of every contour, one per pixel of its length.
     let length = core::f64::consts::TAU * 42.0;
     let even = |m: usize, i: f64| {
