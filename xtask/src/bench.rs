@@ -65,8 +65,8 @@ const CONFIGURATIONS: [(&str, Option<&str>); 3] = [
 /// The tables. Each can be renewed by itself.
 const PARTS: [&str; 10] = [
     "scores",
-    "faults",
     "ablations-default",
+    "faults",
     "configurations",
     "ablations-paper",
     "scaling",
@@ -101,7 +101,7 @@ pub fn run(quick: bool, part: Option<&str>) -> Result<()> {
     let captured = Captured::find()??;
     let chosen = if quick { &ABLATIONS[..2] } else { &ABLATIONS };
     let ablation_scenes = if quick { &ABLATION_SCENES[..1] } else { &ABLATION_SCENES };
-    let parts = if quick { &["scores", "ablations-default"][..] } else { &PARTS[..] };
+    let parts = if quick { &PARTS[..2] } else { &PARTS[..] };
     for name in parts.iter().copied().filter(|name| part.is_none_or(|part| part == *name)) {
         let made = match name {
             "scores" => {

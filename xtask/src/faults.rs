@@ -2,8 +2,8 @@
 
 use crate::{
     Result,
-    measure::{Captured, packages},
-    process::{program, run, target},
+    measure::{Captured, python},
+    process::{run, target},
     tables::{Table, figure},
 };
 use serde_json::Value;
@@ -23,8 +23,8 @@ pub fn table(captured: &Captured) -> Result<String> {
     }
     let mut table = Table::new(&["fault", "acc90 mm", "F@2.5", "lost %", "IoU", "bodies", "CPU s", "MiB", "warnings"]);
     for (scene, only) in [(SCENE, None), (MOVING_SCENE, Some(MOVING_FAULT))] {
-        let mut command = program("python3", "");
-        command.env("PYTHONPATH", packages()).arg(captured.tool("faults.py")).arg(captured.command());
+        let mut command = python();
+        command.arg(captured.tool("faults.py")).arg(captured.pcmvs());
         command.arg(captured.scene(scene)).arg(&out).args(["--presets", "default"]);
         run(command.args(only.into_iter().flat_map(|fault| ["--only", fault])))?;
         let rows = out.join(format!("{scene}.jsonl"));

@@ -8,6 +8,7 @@ use serde_json::Value;
 use std::{
     env, fs,
     path::{Path, PathBuf},
+    process::Command,
 };
 
 /// The captured scenes and the tool that scores their meshes. They are not part of the project.
@@ -114,14 +115,14 @@ impl Captured {
     }
 
     /// The command `pcmvs`.
-    pub fn command(&self) -> &Path {
+    pub fn pcmvs(&self) -> &Path {
         &self.pcmvs
     }
 
     /// Reconstructs on one thread and scores every frame. Results of an earlier run are kept. The meshes are PLY files,
     /// because the reader of the scoring tool drops vertex colours of a GLB that has a material.
     pub fn measure(&self, job: &Job) -> Result<Measured> {
-        let (scene, out) = (self.data.join(job.scene), target().join("captured").join(job.folder()));
+        let (scene, out) = (self.scene(job.scene), target().join("captured").join(job.folder()));
         let mut command =
             program(&self.pcmvs, &format!("reconstruct --threads 1 --format ply --preset {}", job.preset));
         command.args(job.frames.into_iter().flat_map(|list| ["--frames", list]));
@@ -130,7 +131,7 @@ impl Captured {
         run(command.arg(&scene).arg("-o").arg(&out))?;
         let frames = reported_frames(&out)?;
         // A rough scene is the clean one with noise, bad mattes and calibration errors: the clean one has the truth.
-        let truth = self.data.join(job.scene.strip_suffix("-rough").unwrap_or(job.scene));
+        let truth = self.scene(job.scene.strip_suffix("-rough").unwrap_or(job.scene));
         let scores = frames.iter().map(|frame| self.score(&truth, &out, frame)).collect::<Result<_>>()?;
         Ok(Measured { scores, frames })
     }
@@ -143,8 +144,8 @@ impl Captured {
         };
         let json = out.join(format!("{file}.{}.score.json", &hash[..16]));
         if !json.exists() {
-            let mut command = program("python3", "");
-            command.env("PYTHONPATH", packages()).arg(&self.tool).arg(scene).arg(out.join(file));
+            let mut command = python();
+            command.arg(&self.tool).arg(scene).arg(out.join(file));
             command.arg("--json").arg(&json).args(["--frame", &index.to_string()]);
             command.args(masked_cameras(scene, index)?.iter().flat_map(|list| ["--cameras", list]));
             run(&mut command)?;
@@ -178,14 +179,20 @@ fn masked_cameras(scene: &Path, index: u64) -> Result<Option<String>> {
 }
 
 /// Folder for Python packages.
-pub fn packages() -> PathBuf {
+fn packages() -> PathBuf {
     target().join("python")
+}
+
+/// Python with the packages of [`install_packages`].
+pub fn python() -> Command {
+    let mut command = program("python3", "");
+    command.env("PYTHONPATH", packages());
+    command
 }
 
 /// Packages that the scoring tool imports.
 pub fn install_packages() -> Result<()> {
-    let mut check = program("python3", "-c");
-    if run(check.arg("import open3d, trimesh, PIL, scipy").env("PYTHONPATH", packages())).is_ok() {
+    if run(python().args(["-c", "import open3d, trimesh, PIL, scipy"])).is_ok() {
         return Ok(());
     }
     let mut install = program("python3", "-m pip install --quiet open3d trimesh pillow scipy --target");

@@ -2,7 +2,7 @@
 
 use crate::{
     Result,
-    measure::{Measured, build, install_packages, packages, reported_frames},
+    measure::{Measured, build, install_packages, python, reported_frames},
     process::{cargo, program, run, target},
     tables::{Table, figure},
 };
@@ -120,8 +120,7 @@ pub fn meshing() -> Result<String> {
     fs::create_dir_all(folder()).map_err(|e| format!("{}: {e}", folder().display()))?;
     install_packages()?;
     let ours = run(cargo("run --quiet --release --package pcmvs-core --example meshing").arg(folder()))?;
-    let mut other = program("python3", "-c");
-    let other = run(other.arg(OTHER).arg(folder()).env("PYTHONPATH", packages()))?;
+    let other = run(python().args(["-c", OTHER]).arg(folder()))?;
     let mut table =
         Table::new(&["200,000 points on a torus", "s", "vertices", "mean error, ‰", "99 % within, ‰", "times faster"]);
     for (ours, other) in ours.lines().zip(other.lines()) {
