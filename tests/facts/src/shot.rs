@@ -8,6 +8,7 @@ use pcmvs_core::{
 use studio::{Capture, CapturedFrame, Faults, Ring, Solid, Subject, TriangleMesh};
 
 /// One recorded frame.
+#[derive(Clone)]
 pub struct Shot {
     /// The given calibration.
     pub cameras: Vec<Camera>,

@@ -124,8 +124,7 @@ fn the_world_stays_in_place() {
 #[test]
 fn exchanged_pictures_are_named() {
     let mut shot = record(&Faults::default());
-    shot.frame.images.swap(2, 7);
-    shot.frame.masks.swap(2, 7);
+    shot.frame.exchange(2, 7);
     let found = calibrated(&shot);
     assert!(found.findings.contains(&Finding::CamerasSwapped { first: 2, second: 7 }), "{:?}", found.findings);
 }
@@ -133,9 +132,7 @@ fn exchanged_pictures_are_named() {
 #[test]
 fn a_picture_of_another_instant_is_named_and_its_camera_does_not_move() {
     let mut shot = record(&Faults::default());
-    let later = Capture::new(Subject::Figure, &cameras(), &[0.6], &Faults::default());
-    shot.frame.images[3] = later.frames[0].images[3].clone();
-    shot.frame.masks[3] = later.frames[0].masks[3].clone();
+    shot.frame.retake(3, &cameras()[3], Subject::Figure, 0.6);
     let found = calibrated(&shot);
     assert!(
         matches!(found.findings[..], [Finding::CameraContradicts { camera: 3, .. }]),

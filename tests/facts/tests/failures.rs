@@ -8,8 +8,7 @@ use studio::Subject;
 static SHOT: LazyLock<Shot> = LazyLock::new(|| Shot::small(Subject::Sphere, 5));
 
 fn refusal(change: impl FnOnce(&mut Shot)) -> Error {
-    let chosen: Vec<usize> = (0..SHOT.cameras.len()).collect();
-    let mut shot = SHOT.of_cameras(&chosen);
+    let mut shot = SHOT.clone();
     change(&mut shot);
     let error = Rig::new(&shot.cameras).and_then(|_| shot.reconstruct(&Params::preset(Preset::Default)).map(|_| ()));
     error.expect_err("this cannot be reconstructed")
@@ -69,20 +68,21 @@ fn masks_that_are_white_on_the_background() {
 /// Writes a camera's pose in another convention.
 type Convention = fn(&Camera) -> Camera;
 
-/// Poses in another convention, from that of the library: OpenGL's axes, the inverse, and the centre in place of t.
+/// Poses in another convention, from that of the library, each with the words that only its own remedy has: OpenGL's
+/// axes, the inverse, and the centre in place of t.
 fn conventions() -> [(&'static str, Convention); 3] {
     [
-        ("OpenGL", |c| Camera {
+        ("the axes look like OpenGL", |c| Camera {
             r: [c.r[0], c.r[1].map(|v| -v), c.r[2].map(|v| -v)],
             t: [c.t[0], -c.t[1], -c.t[2]],
             ..*c
         }),
-        ("camera to world", |c| Camera {
+        ("R, t look like camera to world: ", |c| Camera {
             r: [0, 1, 2].map(|i| [0, 1, 2].map(|j| c.r[j][i])),
             t: c.centre().to_array(),
             ..*c
         }),
-        ("camera's centre", |c| Camera { t: c.centre().to_array(), ..*c }),
+        ("t looks like the camera's centre: ", |c| Camera { t: c.centre().to_array(), ..*c }),
     ]
 }
 

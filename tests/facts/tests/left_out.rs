@@ -10,11 +10,6 @@ static SHOT: LazyLock<Shot> = LazyLock::new(|| {
     Shot::new(Subject::TwoBodies, &ring.cameras(), &studio::Faults::default())
 });
 
-/// All of the shot's cameras.
-fn copy() -> Shot {
-    SHOT.of_cameras(&(0..SHOT.cameras.len()).collect::<Vec<_>>())
-}
-
 fn made(shot: &Shot, preset: Preset, inputs: &[Option<ViewInput>]) -> Reconstruction {
     let rig = shot.rig();
     let mut frame = Frame::new(&rig, Params::preset(preset), Memory::default());
@@ -22,7 +17,11 @@ fn made(shot: &Shot, preset: Preset, inputs: &[Option<ViewInput>]) -> Reconstruc
     frame.into_reconstruction()
 }
 
-fn some<'s>(shot: &'s Shot) -> Vec<Option<ViewInput<'s>>> {
+fn made_of(shot: &Shot) -> Reconstruction {
+    made(shot, Preset::Default, &inputs(shot))
+}
+
+fn inputs<'s>(shot: &'s Shot) -> Vec<Option<ViewInput<'s>>> {
     shot.inputs().into_iter().map(Some).collect()
 }
 
@@ -45,7 +44,7 @@ fn assert_left_out(shot: &Shot, made: &Reconstruction, camera: usize, warning: &
 
 #[test]
 fn a_camera_without_picture() {
-    let mut inputs = some(&SHOT);
+    let mut inputs = inputs(&SHOT);
     inputs[4] = None;
     let made = made(&SHOT, Preset::Default, &inputs);
     assert_left_out(&SHOT, &made, 4, &Warning::NoPicture { camera: 4 });
@@ -53,24 +52,24 @@ fn a_camera_without_picture() {
 
 #[test]
 fn a_mask_without_the_object() {
-    let mut shot = copy();
+    let mut shot = SHOT.clone();
     shot.frame.masks[4].iter_mut().flatten().for_each(|v| *v = 0);
-    let made = made(&shot, Preset::Default, &some(&shot));
+    let made = made_of(&shot);
     assert_left_out(&shot, &made, 4, &Warning::EmptySilhouette { camera: 4 });
 }
 
 #[test]
 fn a_mask_that_is_white_on_the_background() {
-    let mut shot = copy();
+    let mut shot = SHOT.clone();
     shot.frame.masks[4].iter_mut().flatten().for_each(|v| *v = 255 - *v);
-    let made = made(&shot, Preset::Default, &some(&shot));
+    let made = made_of(&shot);
     assert_left_out(&shot, &made, 4, &Warning::MaskInverted { camera: 4 });
 }
 
 /// A camera that looks past the object, without a mask and with one that is a speck.
 #[test]
 fn an_object_beside_the_picture() {
-    let mut shot = copy();
+    let mut shot = SHOT.clone();
     let camera = &SHOT.cameras[4];
     // Its principal point lies two pictures to the left.
     shot.cameras[4] = Camera { k: [[camera.k[0][0], 0.0, -640.0], camera.k[1], camera.k[2]], ..*camera };
@@ -80,7 +79,7 @@ fn an_object_beside_the_picture() {
                 .map(|i| if (100..104).contains(&(i % 320)) && (100..104).contains(&(i / 320)) { 255 } else { 0 })
                 .collect()
         });
-        let made = made(&shot, Preset::Default, &some(&shot));
+        let made = made_of(&shot);
         assert_left_out(&shot, &made, 4, &Warning::ObjectBesidePicture { camera: 4 });
     }
 }
@@ -88,19 +87,19 @@ fn an_object_beside_the_picture() {
 /// Nothing is known from a mask that is white everywhere, except that the picture shows nothing but the object.
 #[test]
 fn a_mask_that_fills_the_picture_does_not_carve() {
-    let mut shot = copy();
+    let mut shot = SHOT.clone();
     shot.frame.masks[4].iter_mut().flatten().for_each(|v| *v = 255);
-    let made = made(&shot, Preset::Default, &some(&shot));
+    let made = made_of(&shot);
     assert_eq!(made.warnings, [Warning::FullSilhouette { camera: 4 }]);
     assert!(made.diagnostics[4].used && made.diagnostics[4].contour_px.is_none());
     Errors::new(&shot, &made.mesh).assert_within(0.9, 1.0, "a full mask");
 }
 
-/// Each camera twice: nothing divides by the zero distance, and no ray takes the contour of its twin for a touch.
+/// One camera twice: nothing divides by the zero distance, and no ray takes the contour of its twin for a touch.
 #[test]
 fn two_cameras_at_the_same_place() {
     let twice = SHOT.of_cameras(&[0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 4]);
-    let made = made(&twice, Preset::Default, &some(&twice));
+    let made = made_of(&twice);
     assert_eq!(made.warnings, [Warning::SamePlace { first: 4, second: 12 }]);
     assert_sound(&made.mesh, "twice");
     Errors::new(&SHOT, &made.mesh).assert_within(0.9, 1.0, "twice");
@@ -114,10 +113,6 @@ fn two_cameras_at_the_same_place() {
     assert!(pair.abs_diff(2 * single) <= single / 50, "{pair} frontier points of the pair, {single} of one");
 }
 
-fn made_of(shot: &Shot) -> Reconstruction {
-    made(shot, Preset::Default, &some(shot))
-}
-
 /// The overlap is that of the true outlines but for what the grid loses, and a shifted mask is named.
 #[test]
 fn silhouettes_that_agree_and_one_that_does_not() {
@@ -127,9 +122,9 @@ fn silhouettes_that_agree_and_one_that_does_not() {
         assert!(found.used && found.silhouette_overlap.is_some_and(|overlap| overlap > 0.97), "{found:?}");
         assert!(found.contour_px.is_some_and(|pixels| pixels < 0.3), "{found:?}");
     }
-    let mut shot = copy();
+    let mut shot = SHOT.clone();
     shot.cameras[4].k[0][2] += 8.0;
-    let moved = made(&shot, Preset::Hull, &some(&shot));
+    let moved = made(&shot, Preset::Hull, &inputs(&shot));
     let named = moved.warnings.iter().filter_map(|warning| match warning {
         Warning::SilhouetteDisagrees { camera, .. } | Warning::CameraContradicts { camera, .. } => Some(*camera),
         _ => None,
