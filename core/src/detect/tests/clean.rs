@@ -79,6 +79,23 @@ fn density_points_with_fewer_than_half_the_average_number_of_neighbours_go() {
     assert!(ends.is_empty() || ends.iter().all(|&(_, y)| y == 4 || y == 43), "{ends:?}");
 }
 
+/// The standard deviation of a point is the distance along its normal by which an error of its depth moves it. In the
+/// corners of the picture rays are longer, and the same error moves a point farther.
+#[test]
+fn an_error_of_the_depth_moves_a_point_along_its_ray() {
+    const ERROR: f32 = 0.05;
+    let camera = level().camera;
+    let slope = |x: usize, y: usize| Some(1.0 / (0.5 + 0.002 * x as f32 - 0.001 * y as f32));
+    let (cloud, _) = run(&DepthMap { sigma: vec![ERROR; SIZE * SIZE], ..map(slope) }, &OFF);
+    assert_eq!(cloud.len(), SIZE * SIZE);
+    for p in &cloud {
+        let pixel = camera.project(p.position);
+        let moved = camera.unproject(pixel.x, pixel.y, pixel.z + ERROR) - p.position;
+        let expected = moved.dot(p.normal).abs();
+        assert!((p.sigma - expected).abs() < 1e-4, "{} instead of {expected} at {pixel}", p.sigma);
+    }
+}
+
 /// Share by which a neighbourhood is not flat: λ3/λ2, of points within a radius, in double precision. `None` if it has
 /// fewer than four points or its radius passes through a point.
 fn flatness(map: &DepthMap, x: usize, y: usize) -> Option<f64> {
