@@ -21,7 +21,7 @@ const FRAMES: usize = 4;
 
 /// Calibrates the cameras of a scene as asked, and writes what was found to the terminal.
 pub fn calibrated(
-    scene: &Scene,
+    scene: &mut Scene,
     asked: &Evidence,
     params: &CalibrationParams,
     cancelled: &AtomicBool,

@@ -2,7 +2,7 @@
 
 use crate::{arguments::MaskSource, fingerprint::Fingerprint, threads::Threads, warning::WarningReport};
 use pcmvs_core::{ChromaKey, Executor, Mask, ViewInput, silhouette::MORE_COLOURS};
-use pcmvs_scene::{Background, Failure, Picture, Scene, SceneCamera, SceneFrame};
+use pcmvs_scene::{Background, Failure, Picture, Scene, SceneCamera, SceneFrame, SilhouetteFiles};
 use std::{fs, io, path::Path};
 
 /// Where the silhouettes come from.
@@ -17,8 +17,18 @@ pub enum Silhouettes {
 }
 
 impl Silhouettes {
-    /// What was asked for, with what the scene holds for it.
-    pub fn new(masks: MaskSource, scene: &Scene) -> Result<Self, Failure> {
+    /// What was asked for, with what the scene holds for it. The scene notes which files that are, for its messages.
+    pub fn new(masks: MaskSource, scene: &mut Scene) -> Result<Self, Failure> {
+        let chosen = Self::of(masks, scene)?;
+        scene.silhouettes = match chosen {
+            Self::Files => SilhouetteFiles::Masks,
+            Self::Plates => SilhouetteFiles::Plates,
+            Self::Key(_) => SilhouetteFiles::None,
+        };
+        Ok(chosen)
+    }
+
+    fn of(masks: MaskSource, scene: &Scene) -> Result<Self, Failure> {
         let background = scene.background.as_ref();
         let problem = |problem: String| Failure::Input(format!("{}: {problem}", scene.path.display()));
         match masks {
@@ -39,15 +49,6 @@ impl Silhouettes {
                     ))
                 }),
             },
-        }
-    }
-
-    /// Path of the file besides the picture: a mask or a clean plate.
-    fn path<'s>(self, scene: &'s Scene, frame: &'s SceneFrame, camera: usize) -> Option<&'s Path> {
-        match self {
-            Self::Files => frame.mask(camera),
-            Self::Plates => scene.plate(camera),
-            Self::Key(_) => None,
         }
     }
 }
@@ -106,7 +107,7 @@ impl<'s> FrameFiles<'s> {
             let image = read(frame.image(camera), "missing-picture", "the view contributes nothing to the frame")?;
             let code = if let Silhouettes::Plates = silhouettes { "missing-plate" } else { "missing-mask" };
             let mask = match &image {
-                Some(_) => read(silhouettes.path(scene, frame, camera), code, "the view does not carve the hull")?,
+                Some(_) => read(scene.silhouette_file(frame, camera), code, "the view does not carve the hull")?,
                 None => None,
             };
             files.views.push(ViewFiles { image, mask });
@@ -137,7 +138,7 @@ impl<'s> FrameFiles<'s> {
         let views = threads.map(self.views.len(), |camera| {
             let ViewFiles { image, mask } = &self.views[camera];
             let Some(image) = decode(camera, image, frame.image(camera))? else { return Ok(None) };
-            let mask = match (decode(camera, mask, silhouettes.path(scene, frame, camera))?, silhouettes) {
+            let mask = match (decode(camera, mask, scene.silhouette_file(frame, camera))?, silhouettes) {
                 (Some(mask), Silhouettes::Files) => Some(mask.into_mask()),
                 (None, Silhouettes::Files) => image.alpha(),
                 (other, Silhouettes::Plates | Silhouettes::Key(_)) => other,

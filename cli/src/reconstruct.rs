@@ -42,7 +42,7 @@ pub fn run(options: &Reconstruct, cancelled: &AtomicBool) -> Result<(), Failure>
     for assignment in &options.overrides {
         params = overrides::set(&params, assignment).map_err(Failure::Input)?;
     }
-    let silhouettes = Silhouettes::new(options.common.masks, &scene)?;
+    let silhouettes = Silhouettes::new(options.common.masks, &mut scene)?;
     let threads = thread_count(options.common.threads);
     let pool = Threads::new(threads)?;
     let console = Console::new(cancelled);

@@ -18,7 +18,7 @@ pub fn run(options: &Refine, cancelled: &AtomicBool) -> Result<(), Failure> {
         return Err(Failure::Input(format!("{target}: exists already: name another folder or remove that file")));
     }
     let params = CalibrationParams { intrinsics: options.intrinsics, ..CalibrationParams::default() };
-    let found = calibrated(&scene, &options.evidence, &params, cancelled)?;
+    let found = calibrated(&mut scene, &options.evidence, &params, cancelled)?;
     if found.calibration.verdict != Verdict::Improved {
         let path = scene.path.display();
         return Err(Failure::Other(format!("{path}: {}: nothing is written", found.summary())));

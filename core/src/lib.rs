@@ -114,6 +114,7 @@ pub mod hash;
 pub mod hull;
 pub mod image;
 mod left_out;
+mod linear;
 mod math;
 pub mod memory;
 pub mod merge;

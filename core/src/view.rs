@@ -8,7 +8,7 @@ use crate::{
     left_out::LeftOut,
     rig::Rig,
     silhouette::{
-        ChromaKey, ContourParams, NoContour, Silhouette, Uncertainty, chroma, clean_plate,
+        ChromaKey, ContourParams, NoSilhouette, Silhouette, Uncertainty, chroma, clean_plate,
         refine::{RefineScratch, refine},
     },
 };
@@ -22,7 +22,7 @@ pub enum Mask<'a> {
     Unknown,
     /// A picture that is white on the object. The contour is where its bilinear interpolation is half of white.
     Given(ImageRef<'a>),
-    /// The object stands in front of a backdrop of one colour.
+    /// The object stands in front of a painted backdrop, of one or several colours.
     ChromaKey(ChromaKey),
     /// The same camera's picture of the empty set, without the object.
     CleanPlate(ImageRef<'a>),
@@ -220,7 +220,7 @@ impl View {
                 .and_then(|params| refine(w as usize, &rgb, coverage, known, params, contour_scratch, uncertainty));
             match Silhouette::with_buffers(w, h, coverage, known, &mut contour_scratch.distance, distance) {
                 Ok(silhouette) => Some(silhouette.with_uncertainty(refined)),
-                Err(NoContour::Empty) => {
+                Err(NoSilhouette::Empty) => {
                     left_out = Some(LeftOut::EmptySilhouette);
                     None
                 }

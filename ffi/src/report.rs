@@ -75,7 +75,8 @@ impl Growing for pcmvs_stage_report {
 #[repr(C)]
 #[derive(Debug, Clone, Copy)]
 pub struct pcmvs_view_report {
-    /// 1 if the view has a silhouette and therefore carves the hull, otherwise 0. A view that is not used does not carve.
+    /// 1 if the view has a silhouette and therefore carves the hull, otherwise 0. A view that is not used does not carve, and
+    /// neither does a silhouette that is set aside.
     pub carves: u32,
     /// Share of the picture that is inside the silhouette, 0 to 1. 0 without a silhouette.
     pub inside: f32,
@@ -87,16 +88,15 @@ pub struct pcmvs_view_report {
     pub gains: [f32; 3],
     /// Zero.
     pub reserved: u32,
-    /// 1 if the view takes part in the frame, otherwise 0: it has no picture, its silhouette is empty or inverted, or the
-    /// object lies beside it. A warning of the frame tells which.
+    /// 1 if the view takes part in the frame, otherwise 0: it has no picture, its silhouette is empty or inverted, the
+    /// object lies beside it, or it contradicts the other views. A warning of the frame tells which.
     pub used: u32,
-    /// Intersection over union of the silhouette and the visual hull's picture, 0 to 1. -1 without a silhouette.
+    /// Intersection over union of the silhouette and the visual hull's picture, 0 to 1. -1 if it could not be measured: no
+    /// silhouette, or one that fills the picture.
     pub silhouette_overlap: f32,
-    /// Median distance of the hull's outline in the picture from the silhouette's contour, in pixels. -1 without a
-    /// silhouette.
+    /// Median distance of the hull's outline in the picture from the silhouette's contour, in pixels. -1 if it could not be
+    /// measured: no silhouette, or one that fills the picture.
     pub contour_px: f32,
-    /// Median distance of matches in other views from their epipolar lines, in pixels. -1 if it has not been measured.
-    pub epipolar_px: f32,
 }
 
 impl Growing for pcmvs_view_report {
@@ -188,7 +188,7 @@ fn view_report(work: &Work, camera: u32, place: usize) -> pcmvs_view_report {
     let cloud: &[Point] = if is_complete(Stage::Detect) { &frame.intermediates().detected[place] } else { &[] };
     let count = |rank| cloud.iter().filter(|p| p.rank == rank).count() as u32;
     let gains = if is_complete(Stage::Colour) { frame.gains()[camera as usize] } else { [0.0; 3] };
-    let diagnostics = frame.diagnostics().get(camera as usize).copied();
+    let diagnostics = frame.diagnostics_of(camera as usize);
     let measured =
         |of: fn(&ViewDiagnostics) -> Option<f32>| diagnostics.map_or(0.0, |found| of(&found).unwrap_or(NOT_MEASURED));
     pcmvs_view_report {
@@ -201,7 +201,6 @@ fn view_report(work: &Work, camera: u32, place: usize) -> pcmvs_view_report {
         used: u32::from(view.is_used()),
         silhouette_overlap: measured(|of| of.silhouette_overlap),
         contour_px: measured(|of| of.contour_px),
-        epipolar_px: measured(|of| of.epipolar_px),
     }
 }
 

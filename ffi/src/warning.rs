@@ -58,9 +58,9 @@ pub unsafe extern "C" fn pcmvs_frame_get_warning(
     size: usize,
 ) -> pcmvs_status {
     let get = |work: &Work| {
-        let mut warnings = work.frame.warnings();
+        let warnings = work.frame.warnings();
         let count = warnings.len();
-        let found = warnings.drain(..).nth(index as usize).ok_or_else(|| {
+        let found = warnings.into_iter().nth(index as usize).ok_or_else(|| {
             Failure::new(InvalidArgument, format!("there is no warning {index}: the frame has {count}"))
         })?;
         let found = pcmvs_warning {

@@ -208,8 +208,7 @@ fn c_and_rust_agree() {
             reserved,
             used,
             silhouette_overlap,
-            contour_px,
-            epipolar_px
+            contour_px
         }
     );
     layout!(facts, pcmvs_warning { camera, reserved, code, message });

@@ -53,7 +53,7 @@ fn address_sanitizer_finds_no_leak_over_200_frames() {
     run(Command::new(program).arg(sample.plain()).args(["200", "0"]).env("ASAN_OPTIONS", "detect_leaks=1"));
     // All misuse except reading freed handles.
     let careful = [SANITIZED, &["-DWITHOUT_FREED_HANDLES", "-DFEW_CALLS"]].concat();
-    for source in ["tests/c/misuse.c", "tests/c/results.c"] {
+    for source in ["tests/c/misuse.c", "tests/c/results.c", "tests/c/warnings.c"] {
         let program = build(sample.path(), &careful, source, Link::Static);
         run(Command::new(program).arg(sample.plain()).env("ASAN_OPTIONS", "detect_leaks=1"));
     }

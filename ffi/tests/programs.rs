@@ -27,6 +27,13 @@ fn results_are_the_same_in_every_way_to_make_them() {
 }
 
 #[test]
+fn warnings_name_the_camera_and_the_problem() {
+    let sample = Sample::new();
+    let program = build(sample.path(), C99, "tests/c/warnings.c", Link::Shared);
+    output(&program, [sample.plain()]);
+}
+
+#[test]
 fn silhouettes_come_from_masks_keys_and_plates() {
     let folder = tempfile::tempdir().unwrap();
     let program = build(folder.path(), C99, "tests/c/silhouettes.c", Link::Static);

@@ -24,6 +24,11 @@ impl Scene {
         format!("frame {}: {}", frame.index, self.place(camera as u32, Some(file)))
     }
 
+    /// The file that a camera's silhouette is made of: without another one, the picture.
+    fn made_of<'s>(&'s self, frame: &'s SceneFrame, camera: usize) -> Option<&'s Path> {
+        self.silhouette_file(frame, camera).or(frame.image(camera))
+    }
+
     /// Adds the names of camera and file to an error of the core. `frame` is `None` for errors of the rig.
     pub fn explain(&self, error: &Error, frame: Option<&SceneFrame>) -> Failure {
         let of_frame = frame.map(|f| format!("frame {}: ", f.index)).unwrap_or_default();
@@ -33,9 +38,8 @@ impl Scene {
             Error::Camera { camera, problem } => format!("{of_frame}{}: {problem}", self.place(*camera, None)),
             Error::Image { camera, problem } => format!("{of_frame}{}: {problem}", self.place(*camera, image(*camera))),
             Error::Silhouette { camera, problem } => {
-                // Without a mask file the silhouette comes from the picture.
-                let mask = frame.and_then(|f| f.mask(*camera as usize)).or(image(*camera));
-                format!("{of_frame}{}: {problem}", self.place(*camera, mask))
+                let file = frame.and_then(|f| self.made_of(f, *camera as usize));
+                format!("{of_frame}{}: {problem}", self.place(*camera, file))
             }
             Error::TooFewViews { given, needed } => {
                 let path = self.path.display();
@@ -61,15 +65,15 @@ impl Scene {
     /// A warning of the core with the names of frame, camera and file. `frame` is `None` for warnings about the rig.
     pub fn explain_warning(&self, warning: &Warning, frame: Option<&SceneFrame>) -> String {
         let file = warning.camera().zip(frame).and_then(|(camera, frame)| {
-            let (image, mask) = (frame.image(camera as usize), frame.mask(camera as usize));
+            let camera = camera as usize;
             match warning {
                 Warning::EmptySilhouette { .. }
                 | Warning::FullSilhouette { .. }
                 | Warning::MaskInverted { .. }
                 | Warning::SilhouetteSetAside { .. }
                 | Warning::SilhouetteCompleted { .. }
-                | Warning::SilhouetteDisagrees { .. } => mask.or(image),
-                Warning::CameraContradicts { .. } | Warning::NoStereoPoints { .. } => image,
+                | Warning::SilhouetteDisagrees { .. } => self.made_of(frame, camera),
+                Warning::CameraContradicts { .. } | Warning::NoStereoPoints { .. } => frame.image(camera),
                 _ => None,
             }
         });
@@ -79,5 +83,48 @@ impl Scene {
             _ => self.camera(camera),
         };
         format!("{of_frame}{}", warning.explain(name))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{Background, SilhouetteFiles, VERSION};
+    use std::path::PathBuf;
+
+    #[test]
+    fn messages_about_a_silhouette_name_the_file_that_it_was_made_of() {
+        let path = |text: &str| Some(PathBuf::from(text));
+        let frame = SceneFrame { index: 3, images: vec![path("image.png")], masks: Some(vec![path("mask.png")]) };
+        let background = Background { chroma_rgb: None, colours: Vec::new(), plates: Some(vec![path("plate.png")]) };
+        let mut scene = Scene {
+            version: VERSION,
+            units: None,
+            up: None,
+            fps: None,
+            cameras: Vec::new(),
+            frames: Vec::new(),
+            background: Some(background),
+            path: PathBuf::from("folder/scene.json"),
+            silhouettes: SilhouetteFiles::default(),
+        };
+        let error = Error::Silhouette { camera: 0, problem: String::from("wrong") };
+        for (silhouettes, file) in [
+            (SilhouetteFiles::Masks, "mask.png"),
+            (SilhouetteFiles::Plates, "plate.png"),
+            (SilhouetteFiles::None, "image.png"),
+        ] {
+            scene.silhouettes = silhouettes;
+            let warning = scene.explain_warning(&Warning::EmptySilhouette { camera: 0 }, Some(&frame));
+            let Failure::Input(failure) = scene.explain(&error, Some(&frame)) else { panic!("the input is at fault") };
+            for message in [warning, failure] {
+                assert!(message.starts_with("frame 3: camera 0: ") && message.contains(file), "{file}: {message}");
+            }
+        }
+        // A camera without the file has its silhouette from the picture.
+        let bare = SceneFrame { masks: None, ..frame };
+        scene.silhouettes = SilhouetteFiles::Masks;
+        let Failure::Input(failure) = scene.explain(&error, Some(&bare)) else { panic!("the input is at fault") };
+        assert!(failure.contains("image.png"), "{failure}");
     }
 }

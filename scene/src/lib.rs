@@ -16,4 +16,4 @@ pub use files::{Disk, Files};
 pub use import::{Source, import};
 pub use open::open;
 pub use pictures::Picture;
-pub use scene::{Background, FILE_NAME, Scene, SceneCamera, SceneFrame, VERSION};
+pub use scene::{Background, FILE_NAME, Scene, SceneCamera, SceneFrame, SilhouetteFiles, VERSION};

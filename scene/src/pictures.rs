@@ -84,16 +84,16 @@ fn decode_png(file: &[u8]) -> Result<Picture, String> {
         DynamicImage::ImageLuma8(gray) => (PixelFormat::Gray8, gray.into_raw()),
         DynamicImage::ImageRgba8(rgba) => (PixelFormat::Rgba8, rgba.into_raw()),
         DynamicImage::ImageLumaA8(gray) => (PixelFormat::Rgba8, with_alpha(gray.as_raw(), |v| v)),
-        DynamicImage::ImageLumaA16(gray) => (PixelFormat::Rgba8, with_alpha(gray.as_raw(), high_byte)),
-        DynamicImage::ImageRgba16(rgba) => (PixelFormat::Rgba8, rgba.as_raw().iter().map(|&v| high_byte(v)).collect()),
+        DynamicImage::ImageLumaA16(gray) => (PixelFormat::Rgba8, with_alpha(gray.as_raw(), rounded)),
+        DynamicImage::ImageRgba16(rgba) => (PixelFormat::Rgba8, rgba.as_raw().iter().map(|&v| rounded(v)).collect()),
         other => (PixelFormat::Rgb8, other.into_rgb8().into_raw()),
     };
     Ok(Picture { width, height, format, pixels })
 }
 
-/// The most significant byte.
-fn high_byte(v: u16) -> u8 {
-    (v >> 8) as u8
+/// The nearest of 256 levels, as `into_rgb8` rounds.
+fn rounded(v: u16) -> u8 {
+    ((u32::from(v) + 128) / 257) as u8
 }
 
 /// RGBA from pairs of grey and alpha.
@@ -124,6 +124,20 @@ mod tests {
         assert_eq!(decoded(&[255, 255, 255, 0], ColorType::La8).into_mask(), mask);
         let sixteen: Vec<u8> = [9u16, 8, 7, u16::MAX, 0, 0, 0, 0].iter().flat_map(|v| v.to_ne_bytes()).collect();
         assert_eq!(decoded(&sixteen, ColorType::Rgba16).into_mask(), mask);
+    }
+
+    #[test]
+    fn sixteen_bits_become_the_same_levels_with_and_without_alpha() {
+        let bytes = |values: &[u16]| values.iter().flat_map(|v| v.to_ne_bytes()).collect::<Vec<u8>>();
+        for v in (0..=u16::MAX).step_by(61).chain([127, 128, 129, 255, 256, 384, 385, 65406, 65407, u16::MAX]) {
+            let (r, g, b) = (v, v / 3, u16::MAX - v);
+            let plain = decoded(&bytes(&[r, g, b, b, g, r]), ColorType::Rgb16);
+            let opaque = decoded(&bytes(&[r, g, b, u16::MAX, b, g, r, u16::MAX]), ColorType::Rgba16);
+            let gray = decoded(&bytes(&[g, b]), ColorType::L16);
+            let opaque_gray = decoded(&bytes(&[g, u16::MAX, b, u16::MAX]), ColorType::La16);
+            assert_eq!(plain.view().to_rgb(), opaque.view().to_rgb(), "{v}");
+            assert_eq!(gray.view().to_rgb(), opaque_gray.view().to_rgb(), "{v}");
+        }
     }
 
     #[test]

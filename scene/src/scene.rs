@@ -34,6 +34,21 @@ pub struct Scene {
     /// Path of scene.json. Paths in it are relative to its folder.
     #[serde(skip)]
     pub path: PathBuf,
+    /// The files that the silhouettes are made of.
+    #[serde(skip)]
+    pub silhouettes: SilhouetteFiles,
+}
+
+/// The files besides the pictures that silhouettes are made of.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub enum SilhouetteFiles {
+    /// Masks.
+    #[default]
+    Masks,
+    /// Pictures of the empty set.
+    Plates,
+    /// None: the pictures are enough.
+    None,
 }
 
 /// A camera of scene.json. World to pixel is `K · distort(R X + t)`; the centre of the first pixel is at (0, 0).
@@ -230,6 +245,15 @@ impl Scene {
     /// Path of a camera's picture of the empty set, as written in scene.json.
     pub fn plate(&self, camera: usize) -> Option<&Path> {
         self.background.as_ref()?.plates.as_ref()?[camera].as_deref()
+    }
+
+    /// Path of the file besides the picture that a camera's silhouette is made of, as written in scene.json.
+    pub fn silhouette_file<'s>(&'s self, frame: &'s SceneFrame, camera: usize) -> Option<&'s Path> {
+        match self.silhouettes {
+            SilhouetteFiles::Masks => frame.mask(camera),
+            SilhouetteFiles::Plates => self.plate(camera),
+            SilhouetteFiles::None => None,
+        }
     }
 
     /// Keeps only the given cameras, in the order given.

@@ -12,7 +12,7 @@ use crate::{
 };
 use pcmvs_core::{
     ChromaKey, LeftOut, Mask, Params, PixelFormat, Serial, View, ViewInput, reconstruct,
-    silhouette::{ContourParams, NoContour},
+    silhouette::{ContourParams, NoSilhouette},
 };
 use pcmvs_scene::Picture;
 use std::rc::Rc;
@@ -130,7 +130,7 @@ impl Frame {
         let view = View::new(&self.rig, camera, &input, Some(&ContourParams::default()));
         let view = view.map_err(|error| Failed::core(&error, None))?;
         if view.left_out == Some(LeftOut::EmptySilhouette) {
-            return Err(Failed::of_camera("silhouette", &NoContour::Empty.to_string(), camera));
+            return Err(Failed::of_camera("silhouette", &NoSilhouette::Empty.to_string(), camera));
         }
         Ok(Photograph::new(view))
     }

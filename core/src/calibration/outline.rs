@@ -1,6 +1,6 @@
 //! The outline of a silhouette: the convex hull of its contour, which planes through two cameras touch.
 
-use crate::{contours::contour, silhouette::Silhouette};
+use crate::silhouette::Silhouette;
 use alloc::{vec, vec::Vec};
 use glam::DVec2;
 
@@ -23,7 +23,7 @@ pub(super) fn outline(silhouette: &Silhouette) -> Vec<Corner> {
     let (w, h) = (silhouette.width as usize, silhouette.height as usize);
     let d = silhouette.distances();
     let mut corners = Vec::new();
-    contour(silhouette, |pixel, _| {
+    silhouette.contour(|pixel, _| {
         let (x, y) = (pixel.x as usize, pixel.y as usize);
         let near = [y * w + x, y * w + x + 1, (y + 1) * w + x, (y + 1) * w + x + 1];
         if near.iter().any(|&i| kept.get(i).is_some_and(|&kept| kept)) {

@@ -3,6 +3,7 @@
 
 use super::candidate::Candidate;
 use crate::{
+    linear::solve_symmetric,
     math::{from_ordered, ordered},
     workspace::Workspace,
 };
@@ -90,7 +91,8 @@ impl Overlap {
             for i in 0..n {
                 matrix[i * n + i] += params.prior;
             }
-            let logs = solve_symmetric(matrix, right);
+            solve_symmetric(&mut matrix, &mut right);
+            let logs = right;
             let mean = logs.iter().sum::<f64>() / n as f64;
             for (gain, log) in gains.iter_mut().zip(logs) {
                 gain[channel] = libm::exp(log - mean) as f32;
@@ -99,23 +101,4 @@ impl Overlap {
         workspace.recycle(ratios);
         gains
     }
-}
-
-/// Solves a symmetric positive definite system by Gaussian elimination.
-fn solve_symmetric(mut m: Vec<f64>, mut x: Vec<f64>) -> Vec<f64> {
-    let n = x.len();
-    for k in 0..n {
-        for i in k + 1..n {
-            let factor = m[i * n + k] / m[k * n + k];
-            for j in k + 1..n {
-                m[i * n + j] -= factor * m[k * n + j];
-            }
-            x[i] -= factor * x[k];
-        }
-    }
-    for k in (0..n).rev() {
-        let sum: f64 = (k + 1..n).map(|j| m[k * n + j] * x[j]).sum();
-        x[k] = (x[k] - sum) / m[k * n + k];
-    }
-    x
 }

@@ -4,11 +4,10 @@ use crate::{
     hull::{VisualHull, Walk},
     math::{max, sqrt},
     point_cloud::{Point, PointCloud, Rank},
-    silhouette::Silhouette,
     surface::SLOPE,
     view::View,
 };
-use glam::{Vec2, Vec3};
+use glam::Vec3;
 
 /// Parameters of frontier points (§4.4).
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -66,7 +65,7 @@ pub fn frontier(view: &View, hull: &VisualHull, params: &FrontierParams) -> Poin
     let Some(silhouette) = view.silhouette.as_ref().filter(|_| view.is_used()) else { return cloud };
     let footprint = hull.footprint();
     let longest = params.longest_pixels * footprint;
-    contour(silhouette, |pixel, outward| {
+    silhouette.contour(|pixel, outward| {
         let ray = view.camera.ray(pixel.x, pixel.y);
         let Some((t, length)) = touch(hull, view, ray, longest) else { return };
         let position = view.camera.centre + ray * t;
@@ -90,35 +89,6 @@ pub fn frontier(view: &View, hull: &VisualHull, params: &FrontierParams) -> Poin
         });
     });
     cloud
-}
-
-/// Calls `f` with a point on the contour and the outward unit normal in the image, once per pixel cell that the contour
-/// passes.
-pub(crate) fn contour(silhouette: &Silhouette, mut f: impl FnMut(Vec2, Vec2)) {
-    let (w, h) = (silhouette.width as usize, silhouette.height as usize);
-    let d = silhouette.distances();
-    for y in 0..h - 1 {
-        for x in 0..w - 1 {
-            let i = y * w + x;
-            let corners = [d[i], d[i + 1], d[i + w], d[i + w + 1]];
-            let inside = corners.iter().filter(|&&v| v > 0).count();
-            if inside == 0 || inside == 4 || corners.contains(&Silhouette::UNKNOWN) {
-                continue;
-            }
-            let [a, b, c, e] = corners.map(f32::from);
-            // The plane fitted to the four corners: its value at the cell's centre and its gradient.
-            let middle = 0.25 * (a + b + c + e);
-            let gradient = Vec2::new(0.5 * (b + e - a - c), 0.5 * (c + e - a - b));
-            let length = gradient.length_squared();
-            if length > 0.0 {
-                let offset = gradient * (-middle / length);
-                if offset.x.abs() <= 0.5 && offset.y.abs() <= 0.5 {
-                    let pixel = Vec2::new(x as f32 + 0.5, y as f32 + 0.5) + offset;
-                    f(pixel, -gradient.normalize_or_zero());
-                }
-            }
-        }
-    }
 }
 
 /// Where the ray of a contour pixel meets the hull of the other views: the middle and the length of its interval, if

@@ -4,7 +4,6 @@
 mod frontier;
 mod implicit;
 
-pub(crate) use frontier::contour;
 pub use frontier::{Certainty, FrontierParams, frontier};
 pub use implicit::{ImplicitParams, implicit};
 

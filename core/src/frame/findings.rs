@@ -16,17 +16,20 @@ impl<R: Deref<Target = Rig>> Frame<R> {
     /// How well each camera's view agrees with the others, in the order in which the cameras were given. Empty before
     /// [`crate::Stage::Hull`] is complete.
     pub fn diagnostics(&self) -> Vec<ViewDiagnostics> {
-        let of = |camera: usize| {
-            let place = self.rig().place(camera)?;
-            let (view, found) = (self.views().get(place)?, self.compared.get(place)?);
-            Some(ViewDiagnostics {
-                used: view.is_used(),
-                silhouette_overlap: found.overlap,
-                contour_px: found.contour,
-                epipolar_px: None,
-            })
-        };
-        (0..self.cameras()).map_while(of).collect()
+        (0..self.cameras()).map_while(|camera| self.diagnostics_of(camera)).collect()
+    }
+
+    /// How well one camera's view agrees with the others. `None` before [`crate::Stage::Hull`] is complete, or if there is
+    /// no such camera.
+    pub fn diagnostics_of(&self, camera: usize) -> Option<ViewDiagnostics> {
+        let place = self.rig().place(camera)?;
+        let (view, found) = (self.views().get(place)?, self.compared.get(place)?);
+        Some(ViewDiagnostics {
+            used: view.is_used(),
+            silhouette_overlap: found.overlap,
+            contour_px: found.contour,
+            epipolar_px: None,
+        })
     }
 
     /// Warnings about the rig and about what is complete, in the order of the stages and then of the cameras. After a

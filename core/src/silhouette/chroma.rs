@@ -2,12 +2,14 @@
 //! exact colours need not be known. Besides it the stage may have a wall of other colours.
 
 use super::{
-    colour::vector,
-    keying::{Likeness, Paint, from_gray, is_border, object},
+    colour::{from_gray, vector},
+    keying::{Likeness, Paint, is_border, object},
     matte,
 };
 use crate::image::ImageRef;
 use alloc::{format, string::String, vec::Vec};
+use core::iter;
+use glam::Vec3;
 
 /// Number of further colours of a backdrop.
 pub const MORE_COLOURS: usize = 3;
@@ -17,11 +19,11 @@ const LEAST_SATURATION: f32 = 0.1;
 const MOST: f32 = 0.7;
 const MOST_BORDER: f32 = 0.6;
 
-/// How to separate the object from a backdrop of one colour.
+/// How to separate the object from a painted backdrop of one or several colours.
 ///
 /// Light and shadow change the length of a colour vector in RGB but hardly its direction. Colours are therefore
-/// compared by the angle between their vectors. The backdrop's colour is estimated in every part of the picture; `rgb`
-/// is only the initial value.
+/// compared by the angle between their vectors. The backdrop's colours are estimated in every part of the picture; `rgb`
+/// and `more` are only the initial values.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ChromaKey {
     /// Approximate colour of the backdrop, sRGB.
@@ -70,23 +72,19 @@ impl ChromaKey {
 /// Coverage of the object in a real (distorted) picture, given as packed RGB. A pixel of 255 lies fully on the object.
 pub(crate) fn coverage(picture: &ImageRef, rgb: &[u8], key: &ChromaKey) -> Result<Vec<u8>, String> {
     let (w, h) = (picture.width as usize, picture.height as usize);
-    let colours = || core::iter::once(key.rgb).chain(key.more.into_iter().flatten());
-    let mut paints = Vec::new();
-    let mut keyed = false;
-    for hint in colours().map(|colour| vector(colour.as_slice())).filter(|&c| from_gray(c) >= LEAST_SATURATION) {
-        keyed = true;
-        let tolerance = key.tolerance.clamp(0.05, 0.95);
-        paints.extend(Paint::find(w, h, rgb, hint, tolerance, key.darkest_shadow));
-    }
-    if !keyed {
+    let colours: Vec<[u8; 3]> = iter::once(key.rgb).chain(key.more.into_iter().flatten()).collect();
+    let hints = colours.iter().map(|colour| vector(colour));
+    let hints: Vec<Vec3> = hints.filter(|&hint| from_gray(hint) >= LEAST_SATURATION).collect();
+    if hints.is_empty() {
         return Err(format!(
-            "the chroma key {:?} is nearly gray, so that no object can be separated from it: \
-             give masks or a clean plate",
-            key.rgb
+            "the chroma key {colours:?} is nearly gray, so that no object can be separated from it: give masks or a clean \
+             plate"
         ));
     }
+    let tolerance = key.tolerance.clamp(0.05, 0.95);
+    let find = |hint: Vec3| Paint::find(w, h, rgb, hint, tolerance, key.darkest_shadow);
+    let paints: Vec<Paint> = hints.into_iter().filter_map(find).collect();
     if paints.is_empty() {
-        let colours: Vec<_> = colours().collect();
         return Err(format!("no pixel is close to the backdrop's colour {colours:?}: check the chroma key"));
     }
     // Of several paints, the most similar one counts.
@@ -102,13 +100,8 @@ pub(crate) fn coverage(picture: &ImageRef, rgb: &[u8], key: &ChromaKey) -> Resul
 
 /// Refuses what can only be a wall: an object that covers most of the picture or of its border.
 fn plausible(w: usize, h: usize, object: &[bool]) -> Result<(), String> {
-    let share = |pixels: &mut dyn Iterator<Item = usize>| {
-        let (mut found, mut all) = (0u32, 0u32);
-        pixels.for_each(|i| (found, all) = (found + u32::from(object[i]), all + 1));
-        found as f32 / all.max(1) as f32
-    };
-    let whole = share(&mut (0..w * h));
-    let border = share(&mut (0..w * h).filter(|&i| is_border(w, h, i)));
+    let whole = share(object, 0..w * h);
+    let border = share(object, (0..w * h).filter(|&i| is_border(w, h, i)));
     if whole <= MOST && border <= MOST_BORDER {
         return Ok(());
     }
@@ -120,6 +113,13 @@ fn plausible(w: usize, h: usize, object: &[bool]) -> Result<(), String> {
     ))
 }
 
+/// Share of the object among pixels.
+fn share(object: &[bool], pixels: impl Iterator<Item = usize>) -> f32 {
+    let (mut found, mut all) = (0u32, 0u32);
+    pixels.for_each(|i| (found, all) = (found + u32::from(object[i]), all + 1));
+    found as f32 / all.max(1) as f32
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -128,7 +128,6 @@ mod tests {
         silhouette::{Silhouette, clean_plate, matte},
     };
     use alloc::vec;
-    use glam::Vec3;
 
     const W: u32 = 320;
     const H: u32 = 240;
@@ -283,10 +282,26 @@ mod tests {
         let image = ImageRef::packed(&rgb, W, H, PixelFormat::Rgb8);
         let gray = ChromaKey { rgb: [120, 122, 119], ..ChromaKey::default() };
         assert!(coverage(&image, &rgb, &gray).unwrap_err().contains("gray"));
+        let grays = ChromaKey::with_colours(&[[120, 122, 119], [30, 31, 30]]).unwrap();
+        assert!(coverage(&image, &rgb, &grays).unwrap_err().contains("[[120, 122, 119], [30, 31, 30]]"));
         let blue = ChromaKey { rgb: [20, 30, 200], ..ChromaKey::default() };
         assert!(coverage(&image, &rgb, &blue).unwrap_err().contains("no pixel"));
         let small = ImageRef::packed(&rgb, W / 2, H, PixelFormat::Rgb8);
         assert!(clean_plate::coverage(&image, &rgb, &small).is_err());
+        assert_eq!(ChromaKey::with_colours(&[]), None);
+        assert!(ChromaKey::with_colours(&[[40, 165, 75]; 1 + MORE_COLOURS]).is_some());
+        assert_eq!(ChromaKey::with_colours(&[[40, 165, 75]; 2 + MORE_COLOURS]), None);
+    }
+
+    #[test]
+    fn what_covers_most_of_the_picture_is_no_object() {
+        // The backdrop shows in the corners alone.
+        let corner = |i: u32, n: u32| i < 40 || i + 40 >= n;
+        let colour = |i: u32| if corner(i % W, W) && corner(i / W, H) { GREEN } else { OBJECTS[0] };
+        let rgb: Vec<u8> = (0..W * H).flat_map(|i| colour(i).to_array().map(|v| v as u8)).collect();
+        let image = ImageRef::packed(&rgb, W, H, PixelFormat::Rgb8);
+        let error = coverage(&image, &rgb, &ChromaKey::default()).unwrap_err();
+        assert!(error.contains("% of the picture") && error.contains("list all colours"), "{error}");
     }
 
     #[test]

@@ -1,6 +1,9 @@
 //! Converts hard labels to soft coverage. Chroma keying and background subtraction share this step.
 
-use super::colour::vector;
+use super::{
+    colour::vector,
+    parts::{Connected, Parts},
+};
 use crate::chessboard;
 use alloc::{vec, vec::Vec};
 use glam::Vec3;
@@ -13,31 +16,11 @@ const WINDOW: usize = 5;
 /// Inverts the label of connected parts with fewer than `smallest` pixels. With `label` true these are specks of the
 /// object (8-connected), otherwise holes in it (4-connected, so that diagonal gaps do not join them).
 pub(super) fn remove_small(width: usize, height: usize, object: &mut [bool], label: bool, smallest: usize) {
-    let mut visited = vec![false; width * height];
-    let mut part: Vec<u32> = Vec::new();
-    for start in 0..width * height {
-        if visited[start] || object[start] != label {
-            continue;
-        }
-        part.clear();
-        part.push(start as u32);
-        visited[start] = true;
-        let mut next = 0;
-        while next < part.len() {
-            let (x, y) = (part[next] as usize % width, part[next] as usize / width);
-            next += 1;
-            for ny in y.saturating_sub(1)..(y + 2).min(height) {
-                for nx in x.saturating_sub(1)..(x + 2).min(width) {
-                    let j = ny * width + nx;
-                    if !visited[j] && object[j] == label && (label || nx == x || ny == y) {
-                        visited[j] = true;
-                        part.push(j as u32);
-                    }
-                }
-            }
-        }
-        if part.len() < smallest {
-            part.iter().for_each(|&i| object[i as usize] = !label);
+    let connected = if label { Connected::Corners } else { Connected::Sides };
+    let parts = Parts::of_side(width, height, object, label, connected);
+    for (i, object) in object.iter_mut().enumerate() {
+        if parts.size(i).is_some_and(|pixels| (pixels as usize) < smallest) {
+            *object = !label;
         }
     }
 }

@@ -3,15 +3,18 @@
 pub(crate) mod chroma;
 pub(crate) mod clean_plate;
 mod colour;
+mod contour;
 mod distance;
 mod keying;
 mod matte;
-mod no_contour;
+mod no_silhouette;
+mod parts;
+mod refill;
 pub(crate) mod refine;
 
 pub use chroma::{ChromaKey, MORE_COLOURS};
 pub(crate) use distance::SilhouetteScratch;
-pub use no_contour::NoContour;
+pub use no_silhouette::NoSilhouette;
 pub use refine::{ContourParams, Uncertainty};
 
 use alloc::{
@@ -62,9 +65,9 @@ impl Silhouette {
         known: impl Fn(usize) -> bool,
         scratch: &mut SilhouetteScratch,
         mut distance: Vec<i16>,
-    ) -> Result<Self, NoContour> {
+    ) -> Result<Self, NoSilhouette> {
         if width < 2 || height < 2 {
-            return Err(NoContour::TooSmall { width, height });
+            return Err(NoSilhouette::TooSmall { width, height });
         }
         distance::signed_distance(width as usize, height as usize, coverage, &known, scratch, &mut distance);
         let (mut inside, mut outside) = (false, false);
@@ -77,7 +80,7 @@ impl Silhouette {
             }
         }
         if !inside {
-            return Err(NoContour::Empty);
+            return Err(NoSilhouette::Empty);
         }
         Ok(Self { width, height, distance, uncertainty: None, full: !outside })
     }

@@ -14,7 +14,7 @@ mod view;
 use crate::{
     failure::Failure,
     files::Files,
-    scene::{Scene, SceneCamera, SceneFrame, VERSION},
+    scene::{Scene, SceneCamera, SceneFrame, SilhouetteFiles, VERSION},
 };
 use pcmvs_core::Camera;
 use source::{failure, picture_size, usual_mask};
@@ -77,6 +77,7 @@ pub fn import(files: &dyn Files, source: Source, path: &Path) -> Result<Scene, F
         frames: vec![SceneFrame { index: 0, images, masks: Some(masks) }],
         background: None,
         path: PathBuf::new(),
+        silhouettes: SilhouetteFiles::default(),
     })
 }
 

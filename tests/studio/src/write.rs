@@ -6,7 +6,7 @@ use crate::{
 };
 use image::{ColorType, ImageFormat};
 use pcmvs_core::Camera;
-use pcmvs_scene::{Background, FILE_NAME, Scene, SceneCamera, SceneFrame, VERSION};
+use pcmvs_scene::{Background, FILE_NAME, Scene, SceneCamera, SceneFrame, SilhouetteFiles, VERSION};
 use std::{
     fs, io,
     path::{Path, PathBuf},
@@ -28,6 +28,7 @@ impl Capture {
             frames,
             background: Some(Background { chroma_rgb: Some(CHROMA_RGB), colours: Vec::new(), plates: None }),
             path: PathBuf::new(),
+            silhouettes: SilhouetteFiles::Masks,
         }
     }
 

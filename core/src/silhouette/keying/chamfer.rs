@@ -46,7 +46,7 @@ pub(super) fn distances(w: usize, h: usize, is_in: impl Fn(usize) -> bool) -> Ve
                     least = least.min(d[i + w + 1] + DIAGONAL);
                 }
             }
-            d[i] = least.min(far);
+            d[i] = least;
         }
     }
     d

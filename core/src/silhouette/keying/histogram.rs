@@ -36,6 +36,16 @@ impl Histogram {
         Self { weights, total }
     }
 
+    /// Counts the colours of pixels, given their bins.
+    pub fn of_pixels(pixels: impl Iterator<Item = usize>, bin: impl Fn(usize) -> usize) -> Self {
+        Self::new(pixels.map(|i| (bin(i), 1.0)))
+    }
+
+    /// Counts the colours of the object and of all other pixels.
+    pub fn of_sides(object: &[bool], bin: impl Fn(usize) -> usize) -> [Self; 2] {
+        [true, false].map(|side| Self::of_pixels((0..object.len()).filter(|&i| object[i] == side), &bin))
+    }
+
     /// Probability of a bin.
     pub fn probability(&self, bin: usize) -> f32 {
         if self.total > 0.0 { self.weights[bin] / self.total } else { 0.0 }

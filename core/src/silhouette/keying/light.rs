@@ -1,5 +1,7 @@
 //! How a wall's light varies over the picture.
 
+use crate::linear::solve_symmetric;
+
 /// Terms 1, x, y, x², xy, y² of a polynomial.
 const TERMS: usize = 6;
 /// Differences of logarithms from which a pixel counts less: it is not wall, or something bright on it.
@@ -21,7 +23,7 @@ impl LightField {
     pub fn fit(w: usize, h: usize, sampled: impl Fn(usize) -> bool, light: impl Fn(usize) -> f32) -> Self {
         let mut field = Self { w, h, factors: [0.0; TERMS] };
         for round in 0..ROUNDS {
-            let mut m = [[0.0f64; TERMS + 1]; TERMS];
+            let (mut matrix, mut right) = ([0.0f64; TERMS * TERMS], [0.0f64; TERMS]);
             for y in (0..h).step_by(STRIDE) {
                 for x in (0..w).step_by(STRIDE) {
                     let i = y * w + x;
@@ -33,12 +35,12 @@ impl LightField {
                     let off = if round == 0 { 0.0 } else { (value - field.sum(&terms)) / ROBUST };
                     let weight = 1.0 / (1.0 + off * off);
                     for r in 0..TERMS {
-                        (0..TERMS).for_each(|c| m[r][c] += weight * terms[r] * terms[c]);
-                        m[r][TERMS] += weight * terms[r] * value;
+                        (0..TERMS).for_each(|c| matrix[r * TERMS + c] += weight * terms[r] * terms[c]);
+                        right[r] += weight * terms[r] * value;
                     }
                 }
             }
-            field.factors = solve(m);
+            field.factors = solve(matrix, right);
         }
         field
     }
@@ -59,24 +61,14 @@ impl LightField {
     }
 }
 
-/// Solves normal equations by elimination. A little of the diagonal is added, so that terms that the samples do not
-/// determine become 0.
-fn solve(mut m: [[f64; TERMS + 1]; TERMS]) -> [f64; TERMS] {
+/// Solves normal equations. A little of the diagonal is added, so that terms that the samples do not determine become 0.
+fn solve(mut matrix: [f64; TERMS * TERMS], mut right: [f64; TERMS]) -> [f64; TERMS] {
     for k in 0..TERMS {
-        m[k][k] = m[k][k] * (1.0 + 1e-6) + 1e-6;
+        let diagonal = &mut matrix[k * TERMS + k];
+        *diagonal = *diagonal * (1.0 + 1e-6) + 1e-6;
     }
-    for k in 0..TERMS {
-        for r in k + 1..TERMS {
-            let factor = m[r][k] / m[k][k];
-            (k..=TERMS).for_each(|c| m[r][c] -= factor * m[k][c]);
-        }
-    }
-    let mut out = [0.0; TERMS];
-    for k in (0..TERMS).rev() {
-        let known: f64 = (k + 1..TERMS).map(|c| m[k][c] * out[c]).sum();
-        out[k] = (m[k][TERMS] - known) / m[k][k];
-    }
-    out
+    solve_symmetric(&mut matrix, &mut right);
+    right
 }
 
 #[cfg(test)]

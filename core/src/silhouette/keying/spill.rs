@@ -1,21 +1,19 @@
 //! Light that the backdrop throws on the object.
 
-use super::likeness::Likeness;
-use super::{colours::Colours, histogram::Histogram, potts};
+use super::{colours::Colours, histogram::Histogram, likeness::Likeness, potts};
 use alloc::vec::Vec;
 
 /// Pixels at most this far from the paint may be mixtures of it and the object. They stay as they are.
 const MIXED: usize = 2;
-/// Evidence of a single pixel counts up to this logarithm of the likelihood ratio, so that its neighbours can overrule it.
-const CLAMP: f32 = 3.9;
+/// Evidence of a single pixel counts up to this logarithm of the likelihood ratio. It is a little less than what is decisive,
+/// so that eight neighbours that agree overrule any pixel.
+const CLAMP: f32 = potts::DECISIVE - 0.1;
 
 /// Adds to the object the pixels that are similar to the paint, lie away from it, and have colours that are more frequent
 /// on the object than on the backdrop.
 pub(super) fn add(w: usize, colours: &Colours, likeness: &[Likeness], object: Vec<bool>) -> Vec<bool> {
     let h = likeness.len() / w;
-    let count =
-        |label: bool| Histogram::new((0..w * h).filter(|&i| object[i] == label).map(|i| (colours.bin(i, 0.0), 1.0)));
-    let (front, back) = (count(true), count(false));
+    let [front, back] = Histogram::of_sides(&object, |i| colours.bin(i, 0.0));
     if front.total == 0.0 {
         return object;
     }

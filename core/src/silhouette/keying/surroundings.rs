@@ -5,7 +5,6 @@
 //! then is carved off by the hull of the other views, while nothing brings back what is missing. In doubt a pixel
 //! therefore belongs to the object.
 
-use super::likeness::Likeness;
 use super::{
     blur::blur,
     body::{CLAMP, PART},
@@ -13,10 +12,11 @@ use super::{
     colours::Colours,
     histogram::{FLOOR, Histogram},
     light::LightField,
-    parts::{self, Parts},
+    likeness::Likeness,
     potts,
 };
-use alloc::vec::Vec;
+use crate::silhouette::parts::{Connected, Parts, keep_large};
+use alloc::{vec, vec::Vec};
 
 /// Distances from the core as shares of its diagonal: up to the first a pixel may belong to the object, from there to the
 /// second is the wall around it. The wall's light is measured from the third on.
@@ -50,10 +50,9 @@ pub(super) fn add(w: usize, h: usize, colours: &Colours, likeness: &[Likeness], 
     let light = LightField::fit(w, h, |i| distance[i] > lit && likeness[i] == Likeness::Other, |i| colours.light[i]);
     let bins: Vec<u32> = (0..w * h).map(|i| colours.bin(i, light.at(i)) as u32).collect();
     let bin = |i: usize| bins[i] as usize;
-    let count = |is_in: &dyn Fn(usize) -> bool| {
-        Histogram::new((0..w * h).filter(|&i| !paint(i) && is_in(i)).map(|i| (bin(i), 1.0)))
-    };
-    let (far, ring) = (count(&|i| distance[i] > near), count(&|i| distance[i] > near && distance[i] <= around));
+    let beyond = || (0..w * h).filter(|&i| !paint(i) && distance[i] > near);
+    let far = Histogram::of_pixels(beyond(), bin);
+    let ring = Histogram::of_pixels(beyond().filter(|&i| distance[i] <= around), bin);
     let wall = |bin: usize| far.probability(bin).max(ring.probability(bin));
 
     // The doubtful pixels.
@@ -62,29 +61,33 @@ pub(super) fn add(w: usize, h: usize, colours: &Colours, likeness: &[Likeness], 
     if open.is_empty() {
         return core;
     }
-    let all = Histogram::new(open.iter().map(|&i| (bin(i as usize), 1.0)));
-    let scale = wall_scale(&all, &wall, open.iter().map(|&i| bin(i as usize)));
+    let open_pixels = || open.iter().map(|&i| i as usize);
+    let all = Histogram::of_pixels(open_pixels(), bin);
+    let scale = wall_scale(&all, &wall, open_pixels().map(bin));
     let excess = |bin: usize| {
         let here = all.weights[bin];
         if here > 0.0 { ((here - EXCESS * scale * wall(bin)) / here).max(0.0) } else { 0.0 }
     };
-    let mut front = Histogram::new(open.iter().map(|&i| (bin(i as usize), excess(bin(i as usize)))));
-    let mut object = core.clone();
-    for _ in 0..ROUNDS {
+    // At first the colours by their excess, then those of what was found.
+    let mut front = Histogram::new(open_pixels().map(|i| (bin(i), excess(bin(i)))));
+    let mut object = Vec::new();
+    for round in 0..ROUNDS {
+        if round > 0 {
+            front = Histogram::of_pixels(open_pixels().filter(|&i| object[i]), bin);
+        }
         let share = (front.total / open.len() as f32).clamp(SHARES[0], SHARES[1]);
         let mut fine: Vec<f32> = core.iter().map(|&core| if core { CLAMP } else { -CLAMP }).collect();
-        for &i in &open {
-            let bin = bin(i as usize);
+        for i in open_pixels() {
+            let bin = bin(i);
             let ratio = (share * front.probability(bin) + FLOOR) / ((1.0 - share) * wall(bin) + FLOOR);
-            fine[i as usize] = libm::logf(ratio).clamp(-CLAMP, CLAMP);
+            fine[i] = libm::logf(ratio).clamp(-CLAMP, CLAMP);
         }
         let mut coarse = fine.clone();
         blur(w, h, &mut fine, FINE);
         blur(w, h, &mut coarse, COARSE);
         let evidence: Vec<f32> = (0..w * h).map(|i| if paint(i) { -CLAMP } else { fine[i] + coarse[i] }).collect();
         object = potts::label(w, h, &evidence);
-        parts::keep_large(w, h, &mut object, PART);
-        front = Histogram::new(open.iter().filter(|&&i| object[i as usize]).map(|&i| (bin(i as usize), 1.0)));
+        keep_large(w, h, &mut object, PART);
     }
     // A gap of the core, as below an arm, is seen through. Only gaps of what was added to it are closed.
     let added = distances(w, h, |i| object[i] && !core[i]);
@@ -123,12 +126,12 @@ fn close(w: usize, h: usize, object: &mut [bool], radius: u32, may: impl Fn(usiz
 
 /// Fills small holes through which the paint does not show.
 fn fill(w: usize, h: usize, object: &mut [bool], core: usize, paint: impl Fn(usize) -> bool) {
-    let parts = Parts::new(w, h, object, false);
-    let mut painted = alloc::vec![0u32; parts.sizes.len()];
+    let parts = Parts::of_side(w, h, object, false, Connected::Sides);
+    let mut painted = vec![0u32; parts.list.len()];
     (0..w * h).filter(|&i| paint(i)).filter_map(|i| parts.of(i)).for_each(|part| painted[part] += 1);
     for (i, object) in object.iter_mut().enumerate() {
         if let Some(part) = parts.of(i) {
-            let size = parts.sizes[part] as f32;
+            let size = parts.list[part].pixels as f32;
             *object = size < HOLE * core as f32 && (painted[part] as f32) < PAINTED * size;
         }
     }

@@ -5,7 +5,8 @@
 //! α = Δᵀ Σ⁻¹ (I - B) / J, J = Δᵀ Σ⁻¹ Δ, its variance is 1/J, and J (α - 1/2) is the logarithm of the likelihood ratio.
 //! Directions in which the colours vary anyway, as brightness does on a lit screen, count little by themselves.
 
-use super::{likelihoods::Likelihoods, patch::Patch, refill::refill};
+use super::{likelihoods::Likelihoods, patch::Patch};
+use crate::silhouette::refill::refill;
 use alloc::vec::Vec;
 
 /// Edge of the cells in pixels.

@@ -1,6 +1,7 @@
 //! Coverage of closed loops: the exact area of each pixel inside.
 
-use super::{refill::refill, trace::Loops};
+use super::trace::Loops;
+use crate::silhouette::refill::refill;
 use alloc::vec::Vec;
 use glam::Vec2;
 

@@ -3,10 +3,9 @@
 use super::{
     path::{self, Offset},
     profile::{Costs, OFFSETS, Profiles, offset},
-    refill::refill,
     trace::Loops,
 };
-use crate::math::min;
+use crate::{math::min, silhouette::refill::refill};
 use alloc::vec::Vec;
 use glam::Vec2;
 

@@ -1,7 +1,7 @@
 //! Which side of the contour the pixels near a matte's edge belong to.
 
-use super::{colour_model::ColourModel, patch::Patch, refill::refill};
-use crate::silhouette::distance::UNITS;
+use super::{colour_model::ColourModel, patch::Patch};
+use crate::silhouette::{distance::UNITS, refill::refill};
 use alloc::{collections::VecDeque, vec::Vec};
 
 /// Limit of one pixel's evidence. Evidence is the logarithm of a likelihood ratio, positive for the object.

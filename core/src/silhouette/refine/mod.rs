@@ -20,7 +20,6 @@ mod likelihoods;
 mod patch;
 mod path;
 mod profile;
-mod refill;
 mod trace;
 mod uncertainty;
 
@@ -33,7 +32,6 @@ use super::distance::{SilhouetteScratch, signed_distance};
 use alloc::{collections::VecDeque, vec::Vec};
 use colour_model::{ColourModel, Trust};
 use fusion::Fusion;
-use islands::Parts;
 use likelihoods::Likelihoods;
 use patch::Patch;
 use profile::Profiles;
@@ -79,7 +77,7 @@ pub(crate) struct RefineScratch {
     given: Vec<i16>,
     near: Vec<i16>,
     colours: Likelihoods,
-    parts: Parts,
+    islands: islands::Buffers,
     open: VecDeque<u32>,
     model: ColourModel,
     planes: [Vec<f32>; 2],
@@ -106,7 +104,7 @@ pub(crate) fn refine(
     let height = coverage.len() / width;
     let patch = Patch::around(width, height, rgb, coverage)?;
     let (w, h) = (patch.width, patch.height);
-    let RefineScratch { distance, coverage: matte, given, near, colours, parts, open, model, planes, .. } = scratch;
+    let RefineScratch { distance, coverage: matte, given, near, colours, islands, open, model, planes, .. } = scratch;
     let RefineScratch { alphas, moved, trace, loops, fusion, passed, .. } = scratch;
     matte.clear();
     for y in 0..h {
@@ -114,7 +112,7 @@ pub(crate) fn refine(
     }
     signed_distance(w, h, matte, |_| true, distance, given);
     colours.count(&patch, given);
-    if islands::settle(&patch, given, colours, matte, parts, open) {
+    if islands::settle(&patch, given, colours, matte, islands, open) {
         signed_distance(w, h, matte, |_| true, distance, given);
     }
 

@@ -1,9 +1,7 @@
 //! The most probable offsets along a closed loop.
 
-use super::{
-    profile::{Costs, OFFSET_STEP, OFFSETS, offset},
-    refill::refill,
-};
+use super::profile::{Costs, OFFSET_STEP, OFFSETS, offset};
+use crate::silhouette::refill::refill;
 use alloc::vec::Vec;
 
 /// Cost of a change of offset from one point to the next, per step of the offset.

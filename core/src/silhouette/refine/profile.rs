@@ -1,7 +1,10 @@
 //! Evidence of the picture for the contour's place: costs of offsets along its normal.
 
-use super::{colour_model::ColourModel, patch::Patch, refill::refill};
-use crate::{math::min, silhouette::distance::UNITS};
+use super::{colour_model::ColourModel, patch::Patch};
+use crate::{
+    math::min,
+    silhouette::{distance::UNITS, refill::refill},
+};
 use alloc::vec::Vec;
 use glam::Vec2;
 

@@ -1,6 +1,6 @@
 //! The zero line of a signed distance as closed loops.
 
-use super::refill::refill;
+use crate::silhouette::refill::refill;
 use alloc::vec::Vec;
 use core::{iter::once, ops::Range};
 use glam::Vec2;

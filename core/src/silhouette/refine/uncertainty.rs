@@ -1,7 +1,10 @@
 //! Standard deviation along a refined contour.
 
-use super::{patch::Patch, refill::refill, trace::Loops};
-use crate::math::{min, sqrt};
+use super::{patch::Patch, trace::Loops};
+use crate::{
+    math::{min, sqrt},
+    silhouette::refill::refill,
+};
 use alloc::vec::Vec;
 
 /// Steps in a pixel of the stored standard deviations.

@@ -2,7 +2,7 @@
 
 /// Why a matte gives no silhouette.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
-pub enum NoContour {
+pub enum NoSilhouette {
     /// No pixel belongs to the object.
     #[error(
         "the silhouette is empty: no pixel belongs to the object. Give a mask that is white on the object, or null where \
