@@ -643,7 +643,8 @@ typedef struct pcmvs_stage_report {
 // Diagnostics of one camera's view. Members of stages that have not run are zero. Later versions may add members at the
 // end.
 typedef struct pcmvs_view_report {
-  // 1 if the view has a silhouette and therefore carves the hull, otherwise 0. A view that is not used does not carve.
+  // 1 if the view has a silhouette and therefore carves the hull, otherwise 0. A view that is not used does not carve, and
+  // neither does a silhouette that is set aside.
   uint32_t carves;
   // Share of the picture that is inside the silhouette, 0 to 1. 0 without a silhouette.
   float inside;
@@ -655,16 +656,15 @@ typedef struct pcmvs_view_report {
   float gains[3];
   // Zero.
   uint32_t reserved;
-  // 1 if the view takes part in the frame, otherwise 0: it has no picture, its silhouette is empty or inverted, or the
-  // object lies beside it. A warning of the frame tells which.
+  // 1 if the view takes part in the frame, otherwise 0: it has no picture, its silhouette is empty or inverted, the
+  // object lies beside it, or it contradicts the other views. A warning of the frame tells which.
   uint32_t used;
-  // Intersection over union of the silhouette and the visual hull's picture, 0 to 1. -1 without a silhouette.
+  // Intersection over union of the silhouette and the visual hull's picture, 0 to 1. -1 if it could not be measured: no
+  // silhouette, or one that fills the picture.
   float silhouette_overlap;
-  // Median distance of the hull's outline in the picture from the silhouette's contour, in pixels. -1 without a
-  // silhouette.
+  // Median distance of the hull's outline in the picture from the silhouette's contour, in pixels. -1 if it could not be
+  // measured: no silhouette, or one that fills the picture.
   float contour_px;
-  // Median distance of matches in other views from their epipolar lines, in pixels. -1 if it has not been measured.
-  float epipolar_px;
 } pcmvs_view_report;
 
 // Something in a frame that may make its result worse although no call failed.

@@ -95,7 +95,7 @@ mod tests {
             let result = threads.map_at_most(3, 9, |i| {
                 outer.during(|| {
                     threads.map(7, |j| {
-                        inner.during(|| std::thread::sleep(std::time::Duration::from_millis(1)));
+                        inner.during(|| thread::sleep(std::time::Duration::from_millis(1)));
                         10 * i + j
                     })
                 })
