@@ -157,7 +157,7 @@ fn set_aside_inverted(views: &mut [View]) -> Result<Vec<usize>> {
 }
 
 /// The upper median.
-fn median(values: impl Iterator<Item = f32>) -> Option<f32> {
+pub(super) fn median(values: impl Iterator<Item = f32>) -> Option<f32> {
     let mut values: Vec<f32> = values.collect();
     values.sort_unstable_by_key(|&v| ordered(v));
     values.get(values.len() / 2).copied()

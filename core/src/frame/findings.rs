@@ -1,7 +1,15 @@
 //! What a frame has found out about its views: figures and warnings.
 
-use super::{diagnostics::ViewDiagnostics, state::Frame, warning::Warning};
-use crate::{left_out::LeftOut, math::ordered, params::Method, point_cloud::Rank, rig::Rig, stage::Stage, view::View};
+use super::{checks::median, diagnostics::ViewDiagnostics, state::Frame, warning::Warning};
+use crate::{
+    left_out::LeftOut,
+    math::{max, ordered},
+    params::Method,
+    point_cloud::Rank,
+    rig::Rig,
+    stage::Stage,
+    view::View,
+};
 use alloc::{vec, vec::Vec};
 use core::ops::Deref;
 
@@ -11,6 +19,10 @@ const CONTRADICT_BELOW: f32 = 0.95;
 /// They do so only if the hull's outline also lies more than this from half of the contours, in pixels. In small pictures the
 /// contour alone is a large part of a silhouette.
 const CONTRADICT_PIXELS: f32 = 1.0;
+/// A silhouette disagrees with the others if its contour and the hull's outline are on average this many times farther apart
+/// than the median of all, and this many pixels. A camera that was moved by two pixels is.
+const OUTLYING: f32 = 3.0;
+const OUTLYING_PIXELS: f32 = 0.3;
 
 impl<R: Deref<Target = Rig>> Frame<R> {
     /// How well each camera's view agrees with the others, in the order in which the cameras were given. Empty before
@@ -68,27 +80,26 @@ impl<R: Deref<Target = Rig>> Frame<R> {
 
     /// Warnings about silhouettes of used views that disagree with the others.
     fn disagreements(&self) -> Vec<Warning> {
-        let used = |camera: u32| {
+        let compared = |camera: u32| {
             let place = self.rig().place(camera as usize)?;
             let view = self.views().get(place).filter(|view| view.is_used() && !view.is_set_aside());
-            view.and(self.compared.get(place)?.overlap).map(|overlap| (overlap, camera))
+            let found = view.and(self.compared.get(place))?;
+            Some((camera, place as u16, found.overlap?, found.apart?))
         };
-        let mut overlaps: Vec<(f32, u32)> = (0..self.cameras() as u32).filter_map(used).collect();
-        overlaps.sort_unstable_by_key(|&(overlap, camera)| (ordered(overlap), camera));
-        let (Some(&(median, _)), Some(&(overlap, worst))) = (overlaps.get(overlaps.len() / 2), overlaps.first()) else {
+        let compared: Vec<(u32, u16, f32, f32)> = (0..self.cameras() as u32).filter_map(compared).collect();
+        let Some(&(worst, _, overlap, _)) = compared.iter().min_by_key(|&&(_, _, overlap, _)| ordered(overlap)) else {
             return Vec::new();
         };
-        let named = (0..self.cameras() as u32).filter_map(|camera| {
-            let place = self.rig().place(camera as usize)? as u16;
-            let &(overlap, _) = overlaps.iter().find(|found| found.1 == camera)?;
-            self.contradicting.contains(&place).then_some(Warning::SilhouetteDisagrees { camera, overlap, median })
-        });
-        let named: Vec<Warning> = named.collect();
-        let mut distances: Vec<f32> = self.compared.iter().filter_map(|found| found.contour).collect();
-        distances.sort_unstable_by_key(|&distance| ordered(distance));
-        let is_far = distances.get(distances.len() / 2).is_some_and(|&distance| distance > CONTRADICT_PIXELS);
-        if named.is_empty() && median < CONTRADICT_BELOW && is_far {
-            return vec![Warning::SilhouettesContradict { median, worst, overlap }];
+        let typical = median(compared.iter().map(|found| found.2)).unwrap_or(overlap);
+        let apart = median(compared.iter().map(|found| found.3)).unwrap_or(0.0);
+        let outlying = max(OUTLYING * apart, OUTLYING_PIXELS);
+        let named = compared.iter().filter(|found| self.contradicting.contains(&found.1) || found.3 > outlying);
+        let warning = |&(camera, _, overlap, _): &_| Warning::SilhouetteDisagrees { camera, overlap, median: typical };
+        let named: Vec<Warning> = named.map(warning).collect();
+        let is_far =
+            median(self.compared.iter().filter_map(|found| found.contour)).is_some_and(|d| d > CONTRADICT_PIXELS);
+        if named.is_empty() && typical < CONTRADICT_BELOW && is_far {
+            return vec![Warning::SilhouettesContradict { median: typical, worst, overlap }];
         }
         named
     }

@@ -65,7 +65,8 @@ pub enum Warning {
         /// Overlap of the silhouette with the hull of the others, 0 to 1.
         overlap: f32,
     },
-    /// A camera's silhouette excludes what several others show, so that it or its calibration is at fault.
+    /// A camera's silhouette excludes what several others show, or fits the others far worse than theirs do, so that it or
+    /// the camera's calibration is at fault.
     SilhouetteDisagrees {
         /// Index of the camera.
         camera: u32,
@@ -181,9 +182,9 @@ impl Warning {
                 100.0 * overlap
             ),
             Self::SilhouetteDisagrees { overlap, median, .. } => format!(
-                "its silhouette excludes what several other views show, and overlaps with the hull to {:.1} % (median \
-                 of all: {:.1} %): check whether its mask lacks a part, whether the camera was moved since its calibration, \
-                 and whether its picture is of the same instant and of this camera",
+                "its silhouette disagrees with the other views: it overlaps with the hull to {:.1} % (median of all: {:.1} %): \
+                 check whether its mask lacks a part, whether the camera was moved since its calibration, and whether its \
+                 picture is of the same instant and of this camera",
                 100.0 * overlap,
                 100.0 * median
             ),

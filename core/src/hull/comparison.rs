@@ -13,6 +13,9 @@ pub struct Comparison {
     pub inverted: Option<f32>,
     /// Median distance in pixels of the hull's outline from the contour.
     pub contour: Option<f32>,
+    /// Mean distance in pixels between the hull's outline and the contour: the area in which they differ over the length
+    /// of the outline. `None` where `overlap` is.
+    pub apart: Option<f32>,
     /// Whether any vertex of the hull's mesh lies in the picture.
     pub in_picture: bool,
 }
@@ -61,8 +64,10 @@ impl Scratch {
             }
         }
         let part = Part { covered, first, size: [w, h], silhouette };
-        let [overlap, inverted] = part.overlaps();
-        Comparison { overlap, inverted, contour: part.contour(distances), in_picture }
+        let ([overlap, inverted], differing) = part.overlaps();
+        let contour = part.contour(distances);
+        let apart = overlap.filter(|_| !distances.is_empty()).map(|_| differing as f32 / distances.len() as f32);
+        Comparison { overlap, inverted, contour, apart, in_picture }
     }
 }
 
@@ -83,8 +88,9 @@ impl Part<'_> {
         (&self.covered[y * w..][..w], &self.silhouette.distances()[start..][..w])
     }
 
-    /// Intersection over union with the silhouette and with its inverse, over the pixels that have a source.
-    fn overlaps(&self) -> [Option<f32>; 2] {
+    /// Intersection over union with the silhouette and with its inverse, over the pixels that have a source, and the number
+    /// of pixels in which the silhouette differs.
+    fn overlaps(&self) -> ([Option<f32>; 2], u32) {
         let (mut inside, mut outside) = (0u32, 0u32);
         for &d in self.silhouette.distances() {
             inside += u32::from(d > 0 && d != Silhouette::UNKNOWN);
@@ -99,10 +105,11 @@ impl Part<'_> {
             }
         }
         if self.silhouette.is_full() {
-            return [None; 2];
+            return ([None; 2], 0);
         }
         let share = |common: u32, all: u32| (all > 0).then(|| common as f32 / all as f32);
-        [share(both, inside + only_mesh), share(only_mesh, outside + both)]
+        let all = inside + only_mesh;
+        ([share(both, all), share(only_mesh, outside + both)], all - both)
     }
 
     /// Median distance of the covered part's outline from the contour, in pixels. The outline passes between pairs of

@@ -98,6 +98,16 @@ fn a_camera_that_was_moved_is_left_out() {
     }
 }
 
+/// A camera that was moved by less than what it takes to contradict the others is named.
+#[test]
+fn a_camera_that_was_moved_a_little_is_named() {
+    let mut shot = FIGURE.clone();
+    bump(&mut shot, ONE, 2.0);
+    let (_, warnings) = hull(&shot);
+    assert_eq!(named(&warnings, "silhouette-disagrees"), [ONE], "{warnings:?}");
+    assert_eq!(warnings.len(), 1, "{warnings:?}");
+}
+
 #[test]
 fn two_cameras_that_were_exchanged_are_left_out() {
     let mut shot = FIGURE.clone();
