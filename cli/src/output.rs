@@ -58,7 +58,7 @@ struct Manifest<'a> {
     frame_count: usize,
     /// printf pattern that gives the file name of a frame index.
     url: String,
-    bounds: Option<[[f32; 3]; 2]>,
+    bounds: Option<[[f64; 3]; 2]>,
     frames: Vec<ManifestFrame<'a>>,
 }
 
@@ -102,7 +102,7 @@ pub fn write_manifest(
     write_json(&folder.join(MANIFEST), &manifest)
 }
 
-fn union(a: [[f32; 3]; 2], b: [[f32; 3]; 2]) -> [[f32; 3]; 2] {
-    let of = |end: usize, pick: fn(f32, f32) -> f32| std::array::from_fn(|axis| pick(a[end][axis], b[end][axis]));
-    [of(0, f32::min), of(1, f32::max)]
+fn union(a: [[f64; 3]; 2], b: [[f64; 3]; 2]) -> [[f64; 3]; 2] {
+    let of = |end: usize, pick: fn(f64, f64) -> f64| std::array::from_fn(|axis| pick(a[end][axis], b[end][axis]));
+    [of(0, f64::min), of(1, f64::max)]
 }

@@ -42,7 +42,7 @@ pub struct FrameReport {
     /// SHA-256 of the settings and of the frame's pictures and masks.
     pub fingerprint: String,
     /// Smallest and largest coordinates of the mesh.
-    pub bounds: [[f32; 3]; 2],
+    pub bounds: [[f64; 3]; 2],
     /// Seconds of every step, in the order in which they ran.
     pub seconds: Map<String, Value>,
     /// Counts of the method's stages.

@@ -22,7 +22,9 @@ fn mesh(vertices: usize) -> Mesh {
     mesh
 }
 
-const ORIGIN: DVec3 = DVec3::new(0.5, -2.25, 100.0);
+const ORIGIN: DVec3 = DVec3::new(0.5, -2.25, 10.0);
+/// Surveyors' coordinates in metres.
+const FAR: DVec3 = DVec3::new(448_291.537, 5_411_932.18, 113.06);
 
 #[test]
 fn gltf_reads_back_what_was_written() {
@@ -40,7 +42,10 @@ fn gltf_reads_back_what_was_written() {
             assert_eq!(*read, (ORIGIN + given.as_dvec3()).as_vec3().to_array());
         }
         let [low, high] = bounds(&mesh, ORIGIN).unwrap();
+        let single = |corner: [f64; 3]| corner.map(|v| v as f32);
+        let (low, high) = (single(low), single(high));
         assert_eq!(primitive.bounding_box(), gltf::mesh::BoundingBox { min: low, max: high });
+        assert!(document.nodes().all(|node| node.transform().decomposed().0 == [0.0; 3]));
         for axis in 0..3 {
             assert_eq!(low[axis], positions.iter().map(|p| p[axis]).fold(f32::INFINITY, f32::min));
             assert_eq!(high[axis], positions.iter().map(|p| p[axis]).fold(f32::NEG_INFINITY, f32::max));
@@ -126,7 +131,52 @@ fn ply_of_a_cloud_holds_every_field() {
     assert_eq!(body.len(), 2 * 39);
     let number = |i: usize| f32::from_le_bytes(body[4 * i..4 * i + 4].try_into().unwrap());
     let numbers: Vec<f32> = (0..9).map(number).collect();
-    assert_eq!(numbers, [1.5, -0.25, 103.0, 0.0, 0.0, 1.0, 2.5, 0.5, 0.75]);
+    assert_eq!(numbers, [1.5, -0.25, 13.0, 0.0, 0.0, 1.0, 2.5, 0.5, 0.75]);
     assert_eq!(body[36..39], [7, 0, 3]);
     assert_eq!(body[75..78], [255, 255, 0]);
+}
+
+/// Far from the scene's origin, the step between single-precision numbers is 0.5 m here.
+#[test]
+fn far_from_the_origin_positions_are_exact() {
+    const TOLERANCE: f64 = 1e-7;
+    let mesh = mesh(4);
+    let exact = |i: usize| FAR + mesh.positions[i].as_dvec3();
+
+    let bytes = glb::write(&mesh, FAR, &glb::Options::default());
+    let gltf::Gltf { document, blob } = gltf::Gltf::from_slice(&bytes).unwrap();
+    let (translation, ..) = document.nodes().next().unwrap().transform().decomposed();
+    let translation = DVec3::from_array(translation.map(f64::from));
+    assert!((translation - FAR).abs().max_element() < 0.5);
+    let primitive = document.meshes().next().unwrap().primitives().next().unwrap();
+    let reader = primitive.reader(|_| blob.as_deref());
+    for (i, read) in reader.read_positions().unwrap().enumerate() {
+        let found = translation + DVec3::from_array(read.map(f64::from));
+        assert!((found - exact(i)).abs().max_element() < TOLERANCE, "{found} instead of {}", exact(i));
+    }
+
+    let bytes = ply::write_mesh(&mesh, FAR);
+    let (header, body) = split(&bytes);
+    assert!(header.contains(&"property double x".to_owned()) && header.contains(&"property float nx".to_owned()));
+    assert_eq!(body.len(), 4 * (36 + 3) + 4 * 13);
+    let [low, high] = bounds(&mesh, FAR).unwrap().map(DVec3::from_array);
+    for i in 0..4 {
+        let number = |axis: usize| f64::from_le_bytes(body[39 * i + 8 * axis..][..8].try_into().unwrap());
+        let found = DVec3::from_array(std::array::from_fn(number));
+        assert!((found - exact(i)).abs().max_element() < TOLERANCE, "{found} instead of {}", exact(i));
+        assert!(found.cmpge(low).all() && found.cmple(high).all());
+    }
+    assert!((high - low - DVec3::splat(0.2)).abs().max_element() < 1e-6, "{low} to {high}");
+
+    let cloud = vec![Point {
+        position: mesh.positions[0],
+        normal: Vec3::Z,
+        fidelity: 1.0,
+        sigma: 0.5,
+        weight: 1.0,
+        view: 0,
+        rank: Rank::Detected,
+    }];
+    assert!(split(&ply::write_cloud(&cloud, FAR)).0.contains(&"property double z".to_owned()));
+    assert!(split(&ply::write_cloud(&Vec::new(), FAR)).0.contains(&"property float z".to_owned()));
 }

@@ -4,6 +4,7 @@
 mod common;
 
 use common::{Capture, names, stderr};
+use glam::DVec3;
 use serde_json::Value;
 use sha2::{Digest, Sha256};
 use std::fs;
@@ -67,6 +68,47 @@ fn meshes(change: impl Fn(&mut Capture), arguments: &[&str]) -> [Vec<u8>; 2] {
     change(&mut capture);
     assert_runs(&capture, &[&["--preset", "default"], arguments].concat());
     [0, 1].map(|i| fs::read(capture.path(&format!("out/frame_000{i}.glb"))).unwrap())
+}
+
+/// The positions of a GLB's vertices in the scene's frame.
+fn vertices(glb: &[u8]) -> Vec<DVec3> {
+    let gltf::Gltf { document, blob } = gltf::Gltf::from_slice(glb).unwrap();
+    let (translation, ..) = document.nodes().next().unwrap().transform().decomposed();
+    let primitive = document.meshes().next().unwrap().primitives().next().unwrap();
+    let positions = primitive.reader(|_| blob.as_deref()).read_positions().unwrap();
+    let exact = |v: [f32; 3]| DVec3::from_array(v.map(f64::from));
+    positions.map(|position| exact(translation) + exact(position)).collect()
+}
+
+/// Surveyors' coordinates move a mesh, and change nothing else.
+#[test]
+fn a_scene_far_from_the_origin_gives_the_same_mesh_there() {
+    let offset = DVec3::new(448_291.537, 5_411_932.18, 113.06);
+    let moved = |capture: &mut Capture| {
+        for camera in capture.scene["cameras"].as_array_mut().unwrap() {
+            let number = |value: &Value| value.as_f64().unwrap();
+            let along = |row: usize| (0..3).map(|i| number(&camera["R"][row][i]) * offset[i]).sum::<f64>();
+            let t: Vec<f64> = (0..3).map(|row| number(&camera["t"][row]) - along(row)).collect();
+            camera["t"] = t.into();
+        }
+    };
+    let mesh = |change: &dyn Fn(&mut Capture)| {
+        let mut capture = Capture::enlarged(8, 1, 3);
+        change(&mut capture);
+        assert_runs(&capture, &["--preset", "hull"]);
+        vertices(&fs::read(capture.path("out/frame_0000.glb")).unwrap())
+    };
+    let (near, far) = (mesh(&|_| ()), mesh(&moved));
+    // Rounding differs in the last bits, so that a few vertices do.
+    let is_there = |a: &&DVec3| far.iter().any(|b| (**a + offset - *b).length() < 1e-4);
+    let there = near.iter().step_by(10).filter(is_there).count();
+    assert!(there > near.len() / 10 * 99 / 100, "{there} of {}", near.len() / 10);
+    let extent =
+        |vertices: &[DVec3]| vertices.iter().fold([DVec3::MAX, DVec3::MIN], |[a, b], p| [a.min(*p), b.max(*p)]);
+    let (near, far) = (extent(&near), extent(&far));
+    for end in 0..2 {
+        assert!((near[end] + offset - far[end]).length() < 1e-4, "{near:?} {far:?}");
+    }
 }
 
 #[test]

@@ -1,6 +1,6 @@
 //! Binary glTF 2.0 (GLB) with one unlit mesh with vertex colours.
 
-use super::{bounds, put, scene_position};
+use super::{Frame, local_bounds, put};
 use crate::point_cloud::Mesh;
 use alloc::{format, string::String, vec::Vec};
 use core::fmt::Write;
@@ -30,21 +30,25 @@ const ELEMENT_ARRAY_BUFFER: u32 = 34963;
 
 /// Writes a mesh as the bytes of a GLB file.
 ///
-/// Positions are in the scene's frame (`origin` is [`crate::Rig::origin`]). Colours are linear and in single precision.
+/// Positions are in the scene's frame (`origin` is [`crate::Rig::origin`]). Those of an object far from the scene's origin
+/// are relative to the translation of the mesh's node. Colours are linear and in single precision.
 /// Indices have 16 bits if that is sufficient. A mesh without triangles gives a valid file without a scene.
 pub fn write(mesh: &Mesh, origin: DVec3, options: &Options) -> Vec<u8> {
     let asset = concat!(r#""asset":{"version":"2.0","generator":"pcmvs "#, env!("CARGO_PKG_VERSION"), r#""}"#);
-    let bounds = match bounds(mesh, origin) {
+    let frame = Frame::of_mesh(mesh, origin);
+    let bounds = match local_bounds(mesh, frame) {
         Some(bounds) if !mesh.triangles.is_empty() => bounds,
         _ => return container(format!("{{{asset}}}"), Vec::new()),
     };
     let mut file = Layout::default();
-    file.put_mesh(mesh, origin, options.normals, bounds);
+    file.put_mesh(mesh, frame, options.normals, bounds);
     let extras = options.up.map_or_else(String::new, |[x, y, z]| format!(r#","extras":{{"up":[{x},{y},{z}]}}"#));
+    let DVec3 { x, y, z } = frame.translation;
+    let node = if frame.is_far() { format!(r#","translation":[{x},{y},{z}]"#) } else { String::new() };
     let json = format!(
         concat!(
             r#"{{{asset},"extensionsUsed":["KHR_materials_unlit"],"#,
-            r#""scene":0,"scenes":[{{"nodes":[0]{extras}}}],"nodes":[{{"mesh":0}}],"#,
+            r#""scene":0,"scenes":[{{"nodes":[0]{extras}}}],"nodes":[{{"mesh":0{node}}}],"#,
             r#""meshes":[{{"primitives":[{{{primitive}}}]}}],"#,
             r#""materials":[{{"pbrMetallicRoughness":{{"metallicFactor":0,"roughnessFactor":1}},"#,
             r#""extensions":{{"KHR_materials_unlit":{{}}}}}}],"#,
@@ -52,6 +56,7 @@ pub fn write(mesh: &Mesh, origin: DVec3, options: &Options) -> Vec<u8> {
         ),
         asset = asset,
         extras = extras,
+        node = node,
         primitive = file.primitive,
         accessors = file.accessors.join(","),
         views = file.views.join(","),
@@ -70,11 +75,11 @@ struct Layout {
 }
 
 impl Layout {
-    fn put_mesh(&mut self, mesh: &Mesh, origin: DVec3, normals: bool, [low, high]: [[f32; 3]; 2]) {
+    fn put_mesh(&mut self, mesh: &Mesh, frame: Frame, normals: bool, [low, high]: [[f32; 3]; 2]) {
         let count = mesh.positions.len();
         let range = format!(r#","min":{},"max":{}"#, numbers(low), numbers(high));
         let start = self.binary.len();
-        mesh.positions.iter().for_each(|&p| put(&mut self.binary, &scene_position(p, origin)));
+        mesh.positions.iter().for_each(|&p| put(&mut self.binary, &frame.position(p)));
         let position = self.accessor(start, ARRAY_BUFFER, FLOAT, "VEC3", count, &range);
         let mut attributes = format!(r#""POSITION":{position}"#);
         if normals && mesh.normals.len() == count {
