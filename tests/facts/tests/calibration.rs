@@ -143,6 +143,8 @@ fn a_picture_of_another_instant_is_named_and_its_camera_does_not_move() {
     assert_eq!(found.cameras[3], shot.cameras[3]);
 }
 
+/// More frames show the object in more places of the pictures. That makes the largest errors smaller, at places that single
+/// frames leave empty.
 #[test]
 fn frames_of_a_take_are_used_together() {
     let faults = Faults { calibration: 1.0, noise: 6.0, ..Faults::default() };
@@ -152,10 +154,11 @@ fn frames_of_a_take_are_used_together() {
     let points = points(&shots[0]);
     let error = |shots: &[&Shot]| {
         let found = calibrated_by(shots, &Serial);
-        quantile(&epipolar_errors(&found.cameras, &points), 0.8)
+        quantile(&epipolar_errors(&found.cameras, &points), 0.95)
     };
-    let (one, all) = (error(&[&shots[0]]), error(&[&shots[0], &shots[1], &shots[2]]));
-    assert!(all < one, "one frame {one}, three frames {all}");
+    let single = [0, 1, 2].map(|i| error(&[&shots[i]]));
+    let (mean, all) = (single.iter().sum::<f64>() / 3.0, error(&shots.each_ref()));
+    assert!(all < 0.8 * mean, "single frames {single:?}, all {all}");
 }
 
 #[test]
