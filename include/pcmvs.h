@@ -29,13 +29,18 @@
  * can be run again, or another frame begun.
  *
  * Errors. Every function that can fail returns a pcmvs_status. A function that fails writes nothing to the caller's
- * memory. After a failed call on a handle, pcmvs_frame_error or pcmvs_rig_error describes the failure: the frame, stage
- * and camera where they are known, and what to do. This holds for functions that only read results, too. The description
- * stays until another call on the handle fails. If several threads use the handle, it is that of the last failure on any
- * of them. Calls without a valid handle (a NULL handle, pcmvs_..._init) return a status and nothing else.
+ * memory. After a failed call on a handle, pcmvs_frame_error, pcmvs_rig_error or pcmvs_calibration_error describes the
+ * failure: the frame, stage and camera where they are known, and what to do. This holds for functions that only read
+ * results, too. The description stays until another call on the handle fails. If several threads use the handle, it is
+ * that of the last failure on any of them. Calls without a valid handle (a NULL handle, pcmvs_..._init) return a
+ * status and nothing else.
  *
  * Warnings. pcmvs_frame_warning_count and pcmvs_frame_get_warning list what may make a result worse although no call
  * failed.
+ *
+ * Calibration. A pcmvs_calibration checks by the pictures of a few frames whether the cameras still stand as they were
+ * calibrated, and refines them. It is not part of a reconstruction: run it once for a take, and make a new rig of the
+ * cameras that it returns.
  *
  * Pointers. A pointer must not be NULL unless its function or member says so. Inputs are read only during the call.
  *
@@ -59,10 +64,11 @@
  * may use values that an older header does not list.
  *
  * Threads. Handles are independent of each other, and any number of them may be used at once. Threads may share a rig
- * once its cameras are set. On one frame, pcmvs_frame_view and pcmvs_frame_detect may run on several threads at once for
- * different cameras, and so may all functions that take a const pcmvs_frame *. Any other call needs the frame for
- * itself. A call that cannot run because of another one fails with PCMVS_STATUS_BUSY instead of waiting. Free a handle
- * only when no other thread uses it. The library never starts a thread. Its only global state is the allocator.
+ * once its cameras are set. On one frame, pcmvs_frame_view and pcmvs_frame_detect may run on several threads at once
+ * for different cameras, and so may all functions that take a const pcmvs_frame * or a const pcmvs_calibration *. Any
+ * other call needs the frame or calibration for itself. A call that cannot run because of another one fails with
+ * PCMVS_STATUS_BUSY instead of waiting. Free a handle only when no other thread uses it. The library never starts a
+ * thread. Its only global state is the allocator.
  *
  * Callbacks must not throw exceptions and must not jump out.
  *
@@ -123,10 +129,10 @@ enum pcmvs_status
   PCMVS_STATUS_INVALID_STRUCT = 3,
   // An argument is out of range.
   PCMVS_STATUS_INVALID_ARGUMENT = 4,
-  // The frame is in use by a call that excludes this one. That call runs on another thread, or this call was made
-  // from one of its callbacks.
+  // The frame or calibration is in use by a call that excludes this one. That call runs on another thread, or this call
+  // was made from one of its callbacks.
   PCMVS_STATUS_BUSY = 5,
-  // The call needs a stage that has not run yet, or it comes too late.
+  // The call needs a stage or a calibration that has not run yet, or it comes too late.
   PCMVS_STATUS_WRONG_ORDER = 6,
   // The progress callback asked to stop.
   PCMVS_STATUS_CANCELLED = 7,
@@ -358,6 +364,34 @@ typedef uint32_t pcmvs_file_format;
 #endif // __STDC_VERSION__ >= 202311L
 #endif // __cplusplus
 
+// What became of a refinement. Numbers never change.
+enum pcmvs_verdict
+#if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+  : uint32_t
+#endif // defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+ {
+  // The refined cameras agree better with a part of the evidence that was held out.
+  PCMVS_VERDICT_IMPROVED = 0,
+  // The refined cameras agree no better with it, so that the given ones are kept.
+  PCMVS_VERDICT_KEPT = 1,
+  // There are too few matches and contours to judge by, so that the given cameras are kept.
+  PCMVS_VERDICT_UNDECIDED = 2,
+};
+#ifndef __cplusplus
+#if __STDC_VERSION__ >= 202311L
+typedef enum pcmvs_verdict pcmvs_verdict;
+#else
+typedef uint32_t pcmvs_verdict;
+#endif // __STDC_VERSION__ >= 202311L
+#endif // __cplusplus
+
+// Checks the cameras of a rig by some frames of a take, and refines them. A rig does not move during a take, so that a few
+// frames in which the person stands differently say more than one. Create it, add frames, run it, and read what was found:
+// `pcmvs_calibration_get_report` for the whole, `pcmvs_calibration_get_camera_report` for each camera,
+// `pcmvs_calibration_get_warning` for what is wrong, and `pcmvs_calibration_get_camera` for the refined cameras, of which a
+// new rig can be made.
+typedef struct pcmvs_calibration pcmvs_calibration;
+
 // A frame: it takes one picture per camera and turns them into a mesh stage by stage. The handle holds the results and
 // can be used for any number of frames, one after the other.
 typedef struct pcmvs_frame pcmvs_frame;
@@ -426,7 +460,8 @@ typedef struct pcmvs_error {
   int32_t camera;
   // Zero.
   int32_t reserved;
-  // Number of the frame, as given in `pcmvs_options`. -1 for a rig.
+  // Number of the frame, as given in `pcmvs_options`. For a calibration, the number of frames that were added before the
+  // one at fault. -1 for a rig, and if the failure belongs to no frame.
   int64_t frame;
   // What is wrong and what to do about it, in English. UTF-8 with a final zero.
   char message[PCMVS_MESSAGE_SIZE];
@@ -492,8 +527,9 @@ typedef struct pcmvs_view {
 // `done` never decreases within a stage. Return 0 to continue. Any other value cancels: the call then returns
 // `PCMVS_STATUS_CANCELLED` as soon as it can and does not call back again.
 //
-// Called only on the thread that made the call. It must not throw. Of the functions that take the frame, it may call
-// `pcmvs_frame_error`; others fail with `PCMVS_STATUS_BUSY` if the running call excludes them.
+// Called only on the thread that made the call. It must not throw. Of the functions that take the frame or calibration, it
+// may call `pcmvs_frame_error` and `pcmvs_calibration_error`; others fail with `PCMVS_STATUS_BUSY` if the running call
+// excludes them.
 typedef int (*pcmvs_progress_fn)(void *user, uint32_t stage, uint32_t done, uint32_t total);
 
 // Runs one of the library's jobs. Call it with `job` and the job's index.
@@ -667,9 +703,10 @@ typedef struct pcmvs_view_report {
   float contour_px;
 } pcmvs_view_report;
 
-// Something in a frame that may make its result worse although no call failed.
+// Something in a frame that may make its result worse although no call failed, or something wrong with a calibration.
 typedef struct pcmvs_warning {
-  // Index of the camera that the warning is about. -1 if it is not about one camera.
+  // Index of the camera that the warning is about, of the later one if it is about two. -1 if it is not about one or
+  // two cameras.
   int32_t camera;
   // Zero.
   uint32_t reserved;
@@ -679,6 +716,79 @@ typedef struct pcmvs_warning {
   // What is wrong and what to do about it, in English. UTF-8 with a final zero.
   char message[PCMVS_MESSAGE_SIZE];
 } pcmvs_warning;
+
+// Options for a calibration. If every member but `struct_size` is zero, these are the defaults.
+typedef struct pcmvs_calibration_options {
+  // Set by `pcmvs_calibration_options_init`.
+  uint32_t struct_size;
+  // 1 to refine focal lengths and principal points too, 0 to keep them. Rings of few cameras determine them weakly.
+  uint32_t intrinsics;
+  // Called as the work advances, with `PCMVS_STAGE_VIEWS` while views are read and `PCMVS_STAGE_DETECT` while the cameras
+  // are refined. May be NULL.
+  pcmvs_progress_fn progress;
+  // Passed to `progress`.
+  void *progress_user;
+  // Runs jobs on the caller's threads. If it is NULL, all work runs on the calling thread.
+  pcmvs_parallel_fn parallel;
+  // Passed to `parallel`.
+  void *parallel_user;
+} pcmvs_calibration_options;
+
+// What a calibration found about the cameras as a whole. Figures that could not be measured are -1. Later versions may add
+// members at the end.
+typedef struct pcmvs_calibration_report {
+  // A `pcmvs_verdict`.
+  uint32_t verdict;
+  // Number of frames that were used.
+  uint32_t frames;
+  // Number of points that were matched in two or more views.
+  uint32_t points;
+  // Distance of matches from their epipolar lines with the given cameras, in pixels: the mean over all pairs of
+  // neighbouring cameras of the median, so that the noise of single matches does not count.
+  float epipolar_bias_px;
+  // The same with the refined cameras.
+  float refined_epipolar_bias_px;
+  // Mean loss over the evidence that was held out, with the given cameras. Smaller is better; it has no unit.
+  float held_out_loss;
+  // The same with the refined cameras.
+  float refined_held_out_loss;
+  // Indices of two cameras whose pictures seem to be exchanged, in ascending order. -1 if there are none.
+  int32_t exchanged[2];
+} pcmvs_calibration_report;
+
+// What a calibration found about one camera. Figures that could not be measured are -1. Figures of the refined camera are
+// there even if the given one is kept. Later versions may add members at the end.
+typedef struct pcmvs_camera_report {
+  // Intersection over union of the camera's silhouette and the visual hull of all cameras as given, 0 to 1: the mean over
+  // the frames.
+  float silhouette_overlap;
+  // Brightness of its pictures over the mean of all cameras.
+  float gain;
+  // Median distance by which the tangents from other silhouettes miss this camera's silhouette, in pixels, with the given
+  // cameras.
+  float contour_px;
+  // The same with the refined cameras.
+  float refined_contour_px;
+  // Median distance of this camera's matches from their epipolar lines, in pixels, with the given cameras.
+  float epipolar_px;
+  // The same with the refined cameras.
+  float refined_epipolar_px;
+  // How precise single matches are whatever the calibration is: robust standard deviation in pixels.
+  float match_noise_px;
+  // Number of matches of this camera with others.
+  uint32_t matches;
+  // How far the refinement moves the object in this camera's picture, as the root of the mean square, in pixels.
+  float moved_px;
+  // Standard deviation of where the refined camera sees the object, in pixels.
+  float sigma_px;
+  // Standard deviation of the refined camera's direction, in pixels.
+  float direction_sigma_px;
+  // Standard deviation of its roll, in pixels at a quarter of the picture's width from the middle.
+  float roll_sigma_px;
+  // Standard deviation of its centre across the line of sight, in pixels of footprint. It is correlated with that of the
+  // direction, because a turn and a shift look nearly alike: `sigma_px` is what counts.
+  float centre_sigma_px;
+} pcmvs_camera_report;
 
 #ifdef __cplusplus
 extern "C" {
@@ -931,6 +1041,76 @@ pcmvs_status pcmvs_frame_get_warning(const struct pcmvs_frame *frame,
                                      uint32_t index,
                                      struct pcmvs_warning *warning,
                                      size_t size);
+
+// Initialises options with their defaults. `size` is `sizeof *options`.
+pcmvs_status pcmvs_calibration_options_init(struct pcmvs_calibration_options *options, size_t size);
+
+// Creates a calibration without frames for a rig whose cameras have been set. Free it with `pcmvs_calibration_free`. It
+// keeps the cameras that the rig has now, and the rig may be freed before it. If this fails, `pcmvs_rig_error` says why.
+pcmvs_status pcmvs_calibration_new(const struct pcmvs_rig *rig,
+                                   struct pcmvs_calibration **calibration);
+
+// Frees a calibration. NULL is ignored. Fails with `PCMVS_STATUS_BUSY` while a call on the calibration is running.
+pcmvs_status pcmvs_calibration_free(struct pcmvs_calibration *calibration);
+
+// Adds a frame of the take: reads its pictures and silhouettes, which the caller may change or free afterwards. `views` holds
+// one view per camera, in the order in which the cameras were given to `pcmvs_rig_set_cameras`, and `count` must be the
+// number of cameras. A camera without picture in this frame contributes nothing to it. Matching works inside the
+// silhouettes, so that a view without one contributes little. `options` may be NULL; only its threads and its progress are
+// used. The calibration keeps about three bytes per pixel of every view. Results from before are discarded. On failure
+// nothing is added.
+pcmvs_status pcmvs_calibration_add_frame(struct pcmvs_calibration *calibration,
+                                         const struct pcmvs_view *views,
+                                         size_t count,
+                                         const struct pcmvs_calibration_options *options);
+
+// Checks and refines the cameras by all frames that have been added. `options` may be NULL. More frames can be added
+// afterwards, and the call can be repeated. On failure the calibration keeps its frames and has no results.
+//
+// If two cameras' pictures are exchanged, the warning "cameras-swapped" and `pcmvs_calibration_report` name them. Their
+// views were read with each other's lens, so that no refinement can make up for it: exchange their pictures and masks, and
+// add the frames to a new calibration.
+pcmvs_status pcmvs_calibration_run(struct pcmvs_calibration *calibration,
+                                   const struct pcmvs_calibration_options *options);
+
+// Describes the last failed call on a calibration, including calls that only read results. If this function itself fails,
+// the description stays as it is. `size` is `sizeof *error`.
+pcmvs_status pcmvs_calibration_error(const struct pcmvs_calibration *calibration,
+                                     struct pcmvs_error *error,
+                                     size_t size);
+
+// Returns what a calibration found about the cameras as a whole, once `pcmvs_calibration_run` has succeeded. `size` is
+// `sizeof *report`.
+pcmvs_status pcmvs_calibration_get_report(const struct pcmvs_calibration *calibration,
+                                          struct pcmvs_calibration_report *report,
+                                          size_t size);
+
+// Returns what a calibration found about one camera, once `pcmvs_calibration_run` has succeeded. `size` is
+// `sizeof *report`.
+pcmvs_status pcmvs_calibration_get_camera_report(const struct pcmvs_calibration *calibration,
+                                                 uint32_t camera,
+                                                 struct pcmvs_camera_report *report,
+                                                 size_t size);
+
+// Returns a camera to go on with, once `pcmvs_calibration_run` has succeeded: the refined one if the verdict is
+// `PCMVS_VERDICT_IMPROVED`, else the given one. `index` counts the cameras as they were given to `pcmvs_rig_set_cameras`,
+// which takes the result. `size` is `sizeof *camera`, and the camera need not be initialised.
+pcmvs_status pcmvs_calibration_get_camera(const struct pcmvs_calibration *calibration,
+                                          uint32_t index,
+                                          struct pcmvs_camera *camera,
+                                          size_t size);
+
+// Returns the number of warnings: what is wrong with the given cameras, once `pcmvs_calibration_run` has succeeded.
+pcmvs_status pcmvs_calibration_warning_count(const struct pcmvs_calibration *calibration,
+                                             uint32_t *count);
+
+// Returns a warning. `index` is less than `pcmvs_calibration_warning_count`. Its code is "camera-bumped",
+// "cameras-swapped", "camera-contradicts" or "calibration-inconsistent"; later versions may add codes. `size` is
+// `sizeof *warning`.
+pcmvs_status pcmvs_calibration_get_warning(const struct pcmvs_calibration *calibration,
+                                           uint32_t index,
+                                           struct pcmvs_warning *warning,
+                                           size_t size);
 
 #ifdef __cplusplus
 }  // extern "C"

@@ -55,6 +55,8 @@ template <typename T> T make() noexcept {
         pcmvs_view_init(&value, sizeof value);
     } else if constexpr (std::is_same_v<T, pcmvs_options>) {
         pcmvs_options_init(&value, sizeof value);
+    } else if constexpr (std::is_same_v<T, pcmvs_calibration_options>) {
+        pcmvs_calibration_options_init(&value, sizeof value);
     } else if constexpr (std::is_same_v<T, pcmvs_allocator>) {
         pcmvs_allocator_init(&value, sizeof value);
     } else {
@@ -88,7 +90,7 @@ public:
     std::int32_t camera() const noexcept { return detail_->camera; }
     /// The stage that failed or whose result was asked for. -1 if the failure belongs to no stage.
     std::int32_t stage() const noexcept { return detail_->stage; }
-    /// Number of the frame. -1 for a rig.
+    /// Number of the frame. -1 if the failure belongs to none.
     std::int64_t frame() const noexcept { return detail_->frame; }
 
 private:
@@ -128,6 +130,10 @@ struct FreeRig {
 
 struct FreeFrame {
     void operator()(pcmvs_frame *frame) const noexcept { pcmvs_frame_free(frame); }
+};
+
+struct FreeCalibration {
+    void operator()(pcmvs_calibration *calibration) const noexcept { pcmvs_calibration_free(calibration); }
 };
 
 /// Wraps a callback so that its exception does not pass through C and is kept.
@@ -380,6 +386,99 @@ private:
 #endif
 
     std::unique_ptr<pcmvs_frame, detail::FreeFrame> frame_;
+};
+
+/// Checks and refines the cameras of a rig; see pcmvs_calibration.
+class Calibration {
+public:
+    Calibration() noexcept = default;
+
+    /// Creates a calibration for a rig.
+    static pcmvs_status try_make(const Rig &rig, Calibration &calibration) noexcept {
+        pcmvs_calibration *made = nullptr;
+        const pcmvs_status status = pcmvs_calibration_new(rig.get(), &made);
+        if (status == PCMVS_STATUS_OK) {
+            calibration.calibration_.reset(made);
+        }
+        return status;
+    }
+
+    pcmvs_status try_add_frame(Span<pcmvs_view> views, const pcmvs_calibration_options *options = nullptr) noexcept {
+        return pcmvs_calibration_add_frame(get(), views.data(), views.size(), options);
+    }
+    pcmvs_status try_run(const pcmvs_calibration_options *options = nullptr) noexcept {
+        return pcmvs_calibration_run(get(), options);
+    }
+
+    pcmvs_status try_get_report(pcmvs_calibration_report &report) const noexcept {
+        return pcmvs_calibration_get_report(get(), &report, sizeof report);
+    }
+    pcmvs_status try_get_camera_report(std::uint32_t camera, pcmvs_camera_report &report) const noexcept {
+        return pcmvs_calibration_get_camera_report(get(), camera, &report, sizeof report);
+    }
+    pcmvs_status try_get_camera(std::uint32_t index, pcmvs_camera &camera) const noexcept {
+        return pcmvs_calibration_get_camera(get(), index, &camera, sizeof camera);
+    }
+    pcmvs_status try_warning_count(std::uint32_t &count) const noexcept {
+        return pcmvs_calibration_warning_count(get(), &count);
+    }
+    pcmvs_status try_get_warning(std::uint32_t index, pcmvs_warning &warning) const noexcept {
+        return pcmvs_calibration_get_warning(get(), index, &warning, sizeof warning);
+    }
+
+    /// Describes the last failed call.
+    pcmvs_error error() const noexcept {
+        pcmvs_error error{};
+        pcmvs_calibration_error(get(), &error, sizeof error);
+        return error;
+    }
+
+    pcmvs_calibration *get() noexcept { return calibration_.get(); }
+    const pcmvs_calibration *get() const noexcept { return calibration_.get(); }
+
+#if defined(__cpp_exceptions)
+    explicit Calibration(const Rig &rig) { detail::check(try_make(rig, *this), rig.get(), pcmvs_rig_error); }
+
+    void add_frame(Span<pcmvs_view> views, const pcmvs_calibration_options *options = nullptr) {
+        check(try_add_frame(views, options));
+    }
+    void run(const pcmvs_calibration_options *options = nullptr) { check(try_run(options)); }
+
+    pcmvs_calibration_report get_report() const {
+        pcmvs_calibration_report report;
+        check(try_get_report(report));
+        return report;
+    }
+
+    pcmvs_camera_report get_camera_report(std::uint32_t camera) const {
+        pcmvs_camera_report report;
+        check(try_get_camera_report(camera, report));
+        return report;
+    }
+
+    pcmvs_camera get_camera(std::uint32_t index) const {
+        pcmvs_camera camera;
+        check(try_get_camera(index, camera));
+        return camera;
+    }
+
+    std::vector<pcmvs_warning> get_warnings() const {
+        std::uint32_t count = 0;
+        check(try_warning_count(count));
+        std::vector<pcmvs_warning> warnings(count);
+        for (std::uint32_t i = 0; i < count; i++) {
+            check(try_get_warning(i, warnings[i]));
+        }
+        return warnings;
+    }
+#endif
+
+private:
+#if defined(__cpp_exceptions)
+    void check(pcmvs_status status) const { detail::check(status, get(), pcmvs_calibration_error); }
+#endif
+
+    std::unique_ptr<pcmvs_calibration, detail::FreeCalibration> calibration_;
 };
 
 } // namespace pcmvs

@@ -62,6 +62,12 @@ impl pcmvs_camera {
         let Self { width, height, k, distortion, r, t, .. } = self;
         Camera { width, height, k: rows(k), distortion, r: rows(r), t }
     }
+
+    pub(crate) fn from_core(camera: &Camera) -> Self {
+        let list = |m: [[f64; 3]; 3]| [0, 1, 2, 3, 4, 5, 6, 7, 8].map(|i| m[i / 3][i % 3]);
+        let Camera { width, height, k, distortion, r, t } = *camera;
+        Self { width, height, k: list(k), distortion, r: list(r), t, ..Self::defaults() }
+    }
 }
 
 /// Initialises a camera with identity matrices and no distortion. `size` is `sizeof *camera`.

@@ -22,7 +22,8 @@ pub struct pcmvs_error {
     pub camera: i32,
     /// Zero.
     pub reserved: i32,
-    /// Number of the frame, as given in `pcmvs_options`. -1 for a rig.
+    /// Number of the frame, as given in `pcmvs_options`. For a calibration, the number of frames that were added before the
+    /// one at fault. -1 for a rig, and if the failure belongs to no frame.
     pub frame: i64,
     /// What is wrong and what to do about it, in English. UTF-8 with a final zero.
     pub message: [c_char; PCMVS_MESSAGE_SIZE],

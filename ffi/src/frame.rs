@@ -3,12 +3,13 @@
 use crate::{
     boundary::{Opaque, body, catch, free, into_handle, out, status},
     error::pcmvs_error,
-    failure::{Failure, LastFailure, Result},
+    failure::{Failure, Result},
+    locked::Locked,
     options::pcmvs_options,
     rig::{RigBody, pcmvs_rig, with_rig},
     sized::{Versioned, read, read_array, write},
     stage,
-    status::pcmvs_status::{self, Busy, InvalidArgument},
+    status::pcmvs_status::{self, InvalidArgument},
     view::{GivenView, pcmvs_view},
     work::Work,
 };
@@ -16,10 +17,7 @@ use pcmvs_core::{
     Stage,
     frame::{ORDER, position},
 };
-use std::sync::{
-    RwLock, TryLockError,
-    atomic::{AtomicU32, Ordering},
-};
+use std::sync::atomic::{AtomicU32, Ordering};
 
 /// A frame: it takes one picture per camera and turns them into a mesh stage by stage. The handle holds the results and
 /// can be used for any number of frames, one after the other.
@@ -27,11 +25,10 @@ pub struct pcmvs_frame {
     _private: (),
 }
 
-/// A frame and its last failure.
+/// A frame and its number.
 pub(crate) struct FrameBody {
     number: AtomicU32,
-    work: RwLock<Work>,
-    failure: LastFailure,
+    work: Locked<Work>,
 }
 
 impl Opaque for pcmvs_frame {
@@ -40,25 +37,9 @@ impl Opaque for pcmvs_frame {
 }
 
 impl FrameBody {
-    fn shared(&self, work: impl FnOnce(&Work) -> Result<()>) -> Result<()> {
-        self.failure.check()?;
-        let guard = self.work.try_read().map_err(|_| busy())?;
-        catch(|| work(&guard))
-    }
-
-    fn exclusive(&self, work: impl FnOnce(&mut Work) -> Result<()>) -> Result<()> {
-        self.failure.check()?;
-        let mut guard = self.work.try_write().map_err(|_| busy())?;
-        catch(|| work(&mut guard))
-    }
-
     fn keep(&self, result: Result<()>) -> pcmvs_status {
-        self.failure.keep(result, Some(self.number.load(Ordering::Relaxed)))
+        self.work.keep(result, Some(self.number.load(Ordering::Relaxed)))
     }
-}
-
-fn busy() -> Failure {
-    Failure::new(Busy, "the frame is in use by another call: wait until that call has returned")
 }
 
 /// Reads results or does the work of one view. Other such calls may run at the same time.
@@ -68,7 +49,7 @@ fn busy() -> Failure {
 pub(crate) unsafe fn shared(frame: *const pcmvs_frame, work: impl FnOnce(&Work) -> Result<()>) -> pcmvs_status {
     // SAFETY: the caller's promise.
     match unsafe { body(frame) } {
-        Ok(frame) => frame.keep(frame.shared(work)),
+        Ok(frame) => frame.keep(frame.work.shared(work)),
         Err(failure) => failure.status,
     }
 }
@@ -80,7 +61,7 @@ pub(crate) unsafe fn shared(frame: *const pcmvs_frame, work: impl FnOnce(&Work) 
 unsafe fn exclusive(frame: *mut pcmvs_frame, work: impl FnOnce(&FrameBody, &mut Work) -> Result<()>) -> pcmvs_status {
     // SAFETY: the caller's promise.
     match unsafe { body(frame.cast_const()) } {
-        Ok(frame) => frame.keep(frame.exclusive(|guarded| work(frame, guarded))),
+        Ok(frame) => frame.keep(frame.work.exclusive(|guarded| work(frame, guarded))),
         Err(failure) => failure.status,
     }
 }
@@ -114,8 +95,8 @@ unsafe fn begin(frame: &FrameBody, work: &mut Work, options: *const pcmvs_option
 pub unsafe extern "C" fn pcmvs_frame_new(rig: *const pcmvs_rig, frame: *mut *mut pcmvs_frame) -> pcmvs_status {
     let make = |rig: &RigBody| {
         let frame = out(frame, "frame")?;
-        let work = RwLock::new(Work::new(rig.get()?, pcmvs_options::defaults())?);
-        let made = FrameBody { number: AtomicU32::new(0), work, failure: LastFailure::default() };
+        let work = Work::new(rig.get()?, pcmvs_options::defaults())?;
+        let made = FrameBody { number: AtomicU32::new(0), work: Locked::new("the frame", work) };
         // SAFETY: the caller's promise.
         unsafe { frame.write(into_handle(made)) };
         Ok(())
@@ -128,12 +109,10 @@ pub unsafe extern "C" fn pcmvs_frame_new(rig: *const pcmvs_rig, frame: *mut *mut
 /// while a call on the frame is running.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn pcmvs_frame_free(frame: *mut pcmvs_frame) -> pcmvs_status {
-    let idle = |frame: &FrameBody| match frame.work.try_write() {
-        Err(TryLockError::WouldBlock) => {
-            frame.keep(Err(busy()));
-            Err(busy())
-        }
-        _ => Ok(()),
+    let idle = |frame: &FrameBody| {
+        frame.work.idle().inspect_err(|busy| {
+            frame.keep(Err(busy.clone()));
+        })
     };
     // SAFETY: the caller's promise.
     unsafe { free(frame, idle) }
@@ -273,5 +252,5 @@ pub unsafe extern "C" fn pcmvs_frame_error(
     size: usize,
 ) -> pcmvs_status {
     // SAFETY: the caller's promise.
-    status(catch(|| unsafe { write(error, size, &pcmvs_error::from(&body(frame)?.failure), "error") }))
+    status(catch(|| unsafe { write(error, size, &pcmvs_error::from(body(frame)?.work.failure()), "error") }))
 }

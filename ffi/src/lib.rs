@@ -1,8 +1,8 @@
 //! `libpcmvs`: the core behind a C ABI. The reference manual is `include/pcmvs.h`, made from the comments here.
 //!
 //! A file is named after the C type it serves. [`boundary`] and [`sized`] hold what every function does at the border: catch
-//! panics, check handles, pointers and struct sizes. [`work`] is safe Rust: the core's frame and what the host has set for
-//! it.
+//! panics, check handles, pointers and struct sizes. [`work`] and [`take`] are safe Rust: the core's frame and what the
+//! host has set for it, and the frames of a calibration.
 #![allow(unsafe_code, reason = "the border to C; the core and everything else in the workspace have none")]
 #![allow(non_camel_case_types, reason = "the names are C's")]
 #![allow(clippy::missing_safety_doc, reason = "the header states once for all functions what a caller owes them")]
@@ -11,8 +11,10 @@ mod boundary;
 mod clock;
 mod executor;
 mod failure;
+mod locked;
 mod progress;
 mod sized;
+mod take;
 mod target;
 mod text;
 mod work;
@@ -50,3 +52,9 @@ pub mod export;
 pub mod report;
 
 pub mod warning;
+
+pub mod calibration_options;
+
+pub mod calibration;
+
+pub mod calibration_report;

@@ -20,8 +20,9 @@ use std::{
 /// `done` never decreases within a stage. Return 0 to continue. Any other value cancels: the call then returns
 /// `PCMVS_STATUS_CANCELLED` as soon as it can and does not call back again.
 ///
-/// Called only on the thread that made the call. It must not throw. Of the functions that take the frame, it may call
-/// `pcmvs_frame_error`; others fail with `PCMVS_STATUS_BUSY` if the running call excludes them.
+/// Called only on the thread that made the call. It must not throw. Of the functions that take the frame or calibration, it
+/// may call `pcmvs_frame_error` and `pcmvs_calibration_error`; others fail with `PCMVS_STATUS_BUSY` if the running call
+/// excludes them.
 pub type pcmvs_progress_fn =
     Option<unsafe extern "C" fn(user: *mut c_void, stage: u32, done: u32, total: u32) -> c_int>;
 

@@ -142,15 +142,22 @@ pub(crate) unsafe fn write<T: Growing>(target: *mut T, size: usize, value: &T, n
     Ok(())
 }
 
+/// Writes a struct with its size, so that the caller can hand it in. The caller has `size` bytes for it.
+///
+/// # Safety
+/// As for [`write`].
+pub(crate) unsafe fn write_versioned<T: Versioned>(target: *mut T, size: usize, value: &T, name: &str) -> Result<()> {
+    // SAFETY: the caller's promise; the struct begins with its size.
+    unsafe { write(target, size, value, name).map(|()| target.cast::<u32>().write_unaligned(size as u32)) }
+}
+
 /// Writes a struct's defaults for a caller that has `size` bytes for it.
 ///
 /// # Safety
 /// As for [`write`].
 pub(crate) unsafe fn init<T: Versioned>(target: *mut T, size: usize, name: &str) -> pcmvs_status {
-    // SAFETY: the caller's promise; the struct begins with its size.
-    status(unsafe { write(target, size, &T::defaults(), name) }.map(|()| unsafe {
-        target.cast::<u32>().write_unaligned(size as u32);
-    }))
+    // SAFETY: the caller's promise.
+    status(unsafe { write_versioned(target, size, &T::defaults(), name) })
 }
 
 #[cfg(test)]

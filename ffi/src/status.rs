@@ -19,10 +19,10 @@ pub enum pcmvs_status {
     InvalidStruct = 3,
     /// An argument is out of range.
     InvalidArgument = 4,
-    /// The frame is in use by a call that excludes this one. That call runs on another thread, or this call was made
-    /// from one of its callbacks.
+    /// The frame or calibration is in use by a call that excludes this one. That call runs on another thread, or this call
+    /// was made from one of its callbacks.
     Busy = 5,
-    /// The call needs a stage that has not run yet, or it comes too late.
+    /// The call needs a stage or a calibration that has not run yet, or it comes too late.
     WrongOrder = 6,
     /// The progress callback asked to stop.
     Cancelled = 7,

@@ -1,4 +1,4 @@
-//! A frame's warnings.
+//! Warnings, and those of a frame.
 
 use crate::{
     boundary::out,
@@ -15,11 +15,12 @@ use std::ffi::c_char;
 /// Size of a warning's code in bytes, with its final zero.
 pub const PCMVS_CODE_SIZE: usize = 32;
 
-/// Something in a frame that may make its result worse although no call failed.
+/// Something in a frame that may make its result worse although no call failed, or something wrong with a calibration.
 #[repr(C)]
 #[derive(Debug, Clone, Copy)]
 pub struct pcmvs_warning {
-    /// Index of the camera that the warning is about. -1 if it is not about one camera.
+    /// Index of the camera that the warning is about, of the later one if it is about two. -1 if it is not about one or
+    /// two cameras.
     pub camera: i32,
     /// Zero.
     pub reserved: u32,

@@ -5,6 +5,8 @@ mod common;
 use common::{C99, Link, build, output};
 use pcmvs::{
     allocator::pcmvs_allocator,
+    calibration_options::pcmvs_calibration_options,
+    calibration_report::{pcmvs_calibration_report, pcmvs_camera_report, pcmvs_verdict},
     camera::pcmvs_camera,
     cloud::{pcmvs_cloud_kind, pcmvs_point, pcmvs_rank, pcmvs_silhouette},
     error::pcmvs_error,
@@ -140,6 +142,8 @@ fn c_and_rust_agree() {
         "DETECTED" = R::Detected,
         "FRONTIER" = R::Frontier,
     );
+    use pcmvs_verdict as V;
+    values!(facts, "PCMVS_VERDICT_", "IMPROVED" = V::Improved, "KEPT" = V::Kept, "UNDECIDED" = V::Undecided);
     values!(facts, "PCMVS_FILE_FORMAT_", "GLB" = pcmvs_file_format::Glb, "PLY" = pcmvs_file_format::Ply);
     values!(
         facts,
@@ -212,6 +216,41 @@ fn c_and_rust_agree() {
         }
     );
     layout!(facts, pcmvs_warning { camera, reserved, code, message });
+    layout!(
+        facts,
+        pcmvs_calibration_options { struct_size, intrinsics, progress, progress_user, parallel, parallel_user }
+    );
+    layout!(
+        facts,
+        pcmvs_calibration_report {
+            verdict,
+            frames,
+            points,
+            epipolar_bias_px,
+            refined_epipolar_bias_px,
+            held_out_loss,
+            refined_held_out_loss,
+            exchanged,
+        }
+    );
+    layout!(
+        facts,
+        pcmvs_camera_report {
+            silhouette_overlap,
+            gain,
+            contour_px,
+            refined_contour_px,
+            epipolar_px,
+            refined_epipolar_px,
+            match_noise_px,
+            matches,
+            moved_px,
+            sigma_px,
+            direction_sigma_px,
+            roll_sigma_px,
+            centre_sigma_px,
+        }
+    );
     facts.expected += "composed 1\n";
     facts.expected += &format!("library {} {}\n", pcmvs::version::PCMVS_VERSION, env!("CARGO_PKG_VERSION"));
 

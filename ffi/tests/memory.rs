@@ -57,6 +57,9 @@ fn address_sanitizer_finds_no_leak_over_200_frames() {
         let program = build(sample.path(), &careful, source, Link::Static);
         run(Command::new(program).arg(sample.plain()).env("ASAN_OPTIONS", "detect_leaks=1"));
     }
+    let turned = Sample::turned();
+    let program = build(turned.path(), SANITIZED, "tests/c/calibration.c", Link::Static);
+    run(Command::new(program).arg(turned.plain()).env("ASAN_OPTIONS", "detect_leaks=1"));
 }
 
 #[test]

@@ -34,25 +34,49 @@ fn warnings_name_the_camera_and_the_problem() {
 }
 
 #[test]
+fn calibrations_name_the_turned_camera_and_correct_it() {
+    let sample = Sample::turned();
+    let program = build(sample.path(), C99, "tests/c/calibration.c", Link::Shared);
+    println!("{}", output(&program, [sample.plain()]));
+}
+
+#[test]
 fn silhouettes_come_from_masks_keys_and_plates() {
     let folder = tempfile::tempdir().unwrap();
     let program = build(folder.path(), C99, "tests/c/silhouettes.c", Link::Static);
     println!("{}", output(&program, [""; 0]));
 }
 
-#[test]
-fn glb_is_the_command_lines() {
-    let sample = Sample::new();
+/// The command line's file of a sample.
+fn command_lines_glb(sample: &Sample, options: &[&str]) -> Vec<u8> {
     let out = sample.path().join("out");
     let scene = sample.path().join("scene");
-    // The C example does not set the upward direction.
+    // The examples do not set the upward direction.
     let file = scene.join("scene.json");
     let text = fs::read_to_string(&file).unwrap();
     fs::write(&file, text.replace("\"up\"", "\"was_up\"")).unwrap();
     let arguments = ["pcmvs", "reconstruct"].map(OsString::from).into_iter();
     let arguments = arguments.chain([scene.into(), "-o".into(), out.clone().into(), "--threads".into(), "1".into()]);
+    let arguments = arguments.chain(options.iter().map(OsString::from));
     assert_eq!(pcmvs_cli::run(arguments, &AtomicBool::new(false)), 0);
-    let expected = fs::read(out.join("frame_0000.glb")).unwrap();
+    fs::read(out.join("frame_0000.glb")).unwrap()
+}
+
+#[test]
+fn refined_cameras_give_the_command_lines_glb() {
+    let sample = Sample::turned();
+    let expected = command_lines_glb(&sample, &["--refine"]);
+    let program = build(sample.path(), CPP17, "examples/cpp/refine.cpp", Link::Shared);
+    let result = sample.path().join("refined.glb");
+    let printed = output(&program, [sample.plain(), result.clone()]);
+    assert!(printed.contains("camera-bumped: camera 4: the camera has moved by 5."), "{printed}");
+    assert!(fs::read(&result).unwrap() == expected, "the bytes differ from the command line's");
+}
+
+#[test]
+fn glb_is_the_command_lines() {
+    let sample = Sample::new();
+    let expected = command_lines_glb(&sample, &[]);
     for link in [Link::Shared, Link::Static] {
         let program = build(sample.path(), C99, "examples/c/reconstruct.c", link);
         let result = sample.path().join("c.glb");

@@ -89,6 +89,37 @@ static void check_stages(const struct capture *capture, pcmvs_frame *frame) {
     OK(pcmvs_frame_colour(frame));
 }
 
+/* A calibration keeps luma and silhouette of every view, and gives all memory back when it is freed. Reading its results does
+ * not allocate. */
+static void check_calibration(const struct capture *capture, const pcmvs_rig *rig) {
+    const size_t pixels = (size_t)capture->count * capture->cameras[0].width * capture->cameras[0].height;
+    const size_t before = counts.used;
+    pcmvs_calibration *calibration = NULL;
+    pcmvs_calibration_report report;
+    pcmvs_camera_report of_camera;
+    pcmvs_camera camera;
+    uint32_t i;
+    size_t used;
+    OK(pcmvs_calibration_new(rig, &calibration));
+    start();
+    OK(pcmvs_calibration_add_frame(calibration, capture->views, capture->count, NULL));
+    show("calibration", before);
+    CHECK(counts.used - before < 3 * pixels + 2048 * (size_t)capture->count);
+    used = counts.used;
+    start();
+    OK(pcmvs_calibration_run(calibration, NULL));
+    show("its run", used);
+    start();
+    OK(pcmvs_calibration_get_report(calibration, &report, sizeof report));
+    for (i = 0; i < capture->count; i++) {
+        OK(pcmvs_calibration_get_camera_report(calibration, i, &of_camera, sizeof of_camera));
+        OK(pcmvs_calibration_get_camera(calibration, i, &camera, sizeof camera));
+    }
+    CHECK(counts.calls == 0);
+    OK(pcmvs_calibration_free(calibration));
+    CHECK(counts.used == before);
+}
+
 int main(int argc, char **argv) {
     struct capture capture;
     pcmvs_rig *rig = NULL;
@@ -140,6 +171,7 @@ int main(int argc, char **argv) {
     show("export as GLB", used);
     CHECK(counts.used == used);
     OK(pcmvs_frame_free(frame));
+    check_calibration(&capture, rig);
     OK(pcmvs_rig_free(rig));
     /* Everything has been freed. */
     CHECK(counts.used == before);

@@ -84,6 +84,7 @@ int main(int argc, char **argv) {
     pcmvs_options options;
     pcmvs_rig *rig = NULL;
     pcmvs_frame *frame = NULL;
+    pcmvs_calibration *calibration = NULL;
     struct bytes bytes, again;
     FILE *file;
     int growing = argc == 4 && strcmp(argv[3], "growing") == 0;
@@ -121,6 +122,10 @@ int main(int argc, char **argv) {
     OK(pcmvs_rig_set_cameras(rig, capture.cameras, capture.count));
     OK(pcmvs_frame_new(rig, &frame));
     OK(pcmvs_frame_reconstruct(frame, capture.views, capture.count, NULL));
+    OK(pcmvs_calibration_new(rig, &calibration));
+    OK(pcmvs_calibration_add_frame(calibration, capture.views, capture.count, NULL));
+    OK(pcmvs_calibration_run(calibration, NULL));
+    OK(pcmvs_calibration_free(calibration));
 #ifdef COUNT_MALLOC
     /* Only the allocator above has called malloc. */
     CHECK(counts.calls == heap.calls);

@@ -234,6 +234,41 @@ static void check_null(const struct capture *capture, pcmvs_rig *rig, pcmvs_fram
     CHECK(strstr(error.message, "view.image") != NULL);
 }
 
+/* The same for the functions of a calibration. */
+static void check_null_calibration(const struct capture *capture, pcmvs_rig *rig) {
+    pcmvs_calibration *calibration = NULL;
+    pcmvs_calibration_report report;
+    pcmvs_camera_report camera_report;
+    pcmvs_camera camera;
+    pcmvs_warning warning;
+    pcmvs_error error;
+    uint32_t warnings;
+
+    NULL_POINTER(pcmvs_calibration_options_init(NULL, sizeof(pcmvs_calibration_options)));
+    NULL_POINTER(pcmvs_calibration_new(NULL, &calibration));
+    CHECK(calibration == NULL);
+    NULL_POINTER(pcmvs_calibration_new(rig, NULL));
+    OK(pcmvs_calibration_free(NULL));
+    OK(pcmvs_calibration_new(rig, &calibration));
+    NULL_POINTER(pcmvs_calibration_error(NULL, &error, sizeof error));
+    NULL_POINTER(pcmvs_calibration_error(calibration, NULL, sizeof error));
+    NULL_POINTER(pcmvs_calibration_add_frame(NULL, capture->views, capture->count, NULL));
+    NULL_POINTER(pcmvs_calibration_add_frame(calibration, NULL, capture->count, NULL));
+    OK(pcmvs_calibration_add_frame(calibration, capture->views, capture->count, NULL));
+    NULL_POINTER(pcmvs_calibration_run(NULL, NULL));
+    OK(pcmvs_calibration_run(calibration, NULL));
+    NULL_POINTER(pcmvs_calibration_get_report(NULL, &report, sizeof report));
+    NULL_POINTER(pcmvs_calibration_get_report(calibration, NULL, sizeof report));
+    NULL_POINTER(pcmvs_calibration_get_camera_report(NULL, 0, &camera_report, sizeof camera_report));
+    NULL_POINTER(pcmvs_calibration_get_camera_report(calibration, 0, NULL, sizeof camera_report));
+    NULL_POINTER(pcmvs_calibration_get_camera(NULL, 0, &camera, sizeof camera));
+    NULL_POINTER(pcmvs_calibration_get_camera(calibration, 0, NULL, sizeof camera));
+    NULL_POINTER(pcmvs_calibration_warning_count(NULL, &warnings));
+    NULL_POINTER(pcmvs_calibration_warning_count(calibration, NULL));
+    NULL_POINTER(pcmvs_calibration_get_warning(NULL, 0, &warning, sizeof warning));
+    OK(pcmvs_calibration_free(calibration));
+}
+
 static void *allocate(void *user, size_t size, size_t alignment) {
     (void)user, (void)alignment;
     return malloc(size);
@@ -394,6 +429,7 @@ int main(int argc, char **argv) {
     expected = glb(frame);
     check_reading(&capture, rig, frame);
     check_null(&capture, rig, frame);
+    check_null_calibration(&capture, rig);
     check_misuse(&capture, rig);
     check_late_allocator();
     /* None of these calls has changed the frame's results. */

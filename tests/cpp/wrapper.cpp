@@ -8,6 +8,8 @@
 static_assert(!std::is_copy_constructible_v<pcmvs::Rig> && std::is_nothrow_move_constructible_v<pcmvs::Rig>);
 static_assert(!std::is_copy_constructible_v<pcmvs::Frame> && std::is_nothrow_move_constructible_v<pcmvs::Frame>);
 static_assert(sizeof(pcmvs::Frame) == sizeof(void *));
+static_assert(!std::is_copy_constructible_v<pcmvs::Calibration> &&
+              std::is_nothrow_move_constructible_v<pcmvs::Calibration>);
 
 namespace {
 
@@ -27,6 +29,36 @@ template <typename F> pcmvs_status status_of(F call) {
     } catch (const pcmvs::Error &error) {
         return error.status();
     }
+}
+
+void check_calibration(const capture &capture) {
+    const pcmvs::Span<pcmvs_camera> cameras(capture.cameras, capture.count);
+    const pcmvs::Span<pcmvs_view> views(capture.views, capture.count);
+    check(status_of([] {
+              const pcmvs::Rig none;
+              pcmvs::Calibration of_none(none);
+          }) == PCMVS_STATUS_WRONG_ORDER, "a rig without cameras has no calibration");
+    pcmvs::Calibration calibration{pcmvs::Rig(cameras)};
+    const auto options = pcmvs::make<pcmvs_calibration_options>();
+    try {
+        calibration.run(&options);
+        check(false, "a calibration needs frames");
+    } catch (const pcmvs::Error &error) {
+        check(error.status() == PCMVS_STATUS_WRONG_ORDER && error.frame() == -1, "the status is that of a wrong order");
+        check(std::string(error.what()).find("pcmvs_calibration_add_frame") != std::string::npos, "with its reason");
+    }
+    calibration.add_frame(views, &options);
+    check(calibration.try_get_camera(0, *capture.cameras) == PCMVS_STATUS_WRONG_ORDER, "results need a run");
+    check(calibration.error().status == PCMVS_STATUS_WRONG_ORDER, "and the calibration describes it");
+    calibration.run();
+    check(calibration.get_report().frames == 1 && calibration.get_warnings().empty(), "the calibration is sound");
+    check(calibration.get_camera_report(1).silhouette_overlap > 0.9f, "and so is each camera");
+    const std::vector<pcmvs_camera> some{calibration.get_camera(0), calibration.get_camera(1), calibration.get_camera(2)};
+    const pcmvs::Rig refined(some);
+    check(refined.camera_count() == 3, "cameras make a new rig");
+    pcmvs::Calibration moved = std::move(calibration);
+    check(moved.get_report().frames == 1, "moving a calibration keeps its results");
+    check(calibration.try_run() == PCMVS_STATUS_NULL_POINTER, "an object that was moved from is empty");
 }
 
 } // namespace
@@ -113,6 +145,7 @@ int main(int argc, char **argv) {
     check(status_of([&] { frame.hull(); }) == PCMVS_STATUS_NULL_POINTER, "and throws");
     rig = pcmvs::Rig();
     check(moved.try_reconstruct(views, &options) == PCMVS_STATUS_OK, "a frame outlives its rig");
+    check_calibration(capture);
     capture_free(&capture);
     return failures;
 }

@@ -140,7 +140,9 @@ pub fn calibrate(
         priors: &priors,
         contradicts: &contradicts,
     };
-    Ok(judge.result(&overlaps, swapped))
+    let found = judge.result(&overlaps, swapped);
+    progress::step(progress, Stage::Detect, steps, steps)?;
+    Ok(found)
 }
 
 /// Whether refined cameras do not make the contours miss each other clearly more than before.

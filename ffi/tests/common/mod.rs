@@ -10,6 +10,7 @@ use std::{
     path::{Path, PathBuf},
     process::{Command, Output},
 };
+use studio::Capture;
 use tempfile::TempDir;
 
 /// The repository.
@@ -99,6 +100,11 @@ pub fn output<A: AsRef<OsStr>>(program: &Path, arguments: impl IntoIterator<Item
     String::from_utf8(run(Command::new(program).args(arguments)).stdout).unwrap()
 }
 
+/// The capture of [`Sample::turned`].
+pub fn turned_capture() -> Capture {
+    plain::turned(10, 320, 240, &[(4, [-4.0, 4.0])])
+}
+
 /// A capture in two forms: a scene for the command line, and plain files for the examples in C.
 pub struct Sample {
     pub folder: TempDir,
@@ -110,10 +116,18 @@ impl Sample {
     }
 
     pub fn sized(views: u32, width: u32, height: u32) -> Self {
+        Self::of(&plain::capture(views, width, height))
+    }
+
+    /// A capture of which camera 4 was turned after it was calibrated, large enough to find that out.
+    pub fn turned() -> Self {
+        Self::of(&turned_capture())
+    }
+
+    fn of(capture: &Capture) -> Self {
         let folder = tempfile::tempdir().unwrap();
-        let capture = plain::capture(views, width, height);
         capture.write(&folder.path().join("scene")).unwrap();
-        plain::write(&capture, &folder.path().join("plain")).unwrap();
+        plain::write(capture, &folder.path().join("plain")).unwrap();
         Self { folder }
     }
 

@@ -5,9 +5,16 @@ use studio::{Capture, Faults, Ring, Subject};
 
 /// The figure, its cameras with some lens distortion and gain.
 pub fn capture(views: u32, width: u32, height: u32) -> Capture {
+    turned(views, width, height, &[])
+}
+
+/// The same with single cameras that do not stand where the calibration has them, by index and by how many pixels right and
+/// down.
+pub fn turned(views: u32, width: u32, height: u32, turned: &[(usize, [f64; 2])]) -> Capture {
     let distortion = [-0.05, 0.02, 1e-4, -2e-4, 0.0];
     let cameras = Ring { count: views, distortion, ..Ring::default() }.sized(width, height).cameras();
-    Capture::still(Subject::Figure, &cameras, &Faults { gain: 0.05, ..Faults::default() })
+    let faults = Faults { gain: 0.05, bumped: turned.to_vec(), ..Faults::default() };
+    Capture::still(Subject::Figure, &cameras, &faults)
 }
 
 /// Writes cameras.txt, camNN.ppm and camNN.pgm.
