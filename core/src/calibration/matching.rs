@@ -6,8 +6,17 @@ use super::{
     patch,
     track::{Observation, Source, Track, is_held_out},
 };
-use crate::{camera::Pinhole, executor::Executor, raster::Raster, rig::Rig};
+use crate::{
+    camera::Pinhole,
+    error::Result,
+    executor::Executor,
+    progress::{self, Progress},
+    raster::Raster,
+    rig::Rig,
+    stage::Stage,
+};
 use alloc::{vec, vec::Vec};
+use core::sync::atomic::{AtomicU32, Ordering};
 use glam::{DVec2, DVec3, Mat2, Vec2, Vec3};
 
 /// Neighbours in which each view is matched.
@@ -26,6 +35,9 @@ const OWN_SIGMA: f64 = 0.08;
 pub(super) type Brightness = (u16, u16, f32);
 
 /// The tracks of one frame, in the order of the views and of their corners.
+///
+/// # Errors
+/// [`crate::Error::Cancelled`].
 pub(super) fn tracks(
     rig: &Rig,
     instant: &Instant,
@@ -33,7 +45,8 @@ pub(super) fn tracks(
     guide: &Guide,
     reach: usize,
     executor: &impl Executor,
-) -> (Vec<Track>, Vec<Brightness>) {
+    progress: &dyn Progress,
+) -> Result<(Vec<Track>, Vec<Brightness>)> {
     let footprint = guide.footprint;
     let pinholes: Vec<Pinhole> = models.iter().map(Model::pinhole).collect();
     let rasters = executor.map(models.len(), |i| {
@@ -41,7 +54,9 @@ pub(super) fn tracks(
         raster.render(&guide.mesh, &pinholes[i]);
         raster
     });
+    let done = AtomicU32::new(0);
     let found = executor.map(models.len(), |view| {
+        progress::step(progress, Stage::Detect, done.load(Ordering::Relaxed), models.len() as u32)?;
         let (mut tracks, mut brightness) = (Vec::new(), Vec::new());
         for (number, &corner) in instant.pictures[view].corners.iter().enumerate() {
             let Some(around) = Surroundings::new(&rasters[view], &pinholes[view], corner, footprint) else { continue };
@@ -70,14 +85,16 @@ pub(super) fn tracks(
                 tracks.push(track);
             }
         }
-        (tracks, brightness)
+        done.fetch_add(1, Ordering::Relaxed);
+        Ok((tracks, brightness))
     });
     let (mut tracks, mut brightness) = (Vec::new(), Vec::new());
-    for (of_view, compared) in found {
+    for found in found {
+        let (of_view, compared) = found?;
         tracks.extend(of_view);
         brightness.extend(compared);
     }
-    (tracks, brightness)
+    Ok((tracks, brightness))
 }
 
 /// The hull at a corner: the point that it shows, and how far the surface goes on to the right and down.

@@ -108,7 +108,7 @@ pub fn calibrate(
     let rounds = params.rounds.clamp(1, MOST_ROUNDS);
     let steps = rounds + 2;
     let hull = GuideParams { hull: HullParams { voxel_pixels: params.voxel_pixels }, agreement: params.agreement };
-    // The hulls of several frames are parts of one step.
+    // Hulls may be carved again, and those of several frames are one step where overlaps are found.
     let onward = Onward::new(progress);
     let progress: &dyn Progress = &onward;
     let part = |part: u32| Part { of: progress, stage: Stage::Detect, part, parts: steps };
@@ -230,10 +230,14 @@ impl Evidence {
         let sizes: Vec<f64> = found.iter().map(|t| t.miss).collect();
         evidence.contour_sigma = robust_sigma(&sizes).unwrap_or(1.0).max(CONTOUR_SIGMA);
         let far_off = far_off(&misses(models.len(), &found));
-        for instant in instants {
-            let guide = instant.hull(models, |i| far_off[i], hull, progress)?;
+        // Each frame is carved and then searched.
+        let parts = 2 * instants.len() as u32;
+        let part = |part: u32| Part { of: progress, stage: Stage::Detect, part, parts };
+        for (frame, instant) in (0..).zip(instants) {
+            let (carving, searching) = (part(2 * frame), part(2 * frame + 1));
+            let guide = instant.hull(models, |i| far_off[i], hull, &carving)?;
             guide.apart.iter().for_each(|&place| evidence.apart[usize::from(place)] += 1);
-            let (tracks, brightness) = matching::tracks(rig, instant, models, &guide, reach, executor);
+            let (tracks, brightness) = matching::tracks(rig, instant, models, &guide, reach, executor, &searching)?;
             evidence.tracks.extend(tracks);
             evidence.brightness.extend(brightness);
             let found = tangents::tangencies(models, &instant.outlines);
