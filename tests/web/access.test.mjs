@@ -2,8 +2,8 @@
 import assert from "node:assert/strict";
 import { createRequire } from "node:module";
 import { test } from "node:test";
-import { capture } from "./captures.mjs";
-import { drive, run, text, view } from "./site.mjs";
+import { bump, capture } from "./captures.mjs";
+import { check, drive, run, text, view } from "./site.mjs";
 
 const AXE = createRequire(import.meta.url).resolve("axe-core/axe.min.js");
 const PHONE = { viewport: { width: 390, height: 844 }, hasTouch: true, isMobile: true };
@@ -27,9 +27,14 @@ async function violations(page) {
 for (const colorScheme of ["dark", "light"]) {
     for (const [device, options] of Object.entries({ desktop: {}, phone: PHONE })) {
         test(`${device}, ${colorScheme}: labels, roles and contrast`, async (t) => {
-            const { page, problems, shot } = await openWith(t, capture([0]), { options: { ...options, colorScheme } });
+            const moved = capture([0], (s) => bump(s.cameras[3], 10));
+            const { page, problems, shot } = await openWith(t, moved, { options: { ...options, colorScheme } });
             const found = { ready: await violations(page) };
             await run(page);
+            await check(page);
+            await page.click("#calibration-figures summary");
+            await shot(`${device}-${colorScheme}-checked`);
+            found.checked = await violations(page);
             await page.selectOption("#silhouettes", "chroma");
             await page.click("#strip button:first-child");
             await page.waitForSelector("#photo:not([hidden])");
@@ -44,7 +49,7 @@ for (const colorScheme of ["dark", "light"]) {
             await page.waitForFunction(() => document.getElementById("errors").childElementCount > 0);
             await shot(`${device}-${colorScheme}-error`);
             found.error = await violations(page);
-            assert.deepEqual(found, { ready: [], through: [], error: [] });
+            assert.deepEqual(found, { ready: [], checked: [], through: [], error: [] });
             assert.ok(
                 await page.evaluate(() => document.documentElement.scrollWidth <= innerWidth),
                 "the page scrolls sideways",

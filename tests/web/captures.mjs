@@ -21,6 +21,19 @@ export function capture(frames = [0], change = () => {}) {
     return to;
 }
 
+/** Turns a camera of a scene about its vertical axis or its horizontal one, by so many pixels in its picture's middle. */
+export function bump(camera, pixels, axis = "vertical") {
+    const angle = pixels / camera.K[0][0];
+    const [cosine, sine] = [Math.cos(angle), Math.sin(angle)];
+    const turned = ([x, y, z]) =>
+        axis === "vertical"
+            ? [cosine * x + sine * z, y, cosine * z - sine * x]
+            : [x, cosine * y + sine * z, cosine * z - sine * y];
+    const columns = [0, 1, 2].map((j) => turned(camera.R.map((row) => row[j])));
+    camera.R = [0, 1, 2].map((i) => columns.map((column) => column[i]));
+    camera.t = turned(camera.t);
+}
+
 function pictures(to) {
     for (const kind of ["images", "masks"]) mkdirSync(join(to, kind));
     scene.cameras.forEach((camera, i) => {

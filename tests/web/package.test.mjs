@@ -8,13 +8,13 @@ import { test } from "node:test";
 import { fileURLToPath } from "node:url";
 import { promisify } from "node:util";
 import { build } from "vite";
-import { folder, scene } from "./captures.mjs";
+import { bump, capture, folder, scene } from "./captures.mjs";
 import { launch, openPage, pcmvs, sample, serve } from "./site.mjs";
 
 const pkg = new URL("../../wasm/pkg/", import.meta.url);
 
-function frameOf({ Rig, Frame }) {
-    const frame = new Frame(new Rig(scene.cameras));
+function frameOf({ Rig, Frame }, rig = new Rig(scene.cameras)) {
+    const frame = new Frame(rig);
     scene.cameras.forEach((_, i) => {
         frame.setImage(i, readFileSync(join(sample, scene.frames[0].images[i])));
         frame.setMask(i, readFileSync(join(sample, scene.frames[0].masks[i])));
@@ -112,6 +112,76 @@ test("cameras that contribute nothing are warnings", async () => {
         message: "this camera has no picture in this frame",
     });
 });
+
+test("a calibration is checked and refined as by the command line", async (t) => {
+    const api = await import(new URL("index.js", pkg));
+    await api.ready;
+    const source = capture([0], (s) => bump(s.cameras[3], 10));
+    const given = JSON.parse(readFileSync(join(source, "scene.json"), "utf8")).cameras;
+    const rig = new api.Rig(given);
+    const calibrator = new api.Calibrator(rig);
+    assert.throws(() => calibrator.run(), { name: "PcmvsError", code: "input" });
+    assert.throws(() => calibrator.add(new api.Frame(new api.Rig(given))), { code: "input", message: /another rig/ });
+    assert.throws(() => calibrator.add(new api.Frame(rig)), {
+        code: "image",
+        message: "this camera has no picture yet",
+    });
+    const frame = frameOf(api, rig);
+    calibrator.add(frame);
+    frame.free();
+    assert.throws(() => calibrator.run(() => false), { name: "PcmvsError", code: "cancelled" });
+    const thrown = () => {
+        throw new RangeError("mine");
+    };
+    assert.throws(() => calibrator.run(thrown), { name: "RangeError", message: "mine" });
+    const shares = [];
+    const found = calibrator.run((_, done, total) => void shares.push(done / total));
+    assert.ok(shares.length > 10 && shares.at(-1) > 0.7, `${shares.length} steps up to ${shares.at(-1)}`);
+    assert.deepEqual(
+        shares,
+        shares.toSorted((a, b) => a - b),
+    );
+    const start = performance.now();
+    assert.deepEqual(calibrator.run(), found);
+    t.diagnostic(`one frame in ${((performance.now() - start) / 1000).toFixed(1)} s`);
+
+    const out = join(folder(), "refined");
+    pcmvs("refine", source, "-o", out);
+    assert.deepEqual(found.cameras, JSON.parse(readFileSync(join(out, "scene.json"), "utf8")).cameras);
+    const expected = checkJson(source);
+    assert.equal(found.verdict, expected.verdict);
+    assert.equal(found.points, expected.points);
+    // The command line rounds.
+    const near = (a, b) => assert.ok(a === b || Math.abs(a - b) <= 5.1e-5, `${a} is not ${b}`);
+    for (const [i, { given, refined, movedPx, sigmaPx, silhouetteOverlap, gain }] of found.reports.entries()) {
+        const of = expected.cameras[i];
+        near(given.contourPx, of.contour_px);
+        near(given.epipolarPx, of.epipolar_px);
+        near(given.noisePx, of.match_noise_px);
+        assert.equal(given.matches, of.matches);
+        near(refined.contourPx, of.refined.contour_px);
+        near(refined.epipolarPx, of.refined.epipolar_px);
+        near(movedPx, of.refined.moved_px);
+        near(sigmaPx, of.refined.sigma_px);
+        near(silhouetteOverlap, of.silhouette_overlap);
+        near(gain, of.gain);
+    }
+    for (const [k, bias] of found.epipolarBiasPx.entries()) near(bias, expected.epipolar_bias_px[k]);
+    for (const [k, loss] of found.heldOutLoss.entries()) near(loss, expected.held_out_loss[k]);
+    const [{ code, camera, message }] = found.warnings;
+    assert.deepEqual([found.warnings.length, code, camera], [1, "camera-bumped", 3]);
+    assert.match(message, /^the camera has moved by \d+\.\d px/);
+});
+
+/** What `pcmvs check` reports. Its exit status is 4 when something is doubtful. */
+function checkJson(source) {
+    try {
+        return JSON.parse(pcmvs("check", source, "--json"));
+    } catch (error) {
+        assert.equal(error.status, 4, error.stderr);
+        return JSON.parse(error.stdout);
+    }
+}
 
 test("paths of an opened scene are those of the files", async () => {
     const api = await import(new URL("index.js", pkg));

@@ -108,6 +108,14 @@ export async function run(page) {
     await ended(page);
 }
 
+/** Starts a check of the calibration and waits until it ends. */
+export async function check(page) {
+    await page.click("#check");
+    await page.waitForFunction(() => ["checked", "failed"].includes(document.body.dataset.state), undefined, {
+        timeout: 120_000,
+    });
+}
+
 /** A browser and the site, for all tests of a file. */
 export function drive() {
     let browser, site;

@@ -6,9 +6,9 @@ use serde::Serialize;
 /// `Warning`.
 #[derive(Serialize)]
 pub struct Warning {
-    code: &'static str,
-    camera: Option<u32>,
-    message: String,
+    pub code: &'static str,
+    pub camera: Option<u32>,
+    pub message: String,
 }
 
 impl From<&pcmvs_core::Warning> for Warning {

@@ -11,7 +11,7 @@ use crate::{
     types::{ChromaKeyObject, PresetName, ProgressFunction},
 };
 use pcmvs_core::{
-    ChromaKey, LeftOut, Mask, Params, PixelFormat, Serial, View, ViewInput, reconstruct,
+    ChromaKey, LeftOut, Mask, Params, PixelFormat, Preset, Serial, View, ViewInput, reconstruct,
     silhouette::{ContourParams, NoSilhouette},
 };
 use pcmvs_scene::Picture;
@@ -165,13 +165,30 @@ fn run(
 ) -> Result<Reconstruction, Failed> {
     let callback = Callback::new(progress);
     let made = reconstruct(rig, inputs, params, &Serial, &callback);
-    made.map(|made| Reconstruction::new(made, rig.origin())).map_err(|error| match callback.thrown() {
-        Some(thrown) => thrown.into(),
-        None => Failed::core(&error, callback.stage()),
-    })
+    made.map(|made| Reconstruction::new(made, rig.origin())).map_err(|error| callback.failed(&error))
 }
 
 impl Frame {
+    /// The rig that it was made with.
+    pub(crate) fn rig(&self) -> &Rc<pcmvs_core::Rig> {
+        &self.rig
+    }
+
+    /// The views of all cameras in the rig's order, without their colours.
+    pub(crate) fn views(&self) -> Result<Vec<View>, Failed> {
+        let contour = Params::preset(Preset::Default).contour;
+        let view = |&camera: &u32| {
+            let camera = camera as usize;
+            let view = match self.input(camera)? {
+                Some(input) => View::new(&self.rig, camera, &input, contour.as_ref()),
+                None => View::absent(&self.rig, camera),
+            };
+            let view = view.map_err(|error| Failed::core(&error, None))?;
+            Ok(View { rgb: Vec::new(), ..view })
+        };
+        self.rig.order().iter().map(view).collect()
+    }
+
     fn slot(&mut self, camera: usize) -> Result<&mut Slot, Failed> {
         let count = self.slots.len();
         self.slots.get_mut(camera).ok_or_else(|| no_camera(count))

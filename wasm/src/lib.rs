@@ -1,6 +1,7 @@
-//! pcmvs for browsers, bundlers and Node: a [`Rig`], its [`Frame`]s, their [`Reconstruction`]s. Everything runs on the
-//! calling thread: call it in a worker.
+//! pcmvs for browsers, bundlers and Node: a [`Rig`], its [`Frame`]s, their [`Reconstruction`]s, and a [`Calibrator`] that
+//! checks the rig. Everything runs on the calling thread: call it in a worker.
 
+mod calibration;
 mod diagnostics;
 mod error;
 mod files;
@@ -14,6 +15,7 @@ mod rig;
 mod sketch;
 mod types;
 
+pub use calibration::Calibrator;
 pub use frame::Frame;
 pub use photograph::Photograph;
 pub use reconstruction::{Cloud, MeshArrays, Reconstruction};

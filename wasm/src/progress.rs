@@ -1,8 +1,8 @@
 //! Progress to a JavaScript function, which can cancel.
 
-use crate::types::ProgressFunction;
+use crate::{error::Failed, types::ProgressFunction};
 use js_sys::Function;
-use pcmvs_core::{Progress, Stage};
+use pcmvs_core::{Error, Progress, Stage};
 use send_wrapper::SendWrapper;
 use std::cell::{Cell, RefCell};
 use wasm_bindgen::{JsCast, JsValue};
@@ -24,14 +24,12 @@ impl Callback {
         Self(SendWrapper::new(State { callback, stage: Cell::default(), thrown: RefCell::default() }))
     }
 
-    /// The stage that started last.
-    pub fn stage(&self) -> Option<Stage> {
-        self.0.stage.get()
-    }
-
-    /// What the function threw, if it did.
-    pub fn thrown(&self) -> Option<JsValue> {
-        self.0.thrown.borrow_mut().take()
+    /// What to throw when the work ends with an error: what the function threw, if it did, or what the core reports.
+    pub fn failed(&self, error: &Error) -> Failed {
+        match self.0.thrown.borrow_mut().take() {
+            Some(thrown) => thrown.into(),
+            None => Failed::core(error, self.0.stage.get()),
+        }
     }
 
     fn call(&self, stage: Stage, done: u32, total: u32) -> bool {

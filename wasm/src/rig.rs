@@ -20,6 +20,8 @@ const PICTURES_PER_PIXEL: f64 = 4.0;
 #[derive(Debug, Clone)]
 pub struct Rig {
     pub(crate) rig: Rc<pcmvs_core::Rig>,
+    /// The cameras' names.
+    pub(crate) names: Rc<[String]>,
 }
 
 #[wasm_bindgen]
@@ -27,13 +29,13 @@ impl Rig {
     /// Takes cameras as in scene.json. Throws `PcmvsError`.
     #[wasm_bindgen(constructor)]
     pub fn new(cameras: CameraList) -> Result<Rig, Failed> {
-        let cameras: Vec<SceneCamera> = serde_wasm_bindgen::from_value(cameras.into())?;
+        let given: Vec<SceneCamera> = serde_wasm_bindgen::from_value(cameras.into())?;
         let camera = |(i, camera): (usize, &SceneCamera)| {
             camera.camera().map_err(|problem| Failed::of_camera("camera", &problem, i))
         };
-        let cameras: Vec<Camera> = cameras.iter().enumerate().map(camera).collect::<Result<_, _>>()?;
+        let cameras: Vec<Camera> = given.iter().enumerate().map(camera).collect::<Result<_, _>>()?;
         let rig = pcmvs_core::Rig::new(&cameras).map_err(|error| Failed::core(&error, None))?;
-        Ok(Self { rig: Rc::new(rig) })
+        Ok(Self { rig: Rc::new(rig), names: given.into_iter().map(|camera| camera.name).collect() })
     }
 
     /// Number of cameras.

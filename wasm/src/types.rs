@@ -76,6 +76,51 @@ export interface ViewReport {
     contourPx: number | null;
 }
 
+/** How well a camera fits the others. What could not be measured is null. */
+export interface CalibrationFit {
+    /** Median distance in pixels by which the tangents from other silhouettes miss this camera's silhouette. */
+    contourPx: number | null;
+    /** Median distance in pixels of this camera's matches with others from their epipolar lines. */
+    epipolarPx: number | null;
+    /** Standard deviation in pixels of single matches, whatever the calibration is. */
+    noisePx: number | null;
+    /** Number of matches with other cameras. */
+    matches: number;
+}
+
+/** What a check of the calibration measured of a camera. What could not be measured is null. */
+export interface CalibrationReport {
+    given: CalibrationFit;
+    /** With the refined cameras, whether they are kept or not. */
+    refined: CalibrationFit;
+    /** How far the refinement moves the object in this camera's picture, in pixels. */
+    movedPx: number;
+    /** Standard deviation in pixels of where the refined camera sees the object. */
+    sigmaPx: number | null;
+    /** Intersection over union of the silhouette and the visual hull's picture with the given cameras, 0..1. */
+    silhouetteOverlap: number | null;
+    /** Brightness of its pictures over the mean of all cameras. */
+    gain: number | null;
+}
+
+/** What a check of the calibration found out. */
+export interface Calibration {
+    /** Whether the refined cameras fit better; with "undecided" there was too little to judge by. */
+    verdict: "improved" | "kept" | "undecided";
+    /** The refined cameras if they fit better, else the given ones. */
+    cameras: Camera[];
+    /** One per camera. */
+    reports: CalibrationReport[];
+    /** Number of points that were matched in two or more views. */
+    points: number;
+    /** By how many pixels epipolar lines miss, as the mean over all pairs of cameras: given, refined. */
+    epipolarBiasPx: [number, number] | null;
+    /** Mean loss over the evidence that was held out; smaller is better: given, refined. */
+    heldOutLoss: [number, number] | null;
+    /** What is wrong with the given calibration. */
+    warnings: Warning[];
+}
+
 /** Returns false to cancel. */
 export type Progress = (stage: Stage, done: number, total: number) => boolean | void;
 
@@ -111,6 +156,9 @@ extern "C" {
     /// Name of a stage's mesh.
     #[wasm_bindgen(typescript_type = "\"hull\" | \"coarse\" | \"mesh\"")]
     pub type MeshStage;
+    /// `Calibration`.
+    #[wasm_bindgen(typescript_type = "Calibration")]
+    pub type Calibration;
     /// A direction.
     #[wasm_bindgen(typescript_type = "[number, number, number]")]
     pub type Up;

@@ -34,7 +34,7 @@ export function offerChoices(scene: Scene) {
     $("summary").textContent =
         `${count} cameras of ${width} × ${height}, ${frames} ${frames === 1 ? "frame" : "frames"}${masked ? ", with masks" : ""}.`;
     $("cameras-section").hidden = false;
-    button("run").disabled = false;
+    button("run").disabled = button("check").disabled = false;
     showKey();
 }
 

@@ -3,6 +3,7 @@
 import type { Scene } from "pcmvs";
 import { Clip } from "../clip/clip";
 import { meanUp } from "../viewer/cameras";
+import { showCalibration } from "./calibration";
 import { $ } from "./dom";
 import { listWarnings } from "./findings";
 import { showStage } from "./look";
@@ -32,6 +33,7 @@ export function setCapture(next: Capture) {
     };
     $<HTMLProgressElement>("progress").value = 0;
     $("name").textContent = next.name;
+    showCalibration();
     listWarnings(clip);
     setUpTimeline(clip);
     drawTransport(clip);

@@ -10,21 +10,26 @@ export function listWarnings(clip: Clip) {
     const items = clip.frames.flatMap(({ index, findings }, position) =>
         (findings?.warnings ?? []).map(({ code, camera, message }) => {
             const where = [...(several ? [`frame ${index}`] : []), ...(camera === null ? [] : [`camera ${camera}`])];
-            const button = document.createElement("button");
-            button.type = "button";
-            button.dataset.code = code;
-            button.textContent = [...where, message].join(": ");
-            button.addEventListener("click", () => {
+            return warningItem(code, [...where, message].join(": "), () => {
                 clip.play(false);
                 void clip.show(position);
                 if (camera !== null) strip.lookAt(camera);
             });
-            const item = document.createElement("li");
-            item.append(button);
-            return item;
         }),
     );
     $("warnings-section").hidden = items.length === 0;
     $("warnings-title").textContent = items.length === 1 ? "1 warning" : `${items.length} warnings`;
     $("warnings").replaceChildren(...items);
+}
+
+/** A warning in a list. Without anything to show it is only text. */
+export function warningItem(code: string, text: string, show: (() => void) | null): HTMLLIElement {
+    const part = document.createElement(show ? "button" : "p");
+    if (part instanceof HTMLButtonElement) part.type = "button";
+    part.dataset.code = code;
+    part.textContent = text;
+    if (show) part.addEventListener("click", show);
+    const item = document.createElement("li");
+    item.append(part);
+    return item;
 }

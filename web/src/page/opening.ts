@@ -27,7 +27,7 @@ export async function open(name: string, found: Promise<Entries>, run: boolean, 
         if (isClip) return await openClip(name, entries, turn);
         const scene = await sidePool.run({ type: "open", entries });
         if (turn !== state.turn) return;
-        setScene(name, { scene, entries });
+        setScene(name, { scene, entries, given: null, checked: null });
         offerChoices(scene);
         if (!run) strip.load(shownRig());
         showCameras(!run);
@@ -58,7 +58,7 @@ async function openClip(name: string, entries: Entries, turn: number) {
     const clip = new Clip(paths.map(index), manifest.fps ?? FPS);
     setCapture({ name, source: null, clip });
     $("cameras-section").hidden = true;
-    button("run").disabled = true;
+    button("run").disabled = button("check").disabled = true;
     viewer.setUp(manifest.up ?? infos[0].up);
     const meshes = `${blobs.length} ${blobs.length === 1 ? "mesh" : "meshes"}`;
     $("summary").textContent = `A clip of ${meshes}: there is nothing to reconstruct.`;

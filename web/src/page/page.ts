@@ -1,5 +1,6 @@
 // The page: connects its controls and opens the sample.
 
+import { listenToChecks } from "./checks";
 import { listenToChoices } from "./choices";
 import { listenToDownloads } from "./downloads";
 import { listenToKeys } from "./keys";
@@ -11,6 +12,7 @@ import { listenToTransport } from "./transport";
 listenToSources();
 listenToChoices();
 listenToRuns();
+listenToChecks();
 listenToLook();
 listenToTransport();
 listenToDownloads();

@@ -34,11 +34,13 @@ const LEVEL_WORDS: Record<QualityLevel, string> = {
 };
 const number = new Intl.NumberFormat("en");
 
-/** Ends the current run, if there is one. */
+/** Ends the current run or check, if there is one. */
 export function stop() {
     state.pool?.cancel();
-    state.pool = null;
+    state.checkPool?.cancel();
+    state.pool = state.checkPool = null;
     button("cancel").disabled = true;
+    button("check").disabled = !state.capture?.source;
     button("run").textContent = "Reconstruct";
 }
 
@@ -72,6 +74,7 @@ export function reconstruct(sketch?: Promise<FrameResult>) {
         },
     );
     button("cancel").disabled = false;
+    button("check").disabled = true;
     button("run").textContent = "Start again";
     document.body.dataset.state = "running";
     let failed = 0;

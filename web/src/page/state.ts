@@ -1,17 +1,40 @@
 // Everything about the page that changes while it is used, except for what its controls show.
 
-import type { Scene } from "pcmvs";
-import type { Clip } from "../clip/clip";
+import type { CalibrationReport, Camera, Scene } from "pcmvs";
+import type { Clip, Findings } from "../clip/clip";
 import type { Pool } from "../workers/pool";
 import type { Entries, StageView } from "../workers/protocol";
 
 /** Frames per second of a scene that gives none. */
 export const FPS = 30;
 
+/** What a check of the calibration found. */
+export interface Checked {
+    /** The cameras that were checked. */
+    cameras: Camera[];
+    /** Null if they would not be better. */
+    refined: Camera[] | null;
+    /** One sentence. */
+    summary: string;
+    warnings: Findings["warnings"];
+    reports: CalibrationReport[];
+}
+
+/** What a capture is reconstructed from. */
+export interface Source {
+    /** With the cameras that are used. */
+    scene: Scene;
+    entries: Entries;
+    /** The capture's own cameras while refined ones are used instead, else null. */
+    given: Camera[] | null;
+    /** The last check of the calibration. */
+    checked: Checked | null;
+}
+
 export interface Capture {
     name: string;
     /** Null for a clip that came as GLBs. */
-    source: { scene: Scene; entries: Entries } | null;
+    source: Source | null;
     clip: Clip;
 }
 
@@ -19,6 +42,8 @@ export const state = {
     capture: null as Capture | null,
     /** The workers of the current run. */
     pool: null as Pool | null,
+    /** The worker of the current check of the calibration. */
+    checkPool: null as Pool | null,
     /** Which result is looked at. */
     stage: "mesh" as StageView | "mesh",
     /** Counts openings and runs, so that results of an earlier one are not shown. */

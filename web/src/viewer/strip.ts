@@ -28,6 +28,8 @@ export class Strip {
     private readonly titles: string[] = [];
     /** What was found in the frame that is shown. */
     private findings: Findings | null = null;
+    /** What a check of the calibration found. */
+    private checked: Findings["warnings"] = [];
     /** The camera that is looked through. */
     private looking: number | null = null;
     onlook: (camera: number | null) => void = () => {};
@@ -113,12 +115,17 @@ export class Strip {
         this.drawMarks();
     }
 
+    /** Marks the cameras that a check of the calibration warns of, in all frames. */
+    markChecked(warnings: Findings["warnings"]) {
+        this.checked = warnings;
+        this.drawMarks();
+    }
+
     private drawMarks() {
-        const { findings } = this;
+        const warnings = [...this.checked, ...(this.findings?.warnings ?? [])];
         const warned = new Set<number>();
         for (const [i, { name }] of this.rig?.cameras.entries() ?? []) {
-            const messages =
-                findings?.warnings.filter(({ camera }) => camera === name).map(({ message }) => message) ?? [];
+            const messages = warnings.filter(({ camera }) => camera === name).map(({ message }) => message);
             if (messages.length > 0) warned.add(i);
             const button = this.buttons[i];
             button.toggleAttribute("data-warning", messages.length > 0);

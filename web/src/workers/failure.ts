@@ -15,6 +15,12 @@ export function failureOf(error: unknown): Failure {
         const message = "there is not enough memory for this scene: use fewer views or smaller pictures";
         return { code: "out-of-memory", message };
     }
-    const { code = "internal", camera, stage, message = String(error) } = error as Partial<PcmvsError>;
-    return { code, message, camera, stage };
+    const {
+        code = "internal",
+        camera,
+        stage,
+        position,
+        message = String(error),
+    } = error as Partial<PcmvsError & { position: number }>;
+    return { code, message, camera, stage, position };
 }

@@ -7,6 +7,8 @@ import type { Failure, FrameResult, Job, JobResults, QualityLevel, Reply } from 
 export interface Listener {
     progress?(preset: QualityLevel, stage: Stage, done: number, total: number): void;
     result?(result: FrameResult): void;
+    /** The done share of a job that makes no frame, 0 to 1. */
+    share?(share: number): void;
 }
 
 /** Why a job ended without a result. */
@@ -99,6 +101,8 @@ export class Pool {
         switch (message.type) {
             case "progress":
                 return task.listener.progress?.(message.preset, message.stage, message.done, message.total);
+            case "share":
+                return task.listener.share?.(message.share);
             case "result":
                 return task.listener.result?.(message.result);
             case "done":

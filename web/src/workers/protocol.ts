@@ -1,6 +1,6 @@
 // The messages between the page and its workers.
 
-import type { Camera, ChromaKey, PcmvsError, Preset, Scene, Stage, ViewReport, Warning } from "pcmvs";
+import type { Calibration, Camera, ChromaKey, PcmvsError, Preset, Scene, Stage, ViewReport, Warning } from "pcmvs";
 
 /** A file that has not been read yet: on disk, inside a zip, or on the page's own host. */
 export type Entry =
@@ -30,6 +30,7 @@ export type Job =
     | { type: "memory"; cameras: Camera[]; preset: Preset }
     | FrameJob
     | PhotographJob
+    | CalibrateJob
     | { type: "zip"; files: NamedBlob[] }
     | { type: "digest"; blobs: Blob[] }
     | ({ type: "ply" } & PlyInput);
@@ -52,6 +53,14 @@ export interface PhotographJob {
     camera: number;
     view: ViewFiles;
     width: number;
+}
+
+/** Checks the calibration by some frames. */
+export interface CalibrateJob {
+    type: "calibrate";
+    cameras: Camera[];
+    /** The views of all cameras in each frame. */
+    frames: ViewFiles[][];
 }
 
 export interface NamedBlob {
@@ -108,6 +117,12 @@ export interface PhotographResult {
     problem: string | null;
 }
 
+/** What was found. Cameras are indices into those of the job. */
+export interface CalibrateResult extends Calibration {
+    /** Whether two cameras are exchanged in the refined calibration, because their pictures are. */
+    exchanged: boolean;
+}
+
 export interface JobResults {
     open: Scene;
     read: Uint8Array<ArrayBuffer>;
@@ -115,6 +130,7 @@ export interface JobResults {
     memory: number;
     frame: null;
     photograph: PhotographResult;
+    calibrate: CalibrateResult;
     zip: Blob;
     digest: string[];
     ply: Blob;
@@ -125,10 +141,13 @@ export interface Failure {
     message: string;
     camera?: number;
     stage?: Stage;
+    /** Position of the frame in a job that has several. */
+    position?: number;
 }
 
 export type Reply =
     | { type: "progress"; preset: QualityLevel; stage: Stage; done: number; total: number }
+    | { type: "share"; share: number }
     | { type: "result"; result: FrameResult }
     | { type: "done"; value: unknown }
     | { type: "failed"; failure: Failure };

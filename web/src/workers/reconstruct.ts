@@ -2,9 +2,8 @@
 
 import type { Cloud, Frame, Reconstruction, Rig, Stage } from "pcmvs";
 import { failureOf, isFatal } from "./failure";
-import { setSilhouette, withFrame } from "./frame";
+import { loadViews, withFrame } from "./frame";
 import type { FrameJob, FrameStages, QualityLevel, Reply, StageCloud } from "./protocol";
-import { readView } from "./reading";
 
 /** Cameras that a sketch needs at least. */
 const SKETCH_CAMERAS = 8;
@@ -13,26 +12,15 @@ type Send = (message: Reply, transfer?: Transferable[]) => void;
 
 export const reconstruct = (job: FrameJob, send: Send) =>
     withFrame(job.cameras, async (frame, rig) => {
-        const load = async (cameras: number[]) => {
-            const files = await Promise.all(cameras.map((i) => readView(job.views[i])));
-            for (const [n, { image, mask }] of files.entries()) {
-                if (!image) {
-                    frame.setAbsent(cameras[n]);
-                    continue;
-                }
-                frame.setImage(cameras[n], image);
-                setSilhouette(frame, cameras[n], job.views[cameras[n]], mask);
-            }
-        };
         const all = job.views.map((_, i) => i);
         // With many cameras a sketch uses every second one, and is shown before the other pictures are decoded.
         const sketched = (i: number) => all.length < 2 * SKETCH_CAMERAS || i % 2 === 0;
         const early = job.levels.includes("sketch") ? all.filter(sketched) : [];
         let left = all.filter((i) => !early.includes(i));
-        await load(early);
+        await loadViews(frame, job.views, early);
         for (const level of job.levels) {
             if (level !== "sketch") {
-                await load(left);
+                await loadViews(frame, job.views, left);
                 left = [];
             }
             const start = performance.now();

@@ -1,6 +1,7 @@
 // A worker: reads files, decodes, reconstructs. It does one job at a time; the page cancels a job by terminating it.
 
 import { ready } from "pcmvs";
+import { calibrate } from "./calibrate";
 import { failureOf } from "./failure";
 import { memoryOf } from "./frame";
 import { open } from "./open";
@@ -40,6 +41,8 @@ async function run(job: Job): Promise<[unknown, Transferable[]]> {
             const result = await photograph(job);
             return [result, result.silhouette ? [result.picture, result.silhouette] : [result.picture]];
         }
+        case "calibrate":
+            return [await calibrate(job, send), []];
         case "read": {
             const bytes = await read(job.entry);
             return [bytes, [bytes.buffer]];

@@ -1,0 +1,144 @@
+// The check and the refinement of a calibration in Chromium, with and without a camera that was moved.
+import assert from "node:assert/strict";
+import { readFileSync, writeFileSync } from "node:fs";
+import { join } from "node:path";
+import { test } from "node:test";
+import { bump, capture, folder, scene } from "./captures.mjs";
+import { check, download, drive, openFolder, pcmvs, run, text } from "./site.mjs";
+
+const { openWith } = drive();
+
+/** Camera 3 is off by 10 pixels. */
+const bumped = (frames) => capture(frames, (s) => bump(s.cameras[3], 10));
+
+const marked = (page) =>
+    page.$$eval("#strip button[data-warning] span", (spans) => spans.map((s) => s.textContent.split(" ")[0]));
+const warned = (page) => page.$$eval("#warnings [data-code]", (all) => all.map((one) => one.dataset.code));
+
+test("a camera that was moved is named and marked, and the refined cameras are used", async (t) => {
+    const source = bumped([0, 4]);
+    const { page, problems, shot } = await openWith(t, source);
+    await run(page);
+    assert.deepEqual(await warned(page), ["camera-contradicts", "camera-contradicts"]);
+    assert.equal(await page.isVisible("#calibration-section"), false);
+    await check(page);
+    assert.equal((await text(page, "errors")).trim(), "");
+    assert.match(
+        await text(page, "calibration-summary"),
+        /^The calibration can be improved \([\d,]+ points\): epipolar lines miss by \d\.\d\d px, and by 0\.\d\d px with/,
+    );
+    assert.match(await text(page, "calibration-warnings"), /^\s*camera cam03: the camera has moved by \d+\.\d px/);
+    assert.equal(await page.$$eval("#calibration-warnings li", (all) => all.length), 1);
+    assert.deepEqual(await marked(page), ["cam03"]);
+    assert.equal(await page.$$eval("#calibration-figures tbody tr", (all) => all.length), scene.cameras.length);
+    await page.check("#show-cameras");
+    await page.waitForSelector('#strip button:last-child canvas[width="240"]');
+    await page.focus("#canvas");
+    for (let i = 0; i < 9; i++) await page.keyboard.press("-");
+    await shot("calibration");
+    await page.click("#calibration-warnings button");
+    assert.match(await text(page, "through-name"), /^cam03/);
+
+    // The saved scene replaces the one in the folder, and its cameras are those of the command line.
+    const saved = JSON.parse(await download(page, "save-refined"));
+    const original = JSON.parse(readFileSync(join(source, "scene.json"), "utf8"));
+    assert.deepEqual([saved.frames, saved.background, saved.up], [original.frames, original.background, original.up]);
+    const out = join(folder(), "refined");
+    pcmvs("refine", source, "-o", out);
+    const { cameras } = JSON.parse(readFileSync(join(out, "scene.json"), "utf8"));
+    assert.deepEqual(saved.cameras, cameras);
+
+    await page.focus("#use-refined");
+    await page.keyboard.press("Enter");
+    assert.equal(await page.evaluate(() => document.activeElement.id), "use-given");
+    assert.match(await text(page, "calibration-summary"), /^The refined cameras are used/);
+    await run(page);
+    assert.deepEqual(await warned(page), []);
+    assert.deepEqual(await marked(page), []);
+    writeFileSync(join(source, "scene.json"), JSON.stringify(saved));
+    const made = folder();
+    pcmvs("reconstruct", source, "-o", made, "--preset", "hull", "--frames", "0");
+    await page.fill("#scrub", "0");
+    assert.ok((await download(page, "export-glb")).equals(readFileSync(join(made, "frame_0000.glb"))));
+    await shot("calibration-used");
+
+    await page.click("#use-given");
+    assert.equal(await page.evaluate(() => document.activeElement.id), "use-refined");
+    assert.deepEqual(await marked(page), ["cam03"]);
+    await run(page);
+    assert.deepEqual(await warned(page), ["camera-contradicts", "camera-contradicts"]);
+    assert.deepEqual(problems, []);
+});
+
+test("a check of a good calibration says that it fits, and one that is cancelled says nothing", async (t) => {
+    const { page, problems } = await openWith(t, capture([0]));
+    await page.click("#check");
+    assert.equal(await page.isDisabled("#check"), true);
+    await page.waitForFunction(() => document.getElementById("progress").value > 0.3);
+    await page.click("#cancel");
+    assert.match(await text(page, "status"), /^Cancelled/);
+    await page.waitForTimeout(1500);
+    assert.match(await text(page, "status"), /^Cancelled/);
+    assert.equal(await page.isVisible("#calibration-section"), false);
+    await check(page);
+    assert.match(
+        await text(page, "calibration-summary"),
+        /^The calibration fits, and refined cameras would not be better \([\d,]+ points\): epipolar lines miss by 0\.0\d px/,
+    );
+    assert.deepEqual(await marked(page), []);
+    for (const id of ["use-refined", "use-given", "save-refined"]) assert.equal(await page.isVisible(`#${id}`), false);
+    // The result is that of this capture only, and stays when it is reconstructed.
+    await run(page);
+    assert.equal(await page.isVisible("#calibration-section"), true);
+    await openFolder(page, capture([1]));
+    assert.equal(await page.isVisible("#calibration-section"), false);
+    assert.deepEqual(problems, []);
+});
+
+test("a calibration that is off everywhere is a warning about no camera", async (t) => {
+    const off = capture([0], ({ cameras }) => {
+        for (const [i, camera] of cameras.entries()) bump(camera, i % 2 ? 1 : -1, "horizontal");
+    });
+    const { page, problems } = await openWith(t, off);
+    await check(page);
+    assert.match(await text(page, "calibration-summary"), /^The calibration can be improved/);
+    assert.match(await text(page, "calibration-warnings"), /^\s*the calibration does not fit the pictures/);
+    assert.equal(await page.$("#calibration-warnings button"), null);
+    assert.deepEqual(await marked(page), []);
+    assert.deepEqual(problems, []);
+});
+
+test("exchanged cameras are both marked, and the refined cameras exchange them back", async (t) => {
+    const exchanged = capture([0], ({ cameras }) => {
+        const [a, b] = [cameras[2], cameras[7]];
+        [cameras[2], cameras[7]] = [
+            { ...b, name: a.name },
+            { ...a, name: b.name },
+        ];
+    });
+    const { page, problems } = await openWith(t, exchanged);
+    await check(page);
+    assert.deepEqual(await marked(page), ["cam02", "cam07"]);
+    assert.match(await text(page, "calibration-summary"), /^The calibration fits better with two cameras exchanged/);
+    await page.click("#use-refined");
+    await run(page);
+    assert.deepEqual(await warned(page), []);
+    assert.deepEqual(problems, []);
+});
+
+test("a check that fails names frame and camera, and the page keeps working", async (t) => {
+    const broken = capture([0, 1], (s, to) => writeFileSync(join(to, s.frames[1].images[5]), "no picture"));
+    const { page, problems } = await openWith(t, broken);
+    await check(page);
+    assert.match(await text(page, "errors"), /^frame 1: camera cam05: /);
+    assert.match(await text(page, "status"), /^The calibration could not be checked/);
+    // Without silhouettes there is nothing to compare.
+    await openFolder(page, capture([0]));
+    await page.selectOption("#silhouettes", "none");
+    await check(page);
+    assert.notEqual((await text(page, "errors")).trim(), "");
+    await page.selectOption("#silhouettes", "masks");
+    await check(page);
+    assert.match(await text(page, "calibration-summary"), /^The calibration fits/);
+    assert.deepEqual(problems, []);
+});
