@@ -112,7 +112,7 @@ export async function run(page) {
 export async function check(page) {
     await page.click("#check");
     await page.waitForFunction(() => ["checked", "failed"].includes(document.body.dataset.state), undefined, {
-        timeout: 120_000,
+        timeout: 240_000,
     });
 }
 
