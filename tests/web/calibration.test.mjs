@@ -76,9 +76,13 @@ test("a check of a good calibration says that it fits, and one that is cancelled
     assert.equal(await page.isDisabled("#check"), true);
     assert.match(await text(page, "status"), /^Checking the calibration by frames 0, 1, 3, 4$/);
     await page.waitForFunction(() => document.getElementById("progress").value > 0.3);
+    const working = page.workers().length;
     await page.click("#cancel");
     assert.match(await text(page, "status"), /^Cancelled/);
-    await page.waitForTimeout(1500);
+    // Chromium takes two seconds to end a worker that is computing. The check itself would take longer than this.
+    const late = performance.now() + 5000;
+    while (page.workers().length >= working && performance.now() < late) await page.waitForTimeout(100);
+    assert.equal(page.workers().length, working - 1);
     assert.match(await text(page, "status"), /^Cancelled/);
     assert.equal(await page.isVisible("#calibration-section"), false);
     const source = capture([0]);
