@@ -4,7 +4,7 @@ import type { Scene } from "pcmvs";
 import { version } from "../version";
 import type { Pool } from "../workers/pool";
 import type { Clip, ClipFrame } from "./clip";
-import { inspectGlb } from "./glb";
+import { inspectGlb, offsetOf } from "./glb";
 
 export const fileName = (index: number, extension: string) => `frame_${String(index).padStart(4, "0")}.${extension}`;
 
@@ -19,9 +19,11 @@ export function save(blob: Blob, name: string) {
 
 /** A frame as PLY. It differs from the command line's only in the last digits of normals, which a GLB normalises. */
 export async function ply(clip: Clip, frame: ClipFrame, pool: Pool): Promise<Blob> {
-    const { attributes, index } = await clip.geometry(frame);
+    const geometry = await clip.geometry(frame);
+    const { attributes, index } = geometry;
     return pool.run({
         type: "ply",
+        offset: offsetOf(geometry),
         positions: attributes.position.array,
         normals: attributes.normal?.array,
         colours: attributes.color?.array,

@@ -9,20 +9,31 @@ const MAGIC = 0x46546c67;
 /** Bytes of the file's header and that of its first chunk, which is JSON. */
 const HEADERS = 20;
 
-/** The first mesh of a GLB. */
+/**
+ * The first mesh of a GLB. Positions of an object far from the scene's origin are relative to `userData.offset`, because
+ * single precision would spoil its shape.
+ */
 export async function readGeometry(glb: Blob): Promise<BufferGeometry> {
     const { scene } = await loader.parseAsync(await glb.arrayBuffer(), "");
     let found: BufferGeometry | null = null;
     scene.traverse((object) => {
-        if ((object as Mesh).isMesh) found ??= (object as Mesh).geometry;
+        if (!(object as Mesh).isMesh || found) return;
+        found = (object as Mesh).geometry;
+        found.userData.offset = object.position.toArray();
     });
     if (!found) throw new Error("this GLB contains no mesh");
     return found;
 }
 
+/** What must be added to the positions of a geometry. */
+export const offsetOf = (geometry: BufferGeometry): Triple => geometry.userData.offset ?? [0, 0, 0];
+
+type Triple = [number, number, number];
+
 export interface GlbInfo {
-    up?: [number, number, number];
+    up?: Triple;
     triangles: number;
+    /** In the scene's frame. */
     min: number[];
     max: number[];
 }
@@ -36,5 +47,12 @@ export async function inspectGlb(glb: Blob): Promise<GlbInfo> {
     const position = json.accessors?.[primitive?.attributes?.POSITION];
     if (!position) throw new Error("this GLB contains no mesh");
     const corners = json.accessors[primitive.indices]?.count ?? position.count;
-    return { up: json.scenes?.[0]?.extras?.up, triangles: corners / 3, min: position.min, max: position.max };
+    const offset: number[] = json.nodes?.[0]?.translation ?? [0, 0, 0];
+    const moved = (corner: number[]) => corner.map((v, axis) => v + offset[axis]);
+    return {
+        up: json.scenes?.[0]?.extras?.up,
+        triangles: corners / 3,
+        min: moved(position.min),
+        max: moved(position.max),
+    };
 }

@@ -1,5 +1,6 @@
 // The reconstructed surface, or a stage's output in its place.
 import { BufferAttribute, BufferGeometry, Group, LineSegments, type Material, Mesh, Points } from "three";
+import { offsetOf } from "../clip/glb";
 import type { StageCloud, StageMesh } from "../workers/protocol";
 import { POINTS, type Shading, SURFACE_MATERIALS, tagColours } from "./colours";
 import { edges } from "./edges";
@@ -20,6 +21,8 @@ export class Surface {
     /** Shows a mesh. The caller keeps the geometry and disposes of it. */
     show(geometry: BufferGeometry) {
         this.mesh.geometry = geometry;
+        this.mesh.position.fromArray(offsetOf(geometry));
+        this.wires.position.copy(this.mesh.position);
         this.choose();
     }
 

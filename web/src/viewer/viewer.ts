@@ -23,6 +23,7 @@ import {
     Vector3,
     WebGLRenderer,
 } from "three";
+import { offsetOf } from "../clip/glb";
 import type { StageCloud, StageMesh } from "../workers/protocol";
 import { cameraToWorld, fit, projection, upright } from "./cameras";
 import { BLANK, FRUSTUM_LINES, POINTS, type Shading, SURFACE_MATERIALS } from "./colours";
@@ -156,7 +157,8 @@ export class Viewer {
         if (!this.bounds) {
             this.world.updateMatrixWorld(true);
             geometry.computeBoundingBox();
-            this.bounds = (geometry.boundingBox as Box3).clone().applyMatrix4(this.world.matrixWorld);
+            const box = (geometry.boundingBox as Box3).clone().translate(new Vector3(...offsetOf(geometry)));
+            this.bounds = box.applyMatrix4(this.world.matrixWorld);
             this.frame();
         }
         this.draw();

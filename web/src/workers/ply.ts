@@ -2,20 +2,23 @@
 import { version } from "pcmvs";
 import type { PlyInput } from "./protocol";
 
-const VECTORS = ["x", "y", "z", "nx", "ny", "nz"].map((name) => `property float ${name}\n`);
+const properties = (type: string, names: string[]) => names.map((name) => `property ${type} ${name}\n`);
 
-export function writePly({ positions, normals, colours, triangles }: PlyInput): ArrayBuffer {
+export function writePly({ offset, positions, normals, colours, triangles }: PlyInput): ArrayBuffer {
     const vertices = positions.length / 3;
     const corners = triangles ?? Array.from({ length: vertices }, (_, i) => i);
-    const properties = [
-        ...VECTORS.slice(0, normals ? 6 : 3),
-        ...(colours ? ["red", "green", "blue"].map((name) => `property uchar ${name}\n`) : []),
+    // An object far from the scene's origin has an offset. Single precision would spoil its shape.
+    const far = offset.some((v) => v !== 0);
+    const layout = [
+        ...properties(far ? "double" : "float", ["x", "y", "z"]),
+        ...(normals ? properties("float", ["nx", "ny", "nz"]) : []),
+        ...(colours ? properties("uchar", ["red", "green", "blue"]) : []),
     ];
     const header = new TextEncoder().encode(
-        `ply\nformat binary_little_endian 1.0\ncomment pcmvs ${version()}\nelement vertex ${vertices}\n${properties.join("")}` +
+        `ply\nformat binary_little_endian 1.0\ncomment pcmvs ${version()}\nelement vertex ${vertices}\n${layout.join("")}` +
             `element face ${corners.length / 3}\nproperty list uchar uint vertex_indices\nend_header\n`,
     );
-    const row = 12 + (normals ? 12 : 0) + (colours ? 3 : 0);
+    const row = (far ? 24 : 12) + (normals ? 12 : 0) + (colours ? 3 : 0);
     const out = new ArrayBuffer(header.length + vertices * row + (corners.length / 3) * 13);
     new Uint8Array(out).set(header);
     const view = new DataView(out);
@@ -26,7 +29,8 @@ export function writePly({ positions, normals, colours, triangles }: PlyInput): 
     const channels = (colours?.length ?? 0) / vertices;
     const one = colours instanceof Uint8Array ? 255 : colours instanceof Uint16Array ? 65535 : 1;
     for (let i = 0; i < vertices; i++) {
-        floats(positions, i);
+        if (far) for (let k = 0; k < 3; k++, at += 8) view.setFloat64(at, offset[k] + positions[3 * i + k], true);
+        else floats(positions, i);
         if (normals) floats(normals, i);
         if (colours) for (let k = 0; k < 3; k++) view.setUint8(at++, srgb(colours[channels * i + k] / one));
     }

@@ -70,6 +70,8 @@ export interface NamedBlob {
 
 /** A mesh's arrays. Colours are linear light: floats from 0 to 1, or integers over their whole range. */
 export interface PlyInput {
+    /** Must be added to the positions. */
+    offset: [number, number, number];
     positions: ArrayLike<number>;
     normals?: ArrayLike<number>;
     colours?: ArrayLike<number>;
