@@ -73,7 +73,9 @@ impl Scene {
                 | Warning::SilhouetteSetAside { .. }
                 | Warning::SilhouetteCompleted { .. }
                 | Warning::SilhouetteDisagrees { .. } => self.made_of(frame, camera),
-                Warning::CameraContradicts { .. } | Warning::NoStereoPoints { .. } => frame.image(camera),
+                Warning::CameraContradicts { .. }
+                | Warning::PicturesExchanged { .. }
+                | Warning::NoStereoPoints { .. } => frame.image(camera),
                 _ => None,
             }
         });

@@ -11,7 +11,7 @@ use super::{
 use crate::{
     error::Result,
     executor::Executor,
-    hull::{AgreementParams, Carving, HullParams, VisualHull, apart, carve_agreeing},
+    hull::{AgreementParams, Carving, HullParams, VisualHull, apart, carve_agreeing, exchanged},
     point_cloud::Mesh,
     progress::Progress,
     silhouette::Silhouette,
@@ -95,7 +95,8 @@ impl Instant {
         let agreement = params.agreement.as_ref();
         carve_agreeing(&mut carved, agreement, if agreement.is_some() { ROUNDS } else { 0 }, progress)?;
         let apart = agreement.map(|params| apart(&carved.views, &carved.mesh, params)).unwrap_or_default();
-        Ok(Guide { mesh: carved.mesh, footprint: carved.footprint, apart })
+        let exchanged = exchanged(&carved.views, &carved.mesh);
+        Ok(Guide { mesh: carved.mesh, footprint: carved.footprint, apart, exchanged })
     }
 }
 
@@ -128,6 +129,8 @@ pub(super) struct Guide {
     pub(super) footprint: f32,
     /// Places of the cameras whose silhouettes show what the hull of the others does not have, and lack what it has.
     pub(super) apart: Vec<u16>,
+    /// Pairs of places of cameras whose silhouettes fit when they are exchanged.
+    pub(super) exchanged: Vec<[u16; 2]>,
 }
 
 /// How the hull is carved.

@@ -23,7 +23,6 @@ mod report;
 mod residuals;
 mod smooth;
 mod statistics;
-mod swap;
 mod tangents;
 mod track;
 

@@ -1,4 +1,4 @@
-//! How well the silhouettes fit the hull that they carve together.
+//! How well the silhouettes fit the hull that they carve together, and whether two of them are exchanged.
 
 use super::{
     instant::{GuideParams, Instant},
@@ -12,32 +12,45 @@ use crate::{
 };
 use alloc::{vec, vec::Vec};
 
-/// For each camera, by place, the intersection over union of its silhouette and the hull, as the mean over the frames in
-/// which there is a hull.
+/// How the silhouettes fit the hull, over the frames in which there is one.
+pub(super) struct Fit {
+    /// For each camera, by place, the mean intersection over union of its silhouette and the hull.
+    pub(super) overlaps: Vec<Option<f64>>,
+    /// The places of two cameras whose silhouettes fit when they are exchanged, in most frames.
+    pub(super) exchanged: Option<[usize; 2]>,
+}
+
+/// Compares the silhouettes with their hull.
 ///
 /// # Errors
 /// [`Error::Cancelled`], and [`Error::TooFewViews`] if there are too few silhouettes for a hull.
-pub(super) fn overlaps(
+pub(super) fn fit(
     instants: &[Instant],
     models: &[Model],
     hull: &GuideParams,
     executor: &impl Executor,
     progress: &dyn Progress,
-) -> Result<Vec<Option<f64>>> {
+) -> Result<Fit> {
+    let (mut exchanged, mut hulls) = (Vec::new(), 0);
     let mut sums = vec![(0.0, 0_u32); models.len()];
     for instant in instants {
-        let mesh = match instant.hull(models, |_| false, hull, progress) {
-            Ok(guide) => guide.mesh,
+        let guide = match instant.hull(models, |_| false, hull, progress) {
+            Ok(guide) => guide,
             // Silhouettes that agree nowhere overlap nowhere, which the contours' residuals describe better.
             Err(Error::EmptyHull) => continue,
             Err(error) => return Err(error),
         };
-        let found = compare(&instant.views(models, |_| false), &mesh, executor);
+        hulls += 1;
+        exchanged.extend(guide.exchanged);
+        let found = compare(&instant.views(models, |_| false), &guide.mesh, executor);
         for (sum, overlap) in sums.iter_mut().zip(found.into_iter().map(|found| found.overlap)) {
             if let Some(overlap) = overlap {
                 *sum = (sum.0 + f64::from(overlap), sum.1 + 1);
             }
         }
     }
-    Ok(sums.into_iter().map(|(sum, count)| (count > 0).then(|| sum / f64::from(count))).collect())
+    let overlaps = sums.into_iter().map(|(sum, count)| (count > 0).then(|| sum / f64::from(count))).collect();
+    exchanged.sort_unstable();
+    let most = exchanged.chunk_by(|a, b| a == b).find(|same| 2 * same.len() > hulls);
+    Ok(Fit { overlaps, exchanged: most.map(|same| same[0].map(usize::from)) })
 }

@@ -7,12 +7,11 @@ use super::{
     instant::{GuideParams, Instant},
     matching::{self, Brightness},
     model::{Model, PARAMETERS, SHIFT},
-    overlap::overlaps,
+    overlap::{Fit, fit},
     prior::{SHARED, Spread, spreads},
     report::{Calibration, CameraReport, Uncertainty, Verdict},
     residuals::{Residuals, all_tangencies, epipolar_bias, held_out_loss, residuals},
     statistics::{median, robust_sigma},
-    swap::swapped,
     tangents::{self, misses},
     track::{Source, Track},
 };
@@ -114,8 +113,7 @@ pub fn calibrate(
     let part = |part: u32| Part { of: progress, stage: Stage::Detect, part, parts: steps };
     progress::step(progress, Stage::Detect, 0, steps)?;
 
-    let overlaps = overlaps(&instants, &given, &hull, executor, &part(0))?;
-    let swapped = swapped(&given, &instants, &all_tangencies(&instants, &given));
+    let fit = fit(&instants, &given, &hull, executor, &part(0))?;
     let mut models = align_contours(&given, &instants);
     progress::step(progress, Stage::Detect, 1, steps)?;
 
@@ -140,7 +138,7 @@ pub fn calibrate(
         priors: &priors,
         contradicts: &contradicts,
     };
-    let found = judge.result(&overlaps, swapped);
+    let found = judge.result(&fit);
     progress::step(progress, Stage::Detect, steps, steps)?;
     Ok(found)
 }
@@ -261,7 +259,7 @@ struct Judge<'a> {
 }
 
 impl Judge<'_> {
-    fn result(&self, overlaps: &[Option<f64>], swapped: Option<[usize; 2]>) -> Calibration {
+    fn result(&self, fit: &Fit) -> Calibration {
         let Self { rig, instants, given, models, evidence, .. } = self;
         let tracks = &evidence.tracks;
         let before = residuals(instants, given, tracks);
@@ -285,7 +283,7 @@ impl Judge<'_> {
                 refined: after[place],
                 moved_px: moved[place],
                 uncertainty: uncertain[place],
-                silhouette_overlap: overlaps[place],
+                silhouette_overlap: fit.overlaps[place],
                 gain: gains[place],
             };
             if verdict == Verdict::Improved {
@@ -294,7 +292,7 @@ impl Judge<'_> {
         }
         let bias = epipolar_bias(given, tracks).zip(epipolar_bias(models, tracks)).map(|(a, b)| [a, b]);
         let points = tracks.iter().filter(|track| track.source == Source::Texture).count() as u32;
-        let findings = self.findings(verdict, &reports, swapped, bias);
+        let findings = self.findings(verdict, &reports, fit.exchanged, bias);
         Calibration { cameras, verdict, reports, held_out, epipolar_bias_px: bias, points, findings }
     }
 
@@ -302,20 +300,20 @@ impl Judge<'_> {
         &self,
         verdict: Verdict,
         reports: &[CameraReport],
-        swapped: Option<[usize; 2]>,
+        exchanged: Option<[usize; 2]>,
         bias: Option<[f64; 2]>,
     ) -> Vec<Finding> {
         let mut findings = Vec::new();
         let order = self.rig.order();
-        let swapped = swapped.map(|places| places.map(|place| order[place]));
-        if let Some([a, b]) = swapped {
+        let exchanged = exchanged.map(|places| places.map(|place| order[place]));
+        if let Some([a, b]) = exchanged {
             findings.push(Finding::CamerasSwapped { first: a.min(b), second: a.max(b) });
         }
-        let is_swapped = |camera: u32| swapped.is_some_and(|cameras| cameras.contains(&camera));
+        let is_exchanged = |camera: u32| exchanged.is_some_and(|cameras| cameras.contains(&camera));
         let contradicts = |camera: u32| self.rig.place(camera as usize).is_some_and(|place| self.contradicts[place]);
         let mut moved: Vec<f64> = reports.iter().map(|r| r.moved_px).collect();
         let limit = BUMPED[0].max(BUMPED[1] * median(&mut moved).unwrap_or(0.0));
-        for (camera, report) in (0..).zip(reports).filter(|&(camera, _)| !is_swapped(camera)) {
+        for (camera, report) in (0..).zip(reports).filter(|&(camera, _)| !is_exchanged(camera)) {
             if contradicts(camera) {
                 findings.push(Finding::CameraContradicts { camera, contour_px: report.refined.contour_px });
             } else if verdict == Verdict::Improved && report.moved_px > limit {

@@ -3,7 +3,7 @@
 use super::state::Frame;
 use crate::{
     error::Result,
-    hull::{AgreementParams, Carving, Completed, apart, carve_agreeing, completed, contradicting},
+    hull::{AgreementParams, Carving, Completed, apart, carve_agreeing, completed, contradicting, exchanged},
     left_out::LeftOut,
     point_cloud::Mesh,
     progress::Progress,
@@ -44,7 +44,10 @@ impl<R: Deref<Target = Rig> + Sync> Frame<R> {
             let found = contradicting(views, mesh, AgreementParams::BLAME, workspace, progress)?;
             self.contradicting = found.places;
         }
-        for place in apart(&self.views, &self.intermediates.hull, &params) {
+        let mut wrong = apart(&self.views, &self.intermediates.hull, &params);
+        self.exchanged = exchanged(&self.views, &self.intermediates.hull);
+        wrong.extend(self.exchanged.iter().flatten());
+        for place in wrong {
             let view = &mut self.views[usize::from(place)];
             view.take_back();
             view.left_out = Some(LeftOut::Contradicts);

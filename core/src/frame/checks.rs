@@ -41,6 +41,7 @@ impl<R: Deref<Target = Rig> + Sync> Frame<R> {
         }
         self.compared.clear();
         self.contradicting.clear();
+        self.exchanged.clear();
         let doubtful = set_aside_inverted(&mut self.views)?;
         self.carve_and_compare(executor, progress)?;
         let mut again = false;

@@ -71,11 +71,20 @@ impl<R: Deref<Target = Rig>> Frame<R> {
     fn of_complete(&self, view: &View, camera: u32) -> Option<Warning> {
         let overlap = self.compared.get(usize::from(view.index)).and_then(|found| found.overlap).unwrap_or(0.0);
         match view.left_out {
-            Some(LeftOut::Contradicts) => Some(Warning::CameraContradicts { camera, overlap }),
+            Some(LeftOut::Contradicts) => Some(match self.exchanged_with(view.index) {
+                Some(other) => Warning::PicturesExchanged { camera, other },
+                None => Warning::CameraContradicts { camera, overlap },
+            }),
             None if view.is_set_aside() => Some(Warning::SilhouetteSetAside { camera, overlap }),
             None if view.added > 0 => Some(Warning::SilhouetteCompleted { camera, pixels: view.added }),
             _ => of_view(view, camera),
         }
+    }
+
+    /// The camera whose picture is exchanged with that of the view at a place.
+    fn exchanged_with(&self, place: u16) -> Option<u32> {
+        let &[a, b] = self.exchanged.iter().find(|pair| pair.contains(&place))?;
+        Some(self.rig().order()[usize::from(if a == place { b } else { a })])
     }
 
     /// Warnings about silhouettes of used views that disagree with the others.

@@ -44,6 +44,8 @@ pub struct Frame<R> {
     pub(super) compared: Vec<Comparison>,
     /// Places in the rig's order of the views that are believed although they contradict others.
     pub(super) contradicting: Vec<u16>,
+    /// Pairs of places in the rig's order whose pictures are exchanged.
+    pub(super) exchanged: Vec<[u16; 2]>,
     /// The views at the octave of detection, unless that is the view itself. Each is computed on first use.
     octaves: Vec<Once<Option<PyramidLevel<'static>>>>,
     /// One slot per view for its points, used until the stage `Detect` is complete.
@@ -74,6 +76,7 @@ impl<R: Deref<Target = Rig>> Frame<R> {
             hull: None,
             compared: Vec::new(),
             contradicting: Vec::new(),
+            exchanged: Vec::new(),
             octaves: (0..count).map(|_| Once::new()).collect(),
             found: slots(count),
             intermediates: Intermediates::default(),
@@ -241,6 +244,7 @@ impl<R: Deref<Target = Rig>> Frame<R> {
         self.octaves.iter_mut().for_each(|octave| *octave = Once::new());
         self.compared.clear();
         self.contradicting.clear();
+        self.exchanged.clear();
         self.reached = None;
     }
 

@@ -65,6 +65,13 @@ pub enum Warning {
         /// Overlap of the silhouette with the hull of the others, 0 to 1.
         overlap: f32,
     },
+    /// A camera's picture is that of another camera, and the other way round. Neither is used.
+    PicturesExchanged {
+        /// Index of the camera.
+        camera: u32,
+        /// Index of the other camera.
+        other: u32,
+    },
     /// A camera's silhouette excludes what several others show, or fits the others far worse than theirs do, so that it or
     /// the camera's calibration is at fault.
     SilhouetteDisagrees {
@@ -105,6 +112,7 @@ impl Warning {
             Self::SilhouetteSetAside { .. } => "silhouette-set-aside",
             Self::SilhouetteCompleted { .. } => "silhouette-completed",
             Self::CameraContradicts { .. } => "camera-contradicts",
+            Self::PicturesExchanged { .. } => "cameras-swapped",
             Self::SilhouetteDisagrees { .. } => "silhouette-disagrees",
             Self::SilhouettesContradict { .. } => "silhouettes-contradict",
             Self::NoStereoPoints { .. } => "no-stereo-points",
@@ -124,6 +132,7 @@ impl Warning {
             | Self::SilhouetteSetAside { camera, .. }
             | Self::SilhouetteCompleted { camera, .. }
             | Self::CameraContradicts { camera, .. }
+            | Self::PicturesExchanged { camera, .. }
             | Self::SilhouetteDisagrees { camera, .. }
             | Self::NoStereoPoints { camera } => Some(*camera),
             Self::SilhouettesContradict { .. } => None,
@@ -180,6 +189,11 @@ impl Warning {
                 "its picture contradicts the other views, which it agrees with to {:.1} %, so that it is not used: check \
                  whether the camera was moved since its calibration, was exchanged with another one, or is out of step",
                 100.0 * overlap
+            ),
+            Self::PicturesExchanged { other, .. } => format!(
+                "its picture seems to be exchanged with that of {}: each silhouette fits the other camera, so that neither is \
+                 used. Exchange their pictures and masks",
+                name(*other)
             ),
             Self::SilhouetteDisagrees { overlap, median, .. } => format!(
                 "its silhouette disagrees with the other views: it overlaps with the hull to {:.1} % (median of all: {:.1} %): \

@@ -109,13 +109,15 @@ fn a_camera_that_was_moved_a_little_is_named() {
 }
 
 #[test]
-fn two_cameras_that_were_exchanged_are_left_out() {
-    let mut shot = FIGURE.clone();
-    shot.frame.exchange(ONE, ONE + 1);
-    let (mesh, warnings) = hull(&shot);
-    assert_eq!(named(&warnings, "camera-contradicts"), [ONE, ONE + 1], "{warnings:?}");
-    assert_eq!(warnings.len(), 2, "{warnings:?}");
-    assert_hull_of_others(&shot, &mesh, &[ONE, ONE + 1], "two cameras were exchanged");
+fn two_cameras_that_were_exchanged_are_named_and_left_out() {
+    for [a, b] in [[ONE, ONE + 1], [0, 8], [3, 6], [10, 15]] {
+        let mut shot = FIGURE.clone();
+        shot.frame.exchange(a, b);
+        let (mesh, warnings) = hull(&shot);
+        assert_eq!(named(&warnings, "cameras-swapped"), [a, b], "{warnings:?}");
+        assert_eq!(warnings.len(), 2, "{warnings:?}");
+        assert_hull_of_others(&shot, &mesh, &[a, b], "two cameras were exchanged");
+    }
 }
 
 #[test]
