@@ -139,8 +139,9 @@ pub struct Import {
     /// Format of PATH
     #[arg(long, value_enum)]
     pub from: Source,
-    /// Middlebury: folder with *_par.txt. COLMAP: folder with cameras.txt and images.txt. OpenCV: YAML or JSON file, or a
-    /// folder with one such file per camera. transforms: transforms.json or its folder
+    /// Middlebury: folder with *_par.txt. COLMAP: folder with cameras and images, .txt or .bin, or a project with that in
+    /// sparse/0. OpenCV: YAML or JSON file, or a folder with one such file per camera. transforms: transforms.json or its
+    /// folder
     pub path: PathBuf,
     /// Folder of the new scene
     #[arg(short, long = "output", value_name = "SCENE")]
@@ -149,6 +150,8 @@ pub struct Import {
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum Source {
+    /// Whichever of the others PATH contains
+    Auto,
     Middlebury,
     Colmap,
     Opencv,
@@ -156,12 +159,14 @@ pub enum Source {
 }
 
 impl Source {
-    pub const fn source(self) -> pcmvs_scene::Source {
+    /// The format, or none if it is to be recognised.
+    pub const fn source(self) -> Option<pcmvs_scene::Source> {
         match self {
-            Self::Middlebury => pcmvs_scene::Source::Middlebury,
-            Self::Colmap => pcmvs_scene::Source::Colmap,
-            Self::Opencv => pcmvs_scene::Source::Opencv,
-            Self::Transforms => pcmvs_scene::Source::Transforms,
+            Self::Auto => None,
+            Self::Middlebury => Some(pcmvs_scene::Source::Middlebury),
+            Self::Colmap => Some(pcmvs_scene::Source::Colmap),
+            Self::Opencv => Some(pcmvs_scene::Source::Opencv),
+            Self::Transforms => Some(pcmvs_scene::Source::Transforms),
         }
     }
 }

@@ -2,7 +2,7 @@
 //! the scene does not depend on its source.
 
 use crate::{arguments::Import, output};
-use pcmvs_scene::{Disk, FILE_NAME, Failure, import};
+use pcmvs_scene::{Disk, FILE_NAME, Failure, Imported, import, recognise};
 use std::{
     fs,
     path::{Path, PathBuf},
@@ -10,35 +10,86 @@ use std::{
 
 /// Runs the command.
 pub fn run(options: &Import) -> Result<(), Failure> {
-    let mut scene = import(&Disk, options.from.source(), &options.path)?;
+    let source = match options.from.source() {
+        Some(source) => source,
+        None => recognise(&Disk, &options.path)?,
+    };
+    let Imported { mut scene, notes } = import(&Disk, source, &options.path)?;
     let target = options.output.join(FILE_NAME);
     if target.exists() {
         let target = target.display();
         return Err(Failure::Input(format!("{target}: exists already: name another folder or remove that file")));
     }
+    let mut copies = Vec::new();
     let mut masks = 0;
     for frame in &mut scene.frames {
         for (camera, image) in scene.cameras.iter().zip(&mut frame.images) {
             if let Some(image) = image {
-                *image = copy(image, &options.output, "images", &camera.name)?;
+                copies.push(Copy::plan(image, "images", &camera.name)?);
             }
         }
         for (camera, mask) in scene.cameras.iter().zip(frame.masks.iter_mut().flatten()) {
             if let Some(mask) = mask {
-                *mask = copy(mask, &options.output, "masks", &camera.name)?;
+                copies.push(Copy::plan(mask, "masks", &camera.name)?);
                 masks += 1;
             }
         }
     }
+    // Before the first file is written, because the source itself may be in the folder of the scene.
+    for copy in &copies {
+        copy.check(&options.output)?;
+    }
+    for copy in &copies {
+        copy.write(&options.output)?;
+    }
+    output::write_json(&target, &scene)?;
+    for note in notes {
+        eprintln!("note: {note}");
+    }
     println!("{} cameras, {masks} with masks, in {}", scene.cameras.len(), options.output.display());
-    output::write_json(&target, &scene)
+    Ok(())
 }
 
-/// Copies a file into a folder of the scene and names it after the camera. Returns its path relative to the scene.
-fn copy(source: &Path, scene: &Path, folder: &str, name: &str) -> Result<PathBuf, Failure> {
-    let extension = source.extension().unwrap_or_default().to_string_lossy().to_lowercase();
-    let relative = Path::new(folder).join(format!("{name}.{extension}"));
-    let bytes = fs::read(source).map_err(|e| Failure::unreadable(source, &e))?;
-    output::write(&scene.join(&relative), &bytes)?;
-    Ok(relative)
+/// A file to be copied into the scene.
+struct Copy {
+    source: PathBuf,
+    /// Relative to the scene.
+    target: PathBuf,
+}
+
+impl Copy {
+    /// Plans the copy of a picture into a folder of the scene, where it is named after the camera, and changes the path in
+    /// the scene. The name is safe as a file name; see [`Imported`].
+    fn plan(path: &mut PathBuf, folder: &str, camera: &str) -> Result<Self, Failure> {
+        let target = Path::new(folder).join(format!("{camera}.{}", extension(path)?));
+        Ok(Self { source: std::mem::replace(path, target.clone()), target })
+    }
+
+    /// Refuses to replace a file that is not the same already.
+    fn check(&self, scene: &Path) -> Result<(), Failure> {
+        let target = scene.join(&self.target);
+        if target.exists() && read(&target)? != read(&self.source)? {
+            let target = target.display();
+            return Err(Failure::Input(format!("{target}: exists already: name another folder or remove that file")));
+        }
+        Ok(())
+    }
+
+    fn write(&self, scene: &Path) -> Result<(), Failure> {
+        output::write(&scene.join(&self.target), &read(&self.source)?)
+    }
+}
+
+fn read(path: &Path) -> Result<Vec<u8>, Failure> {
+    fs::read(path).map_err(|e| Failure::unreadable(path, &e))
+}
+
+/// The extension for a copy of a picture: its own, or that of its format.
+fn extension(path: &Path) -> Result<String, Failure> {
+    let own = path.extension().unwrap_or_default().to_string_lossy().to_lowercase();
+    if ["png", "jpg", "jpeg"].contains(&own.as_str()) {
+        return Ok(own);
+    }
+    let is_png = read(path)?.starts_with(b"\x89PNG");
+    Ok(String::from(if is_png { "png" } else { "jpg" }))
 }

@@ -10,10 +10,11 @@ mod import;
 mod open;
 mod pictures;
 mod scene;
+mod text;
 
 pub use failure::Failure;
 pub use files::{Disk, Files};
-pub use import::{Source, import};
+pub use import::{Imported, Source, import, recognise};
 pub use open::open;
 pub use pictures::Picture;
 pub use scene::{Background, FILE_NAME, Scene, SceneCamera, SceneFrame, SilhouetteFiles, VERSION};

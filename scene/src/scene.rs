@@ -1,6 +1,6 @@
 //! A captured scene: the strict reader of scene.json.
 
-use crate::{failure::Failure, files::Files};
+use crate::{failure::Failure, files::Files, text};
 use pcmvs_core::Camera;
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
@@ -155,8 +155,7 @@ impl Scene {
         struct Head {
             version: Option<serde_json::Value>,
         }
-        let text =
-            std::str::from_utf8(bytes).map_err(|_| String::from("the file is not UTF-8 text: save it as UTF-8"))?;
+        let text = text::decode(bytes)?;
         let head: Head = serde_json::from_str(text).map_err(|e| syntax_problem(text, &e))?;
         match head.version {
             Some(version) if version == VERSION => {}

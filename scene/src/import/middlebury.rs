@@ -1,7 +1,8 @@
 //! Middlebury's `*_par.txt`: the number of views, then one line per view: name, K, R and t by rows (world to camera).
 
 use super::{
-    source::{failure, find_picture, name_of, picture_size, read_text},
+    names::name_of,
+    source::{failure, find_picture, picture_size, read_text},
     view::{ImportedView, rows},
 };
 use crate::{failure::Failure, files::Files};
@@ -45,13 +46,20 @@ fn parameters(files: &dyn Files, path: &Path) -> Result<PathBuf, Failure> {
 }
 
 fn view(files: &dyn Files, file: &Path, folder: &Path, line: &str) -> Result<ImportedView, Failure> {
-    let mut words = line.split_whitespace();
-    let picture = words.next().unwrap_or_default();
+    // The numbers are read from the end, because a name may contain spaces.
+    let mut picture = line;
+    let mut n = [0.0; 21];
+    let complete = n.iter_mut().rev().all(|number| {
+        let Some((before, word)) = picture.rsplit_once(char::is_whitespace) else { return false };
+        picture = before.trim_end();
+        word.parse().map(|v| *number = v).is_ok()
+    });
     let name = name_of(picture);
-    let numbers: Option<Vec<f64>> = words.map(|word| word.parse().ok()).collect();
-    let Some(Ok(n)) = numbers.map(<[f64; 21]>::try_from) else {
+    // A name that starts with a number too many belongs to a line that has too many numbers.
+    if !complete || picture.split_whitespace().skip(1).any(|word| word.parse::<f64>().is_ok()) {
+        let name = name_of(line.split_whitespace().next().unwrap_or_default());
         return Err(failure(file, &name, "21 numbers are needed after the name: K, R and t by rows"));
-    };
+    }
     let image = find_picture(files, &[folder.to_path_buf(), folder.join("images")], picture).ok_or_else(|| {
         failure(file, &name, &format!("its picture `{picture}` is missing: put it into the folder of this file"))
     })?;

@@ -4,11 +4,17 @@
 //! z forward, the first pixel's centre at (0, 0).
 
 mod colmap;
+mod keys;
+mod lens;
 mod middlebury;
+mod names;
+mod notes;
 mod opencv;
 mod opencv_storage;
+mod recognise;
 mod source;
 mod transforms;
+mod values;
 mod view;
 
 use crate::{
@@ -16,7 +22,9 @@ use crate::{
     files::Files,
     scene::{Scene, SceneCamera, SceneFrame, SilhouetteFiles, VERSION},
 };
+use notes::Notes;
 use pcmvs_core::Camera;
+pub use recognise::{KNOWN, of_folder, recognise};
 use source::{failure, picture_size, usual_mask};
 use std::{
     collections::BTreeSet,
@@ -29,7 +37,7 @@ use view::ImportedView;
 pub enum Source {
     /// A folder with `*_par.txt`, or that file.
     Middlebury,
-    /// A folder with a text model: cameras.txt and images.txt.
+    /// A folder with a model: cameras and images, as text or binary.
     Colmap,
     /// A YAML or JSON file of OpenCV's FileStorage, or a folder with one such file per camera.
     Opencv,
@@ -37,48 +45,94 @@ pub enum Source {
     Transforms,
 }
 
-/// Reads the calibration of another program as a scene with one frame. Picture paths are those of the source.
-pub fn import(files: &dyn Files, source: Source, path: &Path) -> Result<Scene, Failure> {
-    let views = match source {
-        Source::Middlebury => middlebury::read(files, path)?,
-        Source::Colmap => colmap::read(files, path)?,
-        Source::Opencv => opencv::read(files, path)?,
-        Source::Transforms => transforms::read(files, path)?,
-    };
-    let mut names = BTreeSet::new();
-    let (mut cameras, mut images, mut masks) = (Vec::new(), Vec::new(), Vec::new());
-    for view in &views {
-        if !names.insert(view.name.as_str()) {
-            return Err(failure(path, &view.name, "occurs twice: give every camera its own name"));
+impl Source {
+    /// Its name on the command line.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Middlebury => "middlebury",
+            Self::Colmap => "colmap",
+            Self::Opencv => "opencv",
+            Self::Transforms => "transforms",
         }
-        view.camera.check().map_err(|problem| failure(path, &view.name, &problem))?;
-        let [width, height] = picture_size(files, &view.image, &view.name)?;
-        if [width, height] != [view.camera.width, view.camera.height] {
-            let problem = format!(
-                "the picture is {width} x {height} pixels but the camera was calibrated at {} x {}: \
-                 give pictures of the calibrated size",
-                view.camera.width, view.camera.height
-            );
-            return Err(failure(&view.image, &view.name, &problem));
-        }
-        images.push(Some(view.image.clone()));
-        masks.push(view.mask.clone().or_else(|| usual_mask(files, path, &view.image)));
-        cameras.push(scene_camera(view));
     }
-    if cameras.is_empty() {
+}
+
+/// A scene that was made from another program's calibration.
+#[derive(Debug)]
+pub struct Imported {
+    /// The scene, with one frame. Picture paths are those of the source. Camera names differ in more than upper and lower
+    /// case, and are safe as file names.
+    pub scene: Scene,
+    /// What was ignored or assumed, for the user.
+    pub notes: Vec<String>,
+}
+
+/// Reads the calibration of another program.
+pub fn import(files: &dyn Files, source: Source, path: &Path) -> Result<Imported, Failure> {
+    let mut notes = Notes::default();
+    let mut views = match source {
+        Source::Middlebury => middlebury::read(files, path)?,
+        Source::Colmap => colmap::read(files, path, &mut notes)?,
+        Source::Opencv => opencv::read(files, path, &mut notes)?,
+        Source::Transforms => transforms::read(files, path, &mut notes)?,
+    };
+    if views.is_empty() {
         return Err(Failure::Input(format!("{}: contains no camera", path.display())));
     }
-    Ok(Scene {
+    for view in &mut views {
+        view.camera.check().map_err(|problem| failure(path, &view.name, &problem))?;
+        let size = [view.camera.width, view.camera.height];
+        check_size(files, &view.image, &view.name, "picture", size)?;
+        view.mask = view.mask.take().or_else(|| usual_mask(files, path, &view.image));
+        if let Some(mask) = &view.mask {
+            check_size(files, mask, &view.name, "mask", size)?;
+        }
+    }
+    name_cameras(&mut views, path, &mut notes)?;
+    Ok(Imported { scene: scene(&views), notes: notes.into_list() })
+}
+
+fn check_size(files: &dyn Files, file: &Path, camera: &str, what: &str, calibrated: [u32; 2]) -> Result<(), Failure> {
+    let [width, height] = picture_size(files, file, camera)?;
+    if [width, height] == calibrated {
+        return Ok(());
+    }
+    let problem = format!(
+        "the {what} is {width} x {height} pixels but the camera was calibrated at {} x {}: give a {what} of the calibrated \
+         size",
+        calibrated[0], calibrated[1]
+    );
+    Err(failure(file, camera, &problem))
+}
+
+/// Gives every camera a name that is safe as a file name. Two cameras of the same name are an error.
+fn name_cameras(views: &mut [ImportedView], path: &Path, notes: &mut Notes) -> Result<(), Failure> {
+    let names: Vec<&str> = views.iter().map(|view| view.name.as_str()).collect();
+    let mut unique = BTreeSet::new();
+    if let Some(twice) = names.iter().find(|name| !unique.insert(**name)) {
+        return Err(failure(path, twice, "occurs twice: give every camera its own name"));
+    }
+    let safe = names::safe_names(&names, notes);
+    for (view, name) in views.iter_mut().zip(safe) {
+        view.name = name;
+    }
+    Ok(())
+}
+
+fn scene(views: &[ImportedView]) -> Scene {
+    let images = views.iter().map(|view| Some(view.image.clone())).collect();
+    let masks = views.iter().map(|view| view.mask.clone()).collect();
+    Scene {
         version: VERSION,
         units: None,
         up: None,
         fps: None,
-        cameras,
+        cameras: views.iter().map(scene_camera).collect(),
         frames: vec![SceneFrame { index: 0, images, masks: Some(masks) }],
         background: None,
         path: PathBuf::new(),
         silhouettes: SilhouetteFiles::default(),
-    })
+    }
 }
 
 fn scene_camera(view: &ImportedView) -> SceneCamera {

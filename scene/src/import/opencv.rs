@@ -1,10 +1,11 @@
 //! OpenCV calibrations in YAML or JSON, as FileStorage writes them. World to camera and the centre of the first pixel
 //! follow the convention of a scene.
 //!
-//! A file contains one camera, or several as a list `cameras` or as named maps. A folder contains one file per camera.
-//! Of the keys below, the first that exists is used:
+//! A file contains one camera, or several as a list or map `cameras` or as named maps. Keys beside the cameras apply to
+//! all of them. A folder contains one file per camera. Of the keys below, the first that exists is used:
 //! - K: `camera_matrix`, `cameraMatrix`, `K`, `intrinsic_matrix`
-//! - distortion k1 k2 p1 p2 k3: `distortion_coefficients`, `distCoeffs`, `dist_coeffs`, `D`, `distortion`; default: zero
+//! - distortion k1 k2 p1 p2 k3: `distortion_coefficients`, `distCoeffs`, `dist_coeffs`, `D`, `distortion`, or each by its
+//!   name; default: zero
 //! - rotation, as a 3x3 matrix or Rodrigues' vector: `R`, `rotation_matrix`, `rotation`, `rvec`
 //! - translation: `t`, `tvec`, `T`, `translation`
 //! - size: `image_width` and `image_height`, `width` and `height`, or `image_size`; default: the size of the picture
@@ -13,31 +14,62 @@
 //! - mask: `mask`, `mask_path`; default: searched for in `masks`
 
 use super::{
+    keys::{listed, unread},
+    lens,
+    notes::Notes,
     opencv_storage,
     source::{failure, find_picture, picture_size},
+    values::{self, Levels, find, numbers, text, to_array},
     view::{ImportedView, rows},
 };
 use crate::{failure::Failure, files::Files};
 use glam::{DMat3, DQuat, DVec3};
-use opencv_storage::numbers;
 use pcmvs_core::Camera;
-use serde_json::Value;
+use serde_json::{Map, Value};
 use std::path::{Path, PathBuf};
 
 const K: &[&str] = &["camera_matrix", "cameraMatrix", "K", "intrinsic_matrix"];
-const DISTORTION: &[&str] = &["distortion_coefficients", "distCoeffs", "dist_coeffs", "D", "distortion"];
+const DISTORTION: &[&str] =
+    &["distortion_coefficients", "distCoeffs", "dist_coeffs", "distortion_coeffs", "D", "distortion"];
 const ROTATION: &[&str] = &["R", "rotation_matrix", "rotation", "rvec"];
 const TRANSLATION: &[&str] = &["t", "tvec", "T", "translation"];
 const SIZES: [[&str; 2]; 2] = [["image_width", "image_height"], ["width", "height"]];
+const SIZE: &[&str] = &["image_size"];
+const SIZE_PARTS: &[&str] = &["image_width", "image_height", "width", "height"];
+const NAME: &[&str] = &["name"];
+const IMAGE: &[&str] = &["image", "image_path", "file"];
+const MASK: &[&str] = &["mask", "mask_path"];
+/// Keys that look like calibration but do not change it: OpenCV's and ROS' tools write them beside the calibration.
+const HARMLESS: &[&str] = &[
+    "aspectRatio",
+    "extrinsic_parameters",
+    "projection_matrix",
+    "rectification_matrix",
+    "fisheye_model",
+    "model",
+    "lens",
+    "type",
+    "std_deviations_intrinsics",
+    "std_deviations_extrinsics",
+];
+
+type Object = Map<String, Value>;
 
 /// Reads a file, or all YAML and JSON files of a folder that contain a camera.
-pub fn read(files: &dyn Files, path: &Path) -> Result<Vec<ImportedView>, Failure> {
+pub fn read(files: &dyn Files, path: &Path, notes: &mut Notes) -> Result<Vec<ImportedView>, Failure> {
     let mut views = Vec::new();
     for file in calibrations(files, path)? {
         let value = opencv_storage::read(files, &file)?;
         let stem = file.file_stem().unwrap_or_default().to_string_lossy().into_owned();
-        for (name, camera) in cameras(&value, stem) {
-            views.push(view(files, &file, &name, camera)?);
+        let wrong = |problem: String| Failure::Input(format!("{}: {problem}", file.display()));
+        let contents = Contents::new(&value, stem).map_err(wrong)?;
+        if contents.cameras.is_empty() {
+            notes.add(format!("{}: contains no camera and is ignored", file.display()));
+            continue;
+        }
+        contents.check_shared(&file, notes).map_err(wrong)?;
+        for (name, own) in &contents.cameras {
+            views.push(view(files, &file, name, own, &contents.shared, notes)?);
         }
     }
     if views.is_empty() {
@@ -57,79 +89,168 @@ fn calibrations(files: &dyn Files, path: &Path) -> Result<Vec<PathBuf>, Failure>
     Ok(entries.into_iter().filter(known).collect())
 }
 
-fn find<'a>(camera: &'a Value, keys: &[&str]) -> Option<&'a Value> {
-    keys.iter().find_map(|key| camera.get(key))
+/// The cameras of a file, with their names, and the keys beside them.
+struct Contents<'a> {
+    cameras: Vec<(String, &'a Object)>,
+    shared: Object,
 }
 
-/// Names and values of the cameras in a file.
-fn cameras(value: &Value, stem: String) -> Vec<(String, &Value)> {
-    let named = |camera: &Value, otherwise: String| camera["name"].as_str().map_or(otherwise, str::to_owned);
-    let is_camera = |value: &Value| find(value, K).is_some();
-    if is_camera(value) {
-        return vec![(named(value, stem), value)];
+impl<'a> Contents<'a> {
+    fn new(value: &'a Value, stem: String) -> Result<Self, String> {
+        let named = |camera: &Object, otherwise: String| camera.get("name").and_then(text).unwrap_or(otherwise);
+        let object = |name: &str, value: &'a Value| {
+            value.as_object().ok_or_else(|| format!("camera `{name}` is not a map of keys and values"))
+        };
+        if let Some(list) = value.as_array() {
+            return Self::list(list, Object::new());
+        }
+        let Some(top) = value.as_object() else { return Ok(Self { cameras: Vec::new(), shared: Object::new() }) };
+        let beside = |skipped: &dyn Fn(&str, &Value) -> bool| -> Object {
+            top.iter().filter(|(key, value)| !skipped(key, value)).map(|(k, v)| (k.clone(), v.clone())).collect()
+        };
+        match top.get("cameras") {
+            Some(Value::Array(list)) => return Self::list(list, beside(&|key, _| key == "cameras")),
+            Some(Value::Object(map)) => {
+                let cameras: Result<Vec<_>, String> = map
+                    .iter()
+                    .map(|(key, camera)| object(key, camera).map(|camera| (named(camera, key.clone()), camera)))
+                    .collect();
+                return Ok(Self { cameras: cameras?, shared: beside(&|key, _| key == "cameras") });
+            }
+            _ => {}
+        }
+        let is_camera = |value: &Value| {
+            value.as_object().is_some_and(|o| [K, ROTATION, TRANSLATION].iter().any(|keys| find(o, keys).is_some()))
+        };
+        let entries =
+            top.iter().filter_map(|(key, value)| Some((key, value.as_object().filter(|_| is_camera(value))?)));
+        let cameras: Vec<_> = entries.map(|(key, camera)| (named(camera, key.clone()), camera)).collect();
+        if !cameras.is_empty() {
+            return Ok(Self { cameras, shared: beside(&|_, value| is_camera(value)) });
+        }
+        let single = find(top, K).is_some().then(|| (named(top, stem), top));
+        Ok(Self { cameras: single.into_iter().collect(), shared: Object::new() })
     }
-    if let Some(list) = value["cameras"].as_array() {
-        return list.iter().enumerate().map(|(i, c)| (named(c, format!("cam{i:02}")), c)).collect();
+
+    fn list(list: &'a [Value], shared: Object) -> Result<Self, String> {
+        let camera = |(i, value): (usize, &'a Value)| {
+            let camera = value.as_object().ok_or_else(|| format!("camera {i} is not a map of keys and values"))?;
+            Ok((camera.get("name").and_then(text).unwrap_or_else(|| format!("cam{i:02}")), camera))
+        };
+        Ok(Self { cameras: list.iter().enumerate().map(camera).collect::<Result<_, String>>()?, shared })
     }
-    let map = value["cameras"].as_object().or(value.as_object());
-    let entries = map.into_iter().flatten().filter(|(_, camera)| is_camera(camera));
-    entries.map(|(key, camera)| (named(camera, key.clone()), camera)).collect()
+
+    fn check_shared(&self, file: &Path, notes: &mut Notes) -> Result<(), String> {
+        lens::check_model(&self.shared)?;
+        // One pose for all cameras would put them into the same place: it means something else, such as a stereo pair's.
+        for keys in [ROTATION, TRANSLATION] {
+            if let Some((key, _)) = find(&self.shared, keys) {
+                return Err(format!(
+                    "`{key}` stands beside the cameras: give every camera its own pose, world to camera"
+                ));
+            }
+        }
+        note_unread(&self.shared, file, notes)
+    }
 }
 
-fn view(files: &dyn Files, file: &Path, name: &str, value: &Value) -> Result<ImportedView, Failure> {
+fn note_unread(object: &Object, file: &Path, notes: &mut Notes) -> Result<(), String> {
+    let sizes = [SIZE, SIZE_PARTS];
+    let own = [K, DISTORTION, ROTATION, TRANSLATION, NAME, IMAGE, MASK, lens::NAMED, lens::MODEL_KEYS];
+    let understood: Vec<&[&str]> = own.into_iter().chain(sizes).collect();
+    let ignored = unread(object, &understood, HARMLESS)?;
+    if !ignored.is_empty() {
+        notes.add(format!("{}: ignored: {}", file.display(), listed(ignored)));
+    }
+    for keys in [K, DISTORTION, ROTATION, TRANSLATION] {
+        let present: Vec<&str> =
+            keys.iter().copied().filter(|&key| object.get(key).is_some_and(|v| !v.is_null())).collect();
+        if let [used, rest @ ..] = present.as_slice()
+            && !rest.is_empty()
+        {
+            let rest = listed(rest.iter().copied());
+            notes.add(format!("{}: `{used}` is used, and {rest} ignored", file.display()));
+        }
+    }
+    Ok(())
+}
+
+fn view(
+    files: &dyn Files,
+    file: &Path,
+    name: &str,
+    own: &Object,
+    shared: &Object,
+    notes: &mut Notes,
+) -> Result<ImportedView, Failure> {
     let wrong = |problem: String| failure(file, name, &problem);
+    lens::check_model(own).map_err(wrong)?;
+    note_unread(own, file, notes).map_err(wrong)?;
+    let levels = Levels(vec![own, shared]);
     let folder = file.parent().unwrap_or(Path::new(""));
     let folders = [folder.to_path_buf(), folder.join("images")];
-    let picture = find(value, &["image", "image_path", "file"]).and_then(Value::as_str).unwrap_or(name);
-    let image = find_picture(files, &folders, picture).ok_or_else(|| {
+    let path = |keys: &[&str]| -> Result<Option<String>, Failure> {
+        let Some((key, value)) = find(own, keys) else { return Ok(None) };
+        text(value).map(Some).ok_or_else(|| wrong(format!("{key} is not a path")))
+    };
+    let picture = path(IMAGE)?.unwrap_or_else(|| name.to_owned());
+    let image = find_picture(files, &folders, &picture).ok_or_else(|| {
         wrong(format!("its picture `{picture}` is missing: put it in `images` or add the key `image`"))
     })?;
-    let mask = find(value, &["mask", "mask_path"]).and_then(Value::as_str).map(|mask| folder.join(mask));
-    let [width, height] = match size(value).map_err(wrong)? {
+    let mask = match path(MASK)? {
+        Some(mask) => Some(find_picture(files, &folders[..1], &mask).ok_or_else(|| {
+            wrong(format!(
+                "its mask `{mask}` is missing: correct the key `mask`, or remove it and put the mask in `masks`"
+            ))
+        })?),
+        None => None,
+    };
+    let [width, height] = match size(&levels).map_err(wrong)? {
         Some(size) => size,
         None => picture_size(files, &image, name)?,
     };
-    let k = required(value, K).and_then(|n| to_array(&n, "K")).map_err(wrong)?;
-    let t = required(value, TRANSLATION).and_then(|n| to_array(&n, "t")).map_err(wrong)?;
+    let k = required(&levels, K).and_then(|n| to_array(&n, "K")).map_err(wrong)?;
+    let t = required(&Levels(vec![own]), TRANSLATION).and_then(|n| to_array(&n, "t")).map_err(wrong)?;
     let camera = Camera {
         width,
         height,
         k: rows(k),
-        distortion: distortion(value).map_err(wrong)?,
-        r: required(value, ROTATION).and_then(|n| rotation(&n)).map_err(wrong)?,
+        distortion: distortion(&levels).map_err(wrong)?,
+        r: required(&Levels(vec![own]), ROTATION).and_then(|n| rotation(&n)).map_err(wrong)?,
         t,
     };
     Ok(ImportedView { name: name.to_owned(), camera, image, mask })
 }
 
-fn required(value: &Value, keys: &[&str]) -> Result<Vec<f64>, String> {
-    let found = find(value, keys).ok_or_else(|| format!("one of {keys:?} is needed"))?;
-    numbers(found).map_err(|problem| format!("{}: {problem}", keys[0]))
+fn required(levels: &Levels, keys: &[&str]) -> Result<Vec<f64>, String> {
+    let (key, found) = levels.find(keys).ok_or_else(|| format!("one of {keys:?} is needed"))?;
+    numbers(found).map_err(|problem| format!("{key}: {problem}"))
 }
 
-fn to_array<const N: usize>(numbers: &[f64], what: &str) -> Result<[f64; N], String> {
-    numbers.try_into().map_err(|_| format!("{what} has {} numbers, {N} are needed", numbers.len()))
-}
-
-fn size(value: &Value) -> Result<Option<[u32; 2]>, String> {
-    let pair = SIZES.iter().find_map(|[w, h]| Some(vec![value.get(w)?, value.get(h)?]));
-    let pair = pair.or_else(|| Some(vec![value.get("image_size")?]));
-    let Some(pair) = pair else { return Ok(None) };
-    let sizes: Result<Vec<_>, _> = pair.into_iter().map(numbers).collect();
-    let sizes: [f64; 2] = to_array(&sizes?.concat(), "the image's size")?;
-    Ok(Some(sizes.map(|v| v as u32)))
-}
-
-fn distortion(value: &Value) -> Result<[f64; 5], String> {
-    let Some(found) = find(value, DISTORTION) else { return Ok([0.0; 5]) };
-    let numbers = numbers(found).map_err(|problem| format!("{}: {problem}", DISTORTION[0]))?;
-    if numbers.iter().skip(5).any(|&v| v != 0.0) {
-        return Err(String::from(
-            "the distortion has coefficients beyond k1 k2 p1 p2 k3: calibrate without CALIB_RATIONAL_MODEL, \
-             CALIB_THIN_PRISM_MODEL and CALIB_TILTED_MODEL",
-        ));
+fn size(levels: &Levels) -> Result<Option<[u32; 2]>, String> {
+    for [width, height] in SIZES {
+        match (levels.number(&[width])?, levels.number(&[height])?) {
+            (Some(w), Some(h)) => return values::size(w, h).map(Some),
+            (None, None) => {}
+            _ => return Err(format!("{width} and {height} are needed together: add the other, or remove both")),
+        }
     }
-    Ok(std::array::from_fn(|i| numbers.get(i).copied().unwrap_or(0.0)))
+    let Some((key, pair)) = levels.find(SIZE) else { return Ok(None) };
+    let [w, h] = numbers(pair).and_then(|n| to_array(&n, &key))?;
+    values::size(w, h).map(Some)
+}
+
+fn distortion(levels: &Levels) -> Result<[f64; 5], String> {
+    let named = lens::from_names(levels)?;
+    let Some((key, found)) = levels.find(DISTORTION) else { return Ok(named.unwrap_or([0.0; 5])) };
+    let listed =
+        numbers(found).map_err(|problem| format!("{key}: {problem}")).and_then(|n| lens::from_list(&key, &n))?;
+    match named {
+        Some(named) if named != listed => {
+            Err(format!("{key} and the coefficients by name contradict each other: remove those that are wrong"))
+        }
+        _ => Ok(listed),
+    }
 }
 
 /// A rotation from nine numbers by rows, or from Rodrigues' vector (axis times angle in radians).

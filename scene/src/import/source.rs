@@ -1,7 +1,10 @@
 //! The files of a calibrated capture: text, pictures and masks.
 
-use crate::{failure::Failure, files::Files, pictures::Picture};
+use crate::{failure::Failure, files::Files, pictures::Picture, text};
 use std::path::{Path, PathBuf};
+
+/// Extensions of pictures that can be read.
+const EXTENSIONS: [&str; 3] = ["png", "jpg", "jpeg"];
 
 /// An error message that names camera and file.
 pub fn failure(path: &Path, camera: &str, problem: &str) -> Failure {
@@ -12,9 +15,11 @@ pub fn read(files: &dyn Files, path: &Path) -> Result<Vec<u8>, Failure> {
     files.read(path).map_err(|e| Failure::unreadable(path, &e))
 }
 
+/// The text of a file, without a byte order mark.
 pub fn read_text(files: &dyn Files, path: &Path) -> Result<String, Failure> {
-    String::from_utf8(read(files, path)?)
-        .map_err(|_| Failure::Input(format!("{}: the file is not UTF-8 text: save it as UTF-8", path.display())))
+    let bytes = read(files, path)?;
+    let text = text::decode(&bytes).map_err(|problem| Failure::Input(format!("{}: {problem}", path.display())))?;
+    Ok(text.to_owned())
 }
 
 /// Width and height of a picture.
@@ -23,11 +28,45 @@ pub fn picture_size(files: &dyn Files, path: &Path, camera: &str) -> Result<[u32
     Ok([picture.view().width, picture.view().height])
 }
 
-/// The file of this name, with or without the extension of a picture, in the first folder that contains one.
+/// A path without the extension of a picture. Any other dot is part of the name.
+pub fn without_extension(path: &str) -> &str {
+    match path.rsplit_once('.') {
+        Some((stem, extension)) if EXTENSIONS.iter().any(|known| extension.eq_ignore_ascii_case(known)) => stem,
+        _ => path,
+    }
+}
+
+/// The file of this name, with or without the extension of a picture, in the first folder that contains one. The letter
+/// case of the extension does not matter, and `\` separates folders as `/` does.
 pub fn find_picture(files: &dyn Files, folders: &[PathBuf], name: &str) -> Option<PathBuf> {
-    let spelled =
-        |folder: &PathBuf| ["", ".png", ".jpg", ".jpeg"].map(|extension| folder.join(format!("{name}{extension}")));
-    folders.iter().flat_map(spelled).find(|path| files.is_file(path))
+    let slashes = name.replace('\\', "/");
+    let names: &[&str] = if slashes == name { &[name] } else { &[name, &slashes] };
+    let spelled = |folder: &PathBuf, name: &str| {
+        let exact = ["", ".png", ".jpg", ".jpeg"].map(|extension| folder.join(format!("{name}{extension}")));
+        exact.into_iter().find(|path| files.is_file(path)).or_else(|| in_any_case(files, &folder.join(name)))
+    };
+    folders.iter().find_map(|folder| names.iter().find_map(|name| spelled(folder, name)))
+}
+
+/// The file of this path, whose extension may be missing or in another letter case.
+fn in_any_case(files: &dyn Files, path: &Path) -> Option<PathBuf> {
+    let name = path.file_name()?.to_str()?;
+    let folder = path.parent()?;
+    if !files.is_folder(folder) {
+        return None;
+    }
+    let entries = files.list(folder).ok()?;
+    let matching = |wanted: &dyn Fn(&str, &str) -> bool| {
+        entries.iter().find(|entry| {
+            let entry_name = entry.file_name().and_then(|name| name.to_str()).unwrap_or_default();
+            let stem = without_extension(entry_name);
+            stem != entry_name && wanted(entry_name, stem) && files.is_file(entry)
+        })
+    };
+    let stem = without_extension(name);
+    let found = matching(&|entry, of_entry| stem != name && of_entry == stem && entry.eq_ignore_ascii_case(name))
+        .or_else(|| matching(&|_, of_entry| of_entry == name));
+    found.map(|entry| folder.join(entry.file_name().unwrap_or_default()))
 }
 
 /// A mask in a folder `masks`: in the folder of the pictures, next to it, or in the capture's folder. It has the stem of
@@ -37,13 +76,7 @@ pub fn usual_mask(files: &dyn Files, capture: &Path, image: &Path) -> Option<Pat
     let capture = if files.is_folder(capture) { capture } else { capture.parent()? };
     let beside = folder.parent().unwrap_or(folder);
     let folders = [folder, beside, capture].map(|f| f.join("masks"));
-    let name = |part: Option<&std::ffi::OsStr>| part.map(|s| s.to_string_lossy().into_owned());
-    let find = |name: String| find_picture(files, &folders, &name);
-    find(name(image.file_stem())?).or_else(|| find(name(image.file_name())?))
-}
-
-/// A camera name from the path of its picture. Folders become part of the name.
-pub fn name_of(path: &str) -> String {
-    let path = Path::new(path.trim_start_matches("./")).with_extension("");
-    path.to_string_lossy().replace(['/', '\\'], "_")
+    let full = image.file_name()?.to_string_lossy().into_owned();
+    let find = |name: &str| find_picture(files, &folders, name);
+    find(without_extension(&full)).or_else(|| find(&full))
 }

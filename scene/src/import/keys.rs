@@ -1,0 +1,97 @@
+//! Keys of a calibration file that no importer reads. Those that look like calibration are errors, so that nothing which
+//! changes the geometry is lost; the others are named in a note.
+
+use super::{lens::plain, values::is_neutral};
+use serde_json::{Map, Value};
+
+/// Parts of keys that describe a lens. Zero means that there is nothing to describe.
+const LENS: &[&str] = &[
+    "dist",
+    "lens",
+    "fish",
+    "omni",
+    "radial",
+    "tangential",
+    "prism",
+    "skew",
+    "shutter",
+    "ftheta",
+    "orthographic",
+    "shift",
+];
+/// Parts of keys that describe the projection or the pose.
+const GEOMETRY: &[&str] = &[
+    "focal",
+    "fov",
+    "intrin",
+    "extrin",
+    "rotation",
+    "rotmat",
+    "translation",
+    "transform",
+    "transl",
+    "pose",
+    "matrix",
+    "principal",
+    "c2w",
+    "w2c",
+    "cam2world",
+    "world2cam",
+    "worldtocam",
+    "camtoworld",
+    "quat",
+    "euler",
+    "rodrigues",
+    "rvec",
+    "tvec",
+    "model",
+    "projection",
+    "convention",
+    "coordinatesystem",
+    "pixelcentre",
+    "pixelcenter",
+    "sensorwidth",
+    "sensorheight",
+    "pixelaspect",
+];
+/// Whole keys that describe the projection or the pose.
+const WHOLE: &[&str] = &["r", "t", "rt", "k", "p", "c", "q", "fx", "fy", "cx", "cy", "f", "rot", "trans", "crop"];
+
+/// Whether a key that is not understood could change the geometry.
+fn looks_like_calibration(key: &str, value: &Value) -> bool {
+    let name = plain(key);
+    let has = |parts: &[&str]| parts.iter().any(|part| name.contains(part));
+    let coefficient =
+        name.strip_prefix(['k', 'p', 's']).is_some_and(|rest| !rest.is_empty() && rest.parse::<u8>().is_ok());
+    let lens = (has(LENS) || coefficient || name == "xi" || name.starts_with("tau")) && !is_neutral(value);
+    lens || (has(GEOMETRY) || WHOLE.contains(&name.as_str())) && !value.is_null()
+}
+
+/// The keys of an object that are neither understood nor harmless and do not look like calibration. A key that does look
+/// like calibration is an error.
+pub fn unread<'a>(
+    object: &'a Map<String, Value>,
+    understood: &[&[&str]],
+    harmless: &[&str],
+) -> Result<Vec<&'a str>, String> {
+    let mut ignored = Vec::new();
+    for (key, value) in object {
+        let key = key.as_str();
+        if understood.iter().any(|keys| keys.contains(&key)) {
+            continue;
+        }
+        if !harmless.contains(&key) && looks_like_calibration(key, value) {
+            return Err(format!(
+                "the key `{key}` looks like calibration but is not understood: remove it if it does not matter, or convert \
+                 it to a key that is"
+            ));
+        }
+        ignored.push(key);
+    }
+    Ok(ignored)
+}
+
+/// Key names for a message.
+pub fn listed<'a>(keys: impl IntoIterator<Item = &'a str>) -> String {
+    keys.into_iter().map(|key| format!("`{key}`")).collect::<Vec<_>>().join(", ")
+}

@@ -1,0 +1,69 @@
+//! Recognises the program that wrote a calibration.
+
+use super::{Source, colmap, source, transforms};
+use crate::{failure::Failure, files::Files};
+use std::path::{Path, PathBuf};
+
+/// What is recognised, for messages.
+pub const KNOWN: &str = "Middlebury's *_par.txt, a COLMAP model (cameras and images, .txt or .bin), transforms.json or OpenCV \
+                         calibrations (.yml, .yaml, .json)";
+
+/// The program whose calibration a path names. A folder with calibrations of several programs is an error.
+pub fn recognise(files: &dyn Files, path: &Path) -> Result<Source, Failure> {
+    if !files.is_folder(path) {
+        return of_file(files, path);
+    }
+    let entries = files.list(path).map_err(|e| Failure::unreadable(path, &e))?;
+    let mut found = of_folder(files, path, &entries);
+    let wrong = |problem: String| Failure::Input(format!("{}: {problem}", path.display()));
+    match (found.pop(), &found[..]) {
+        (None, _) => Err(wrong(format!("no calibration was recognised: name {KNOWN}, or give its format with --from"))),
+        (Some((source, _)), []) => Ok(source),
+        (Some((last, _)), others) => {
+            let names: Vec<&str> = others.iter().map(|(source, _)| source.name()).chain([last.name()]).collect();
+            Err(wrong(format!("there are several calibrations: choose one with --from {}", names.join(" or --from "))))
+        }
+    }
+}
+
+fn of_file(files: &dyn Files, path: &Path) -> Result<Source, Failure> {
+    let name = path.file_name().unwrap_or_default().to_string_lossy().to_lowercase();
+    let ends = |ends: &[&str]| ends.iter().any(|end| name.ends_with(end));
+    if ends(&["_par.txt"]) {
+        Ok(Source::Middlebury)
+    } else if ["cameras.txt", "cameras.bin", "images.txt", "images.bin"].contains(&name.as_str()) {
+        Ok(Source::Colmap)
+    } else if ends(&[".yml", ".yaml"]) {
+        Ok(Source::Opencv)
+    } else if ends(&[".json"]) {
+        let text = source::read_text(files, path)?;
+        let value: serde_json::Value = serde_json::from_str(&text)
+            .map_err(|e| Failure::Input(format!("{}: {e}: correct that line", path.display())))?;
+        Ok(if value.get("frames").is_some() { Source::Transforms } else { Source::Opencv })
+    } else {
+        Err(Failure::Input(format!(
+            "{}: is not recognised: name {KNOWN}, or give its format with --from",
+            path.display()
+        )))
+    }
+}
+
+/// The programs whose calibrations a folder contains, and their paths. The most specific comes first.
+pub fn of_folder(files: &dyn Files, folder: &Path, entries: &[PathBuf]) -> Vec<(Source, PathBuf)> {
+    let name = |path: &PathBuf| path.file_name().unwrap_or_default().to_string_lossy().to_lowercase();
+    let any = |test: &dyn Fn(&str) -> bool| entries.iter().find(|path| test(&name(path)));
+    let mut found = Vec::new();
+    if let Some(path) = any(&|name| name.ends_with("_par.txt")) {
+        found.push((Source::Middlebury, path.clone()));
+    }
+    if colmap::model_folders(folder).iter().any(|model| colmap::is_model(files, model)) {
+        found.push((Source::Colmap, folder.to_path_buf()));
+    }
+    if any(&|name| name == "transforms.json" || transforms::is_split(name)).is_some() {
+        found.push((Source::Transforms, folder.to_path_buf()));
+    }
+    if any(&|name| name.ends_with(".yml") || name.ends_with(".yaml")).is_some() {
+        found.push((Source::Opencv, folder.to_path_buf()));
+    }
+    found
+}

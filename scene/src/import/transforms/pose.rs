@@ -1,0 +1,28 @@
+//! The pose of a frame.
+
+use crate::import::values::numbers;
+use glam::{DMat3, DVec3};
+use serde_json::Value;
+
+/// World to camera with y down and z forward, from camera to world with y up and z backward: a matrix with three rows and
+/// perhaps 0 0 0 1 below them.
+pub fn world_to_camera(matrix: &Value) -> Result<([[f64; 3]; 3], [f64; 3]), String> {
+    let wrong = |problem: &str| format!("transform_matrix {problem}");
+    let rows = matrix.as_array().ok_or_else(|| wrong("is not a matrix: write 4 rows of 4 numbers"))?;
+    let nested = rows.iter().all(|row| row.as_array().is_some_and(|row| row.len() == 4));
+    let list = numbers(matrix).map_err(|problem| wrong(&format!("has a wrong entry: {problem}")))?;
+    // Some data sets have 0 0 0 1 twice.
+    let complete = matches!(list.len(), 12 | 16 | 20);
+    if !complete || !(nested || rows.iter().all(|row| !row.is_array())) {
+        return Err(wrong("must have 3 or 4 rows of 4 numbers: export it again"));
+    }
+    if list[12..].chunks_exact(4).any(|row| row != [0.0, 0.0, 0.0, 1.0]) {
+        return Err(wrong("must have 0 0 0 1 in its last row: it may be transposed, export it by rows"));
+    }
+    let row = |i: usize| [list[4 * i], list[4 * i + 1], list[4 * i + 2]];
+    // The rows are taken as columns, which gives the inverse rotation.
+    let rotation = DMat3::from_cols_array_2d(&[row(0), row(1), row(2)]);
+    let rotation = DMat3::from_diagonal(DVec3::new(1.0, -1.0, -1.0)) * rotation;
+    let translation = -(rotation * DVec3::new(list[3], list[7], list[11]));
+    Ok((rotation.transpose().to_cols_array_2d(), translation.to_array()))
+}
