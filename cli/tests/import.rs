@@ -2,7 +2,19 @@
 //! same pixel through the imported camera.
 #![allow(clippy::disallowed_methods, reason = "no result depends on the tests' own numbers")]
 
+#[path = "import/binary.rs"]
+mod binary;
 mod common;
+#[path = "import/lenses.rs"]
+mod lenses;
+#[path = "import/masks.rs"]
+mod masks;
+#[path = "import/names.rs"]
+mod own_names;
+#[path = "import/text.rs"]
+mod text;
+#[path = "import/transforms.rs"]
+mod transforms;
 
 use common::{HEIGHT, WIDTH, names, pcmvs, stderr};
 use glam::{DVec2, DVec3};
@@ -34,6 +46,11 @@ fn source(file: &str, text: &str, pictures: &[&str], masks: &[&str]) -> TempDir 
 
 /// Imports a source and returns scene.json.
 fn import(from: &str, path: &Path) -> Value {
+    import_with_notes(from, path).0
+}
+
+/// Imports a source and returns scene.json and the notes.
+fn import_with_notes(from: &str, path: &Path) -> (Value, String) {
     let target = tempfile::tempdir().unwrap();
     let output = pcmvs().args(["import", "--from", from]).arg(path).arg("-o").arg(target.path()).output().unwrap();
     assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
@@ -44,7 +61,7 @@ fn import(from: &str, path: &Path) -> Value {
             assert!(target.path().join(path).is_file(), "{path}");
         }
     }
-    scene
+    (scene, stderr(&output))
 }
 
 /// Imports a source that must be refused, and returns the message.
@@ -248,36 +265,4 @@ fn camera_as(camera: &Value, name: &str) -> Value {
     let mut camera = camera.clone();
     camera["name"] = json!(name);
     camera
-}
-
-#[test]
-fn transforms_are_camera_to_world_with_opengl_axes() {
-    // The camera's axes in the world, OpenGL: right, up, backward.
-    let [right, up, back] = [DVec3::X, DVec3::Y, DVec3::Z].map(|axis| turn(axis, AXIS, ANGLE));
-    let centre = POINT + back * 3.0 + right * 0.4 - up * 0.2;
-    let row = |pick: fn(DVec3) -> f64| json!([pick(right), pick(up), pick(back), pick(centre)]);
-    let matrix = json!([row(|v| v.x), row(|v| v.y), row(|v| v.z), [0, 0, 0, 1]]);
-    let pictures = ["images/a.png", "images/b.png"];
-    // The point is 3 ahead, 0.4 to the left and 0.2 up. Smaller rows are further up.
-    let seen = |fx: f64, fy: f64, cx: f64, cy: f64| DVec2::new(fx * -0.4 / 3.0 + cx - 0.5, -fy * 0.2 / 3.0 + cy - 0.5);
-
-    let file = json!({
-        "fl_x": 60.0, "fl_y": 70.0, "cx": 30.0, "cy": 20.0, "w": WIDTH, "h": HEIGHT,
-        "frames": [
-            { "file_path": "./images/a.png", "transform_matrix": matrix },
-            { "file_path": "images/b", "transform_matrix": matrix, "fl_x": 80.0, "mask_path": "masks/other.png" },
-        ],
-    });
-    let folder = source("transforms.json", &file.to_string(), &pictures, &["masks/a.png", "masks/other.png"]);
-    let scene = import("transforms", folder.path());
-    assert_sees(&scene, 0, seen(60.0, 70.0, 30.0, 20.0));
-    assert_sees(&scene, 1, seen(80.0, 70.0, 30.0, 20.0));
-    assert_eq!(scene["frames"][0]["masks"], json!(["masks/images_a.png", "masks/images_b.png"]));
-
-    // Blender gives only the angle of view, and the axis goes through the centre of the picture.
-    let angle = 0.9_f64;
-    let file = json!({ "camera_angle_x": angle, "frames": [{ "file_path": "images/a", "transform_matrix": matrix }] });
-    let folder = source("transforms.json", &file.to_string(), &pictures, &[]);
-    let focal = f64::from(WIDTH) / 2.0 / (angle / 2.0).tan();
-    assert_sees(&import("transforms", folder.path()), 0, seen(focal, focal, 32.0, 24.0));
 }

@@ -6,15 +6,18 @@ use serde_json::{Map, Value};
 
 /// Parts of keys that describe a lens. Zero means that there is nothing to describe.
 const LENS: &[&str] = &[
-    "dist",
-    "lens",
+    "distort",
+    "distcoef",
+    "distparam",
+    "lensparam",
+    "lenscoef",
     "fish",
     "omni",
     "radial",
     "tangential",
     "prism",
     "skew",
-    "shutter",
+    "rollingshutter",
     "ftheta",
     "orthographic",
     "shift",
@@ -29,7 +32,6 @@ const GEOMETRY: &[&str] = &[
     "rotmat",
     "translation",
     "transform",
-    "transl",
     "pose",
     "matrix",
     "principal",
@@ -39,30 +41,30 @@ const GEOMETRY: &[&str] = &[
     "world2cam",
     "worldtocam",
     "camtoworld",
+    "cameratoworld",
+    "quaternion",
     "quat",
     "euler",
     "rodrigues",
     "rvec",
     "tvec",
-    "model",
-    "projection",
     "convention",
     "coordinatesystem",
     "pixelcentre",
     "pixelcenter",
-    "sensorwidth",
-    "sensorheight",
     "pixelaspect",
 ];
-/// Whole keys that describe the projection or the pose.
-const WHOLE: &[&str] = &["r", "t", "rt", "k", "p", "c", "q", "fx", "fy", "cx", "cy", "f", "rot", "trans", "crop"];
+/// Whole keys that describe the projection, the lens or the pose.
+const WHOLE: &[&str] =
+    &["r", "t", "rt", "k", "p", "c", "q", "d", "fx", "fy", "cx", "cy", "f", "rot", "trans", "crop", "dist"];
+/// Parts of keys that only resemble those above.
+const OTHERS: &[&str] = &["exposure", "expose", "purpose"];
 
 /// Whether a key that is not understood could change the geometry.
 fn looks_like_calibration(key: &str, value: &Value) -> bool {
-    let name = plain(key);
+    let name = OTHERS.iter().fold(plain(key), |name, other| name.replace(other, ""));
     let has = |parts: &[&str]| parts.iter().any(|part| name.contains(part));
-    let coefficient =
-        name.strip_prefix(['k', 'p', 's']).is_some_and(|rest| !rest.is_empty() && rest.parse::<u8>().is_ok());
+    let coefficient = name.strip_prefix(['k', 'p', 's']).is_some_and(|rest| rest.parse::<u8>().is_ok());
     let lens = (has(LENS) || coefficient || name == "xi" || name.starts_with("tau")) && !is_neutral(value);
     lens || (has(GEOMETRY) || WHOLE.contains(&name.as_str())) && !value.is_null()
 }
@@ -94,4 +96,28 @@ pub fn unread<'a>(
 /// Key names for a message.
 pub fn listed<'a>(keys: impl IntoIterator<Item = &'a str>) -> String {
     keys.into_iter().map(|key| format!("`{key}`")).collect::<Vec<_>>().join(", ")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use serde_json::json;
+
+    #[test]
+    fn keys_that_could_change_the_geometry_are_recognised() {
+        let one = json!(1.5);
+        for key in ["c2w", "camera_pose", "rot_matrix", "k7", "lens_params", "fov_x", "shift_x", "dist", "quat"] {
+            let refused = unread(json!({ key: one }).as_object().unwrap(), &[], &[]).is_err();
+            assert_eq!(refused, key != "{key}");
+        }
+        for key in
+            ["exposure_time", "shutter_speed", "avg_reprojection_error", "distance", "aabb_scale", "serial", "comment"]
+        {
+            assert_eq!(unread(json!({ key: one }).as_object().unwrap(), &[], &[]), Ok(vec![key]));
+        }
+        assert_eq!(
+            unread(json!({ "k7": 0, "skew": 0.0, "fov": null }).as_object().unwrap(), &[], &[]).unwrap().len(),
+            3
+        );
+    }
 }

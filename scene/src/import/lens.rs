@@ -15,15 +15,11 @@ pub const MODEL_KEYS: &[&str] = &[
     "lensModel",
     "projection_model",
     "projectionModel",
-    "camera_type",
-    "cameraType",
     "distortion_type",
     "projection_type",
     "projection",
     "lens_type",
 ];
-/// Keys that may name a lens model, or something else such as the maker's model.
-pub const VAGUE_MODEL_KEYS: &[&str] = &["model", "lens", "type"];
 /// Models that are OpenCV's or special cases of it. The coefficients decide whether a scene can hold them.
 const MODELS: &[&str] = &[
     "",
@@ -49,24 +45,44 @@ const MODELS: &[&str] = &[
     "pinholecamera",
     "pinholebrown",
 ];
-/// Parts of the names of other models.
+/// Parts of the names of other models, for keys that may also name the maker's model.
 const OTHER_MODELS: &[&str] = &[
     "fish",
-    "equi",
-    "omni",
-    "spher",
-    "pano",
+    "equidist",
+    "equirect",
+    "omnidir",
+    "spheric",
+    "panoram",
     "kannala",
     "latlong",
     "catadioptric",
-    "mei",
     "ftheta",
-    "ortho",
-    "division",
-    "thinprism",
-    "eucm",
-    "vr180",
+    "orthog",
 ];
+/// Names of other models, whatever the key is.
+const OTHER_NAMES: &[&str] = &[
+    "fisheye",
+    "opencvfisheye",
+    "simpleradialfisheye",
+    "radialfisheye",
+    "thinprismfisheye",
+    "equidistant",
+    "equirectangular",
+    "omnidirectional",
+    "omnidir",
+    "omni",
+    "kannalabrandt",
+    "kannalabrandt4",
+    "kannalabrandt8",
+    "unified",
+    "eucm",
+    "doublesphere",
+    "spherical",
+    "panoramic",
+    "orthographic",
+];
+/// Keys whose value is a name or a path.
+const NAMES_OF_FILES: &[&str] = &["name", "image", "image_path", "file", "file_path", "mask", "mask_path"];
 /// Parts of keys that belong to other models. They are harmless if their value is zero or false.
 const OTHER_KEYS: &[&str] = &[
     "fish",
@@ -100,15 +116,16 @@ pub fn check_model(object: &Map<String, Value>) -> Result<(), String> {
         if (OTHER_KEYS.iter().any(|part| name.contains(part)) || name == "xi") && !is_neutral(value) {
             return Err(format!("`{key}` says that the lens is not a pinhole with OpenCV's distortion: {REMEDY}"));
         }
-        let strict = MODEL_KEYS.contains(&key.as_str());
-        if !(strict || VAGUE_MODEL_KEYS.contains(&key.as_str())) || value.is_null() {
-            continue;
-        }
         let model = value.as_str().map(plain);
-        let refused = match model {
-            Some(model) if strict => !MODELS.contains(&model.as_str()),
-            Some(model) => OTHER_MODELS.iter().any(|part| model.contains(part)),
-            None => strict || value.is_object(),
+        let vague = ["type", "cameratype"].contains(&name.as_str())
+            || ["model", "lens", "projection"].iter().any(|part| name.contains(part));
+        let refused = match model.as_deref() {
+            Some(model) if MODEL_KEYS.contains(&key.as_str()) => !MODELS.contains(&model),
+            Some(model) => {
+                OTHER_NAMES.contains(&model) && !NAMES_OF_FILES.contains(&key.as_str())
+                    || vague && OTHER_MODELS.iter().any(|part| model.contains(part))
+            }
+            None => MODEL_KEYS.contains(&key.as_str()) && !is_neutral(value),
         };
         if refused {
             return Err(format!("{key} {value} is not supported: {REMEDY}"));

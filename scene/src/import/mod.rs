@@ -27,7 +27,7 @@ use pcmvs_core::Camera;
 pub use recognise::{KNOWN, of_folder, recognise};
 use source::{failure, picture_size, usual_mask};
 use std::{
-    collections::BTreeSet,
+    collections::{BTreeMap, BTreeSet},
     path::{Path, PathBuf},
 };
 use view::ImportedView;
@@ -79,16 +79,28 @@ pub fn import(files: &dyn Files, source: Source, path: &Path) -> Result<Imported
     if views.is_empty() {
         return Err(Failure::Input(format!("{}: contains no camera", path.display())));
     }
+    let mut found = BTreeMap::new();
     for view in &mut views {
         view.camera.check().map_err(|problem| failure(path, &view.name, &problem))?;
         let size = [view.camera.width, view.camera.height];
         check_size(files, &view.image, &view.name, "picture", size)?;
-        view.mask = view.mask.take().or_else(|| usual_mask(files, path, &view.image));
+        if view.mask.is_none()
+            && let Some(mask) = usual_mask(files, path, &view.image)
+        {
+            if let Some(other) = found.insert(mask.clone(), view.name.clone()) {
+                let problem = format!(
+                    "would be the mask of camera `{other}` too: repeat the folders of the pictures in the folder of the masks"
+                );
+                return Err(failure(&mask, &view.name, &problem));
+            }
+            view.mask = Some(mask);
+        }
         if let Some(mask) = &view.mask {
             check_size(files, mask, &view.name, "mask", size)?;
         }
     }
     name_cameras(&mut views, path, &mut notes)?;
+    note_equal_cameras(&views, &mut notes);
     Ok(Imported { scene: scene(&views), notes: notes.into_list() })
 }
 
@@ -117,6 +129,21 @@ fn name_cameras(views: &mut [ImportedView], path: &Path, notes: &mut Notes) -> R
         view.name = name;
     }
     Ok(())
+}
+
+/// A clip in the form of many cameras would be one frame of pictures that contradict each other.
+fn note_equal_cameras(views: &[ImportedView], notes: &mut Notes) {
+    let equal = |a: &Camera, b: &Camera| (a.r, a.t, a.k) == (b.r, b.t, b.k);
+    let pair = views.iter().enumerate().find_map(|(i, a)| {
+        let b = views[..i].iter().find(|b| equal(&a.camera, &b.camera))?;
+        Some((&b.name, &a.name))
+    });
+    if let Some((a, b)) = pair {
+        notes.add(format!(
+            "cameras `{a}` and `{b}` have the same pose and focal length: if their pictures show different instants, import \
+             every instant by itself"
+        ));
+    }
 }
 
 fn scene(views: &[ImportedView]) -> Scene {

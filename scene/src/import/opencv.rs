@@ -41,14 +41,9 @@ const IMAGE: &[&str] = &["image", "image_path", "file"];
 const MASK: &[&str] = &["mask", "mask_path"];
 /// Keys that look like calibration but do not change it: OpenCV's and ROS' tools write them beside the calibration.
 const HARMLESS: &[&str] = &[
-    "aspectRatio",
     "extrinsic_parameters",
     "projection_matrix",
     "rectification_matrix",
-    "fisheye_model",
-    "model",
-    "lens",
-    "type",
     "std_deviations_intrinsics",
     "std_deviations_extrinsics",
 ];
@@ -64,6 +59,11 @@ pub fn read(files: &dyn Files, path: &Path, notes: &mut Notes) -> Result<Vec<Imp
         let wrong = |problem: String| Failure::Input(format!("{}: {problem}", file.display()));
         let contents = Contents::new(&value, stem).map_err(wrong)?;
         if contents.cameras.is_empty() {
+            let parts = [DISTORTION, ROTATION, TRANSLATION];
+            let part = value.as_object().and_then(|top| parts.iter().find_map(|keys| find(top, keys)));
+            if let Some((key, _)) = part {
+                return Err(wrong(format!("has `{key}`, but none of the keys {K:?}: add K, or move the file away")));
+            }
             notes.add(format!("{}: contains no camera and is ignored", file.display()));
             continue;
         }

@@ -28,6 +28,8 @@ fn from_yaml(text: &str) -> Result<Value, String> {
     // OpenCV writes `%YAML:1.0`, which is not a valid YAML directive.
     let body: String =
         text.lines().map(|line| if line.starts_with('%') { "" } else { line }).flat_map(|l| [l, "\n"]).collect();
+    // The parser refuses tabs where editors and scripts put them.
+    let body = body.replace('\t', "    ");
     let mut builder = Builder::default();
     Parser::new_from_str(&body).load(&mut builder, true).map_err(|e| e.to_string())?;
     match (builder.problem, builder.documents.len()) {

@@ -70,13 +70,28 @@ fn in_any_case(files: &dyn Files, path: &Path) -> Option<PathBuf> {
 }
 
 /// A mask in a folder `masks`: in the folder of the pictures, next to it, or in the capture's folder. It has the stem of
-/// the picture, or the picture's full name with another extension added.
+/// the picture, or the picture's full name with another extension added. Sub-folders of the pictures may be repeated below
+/// `masks`; such a mask has precedence.
 pub fn usual_mask(files: &dyn Files, capture: &Path, image: &Path) -> Option<PathBuf> {
-    let folder = image.parent()?;
     let capture = if files.is_folder(capture) { capture } else { capture.parent()? };
+    let find = |folder: PathBuf, name: &Path| {
+        let full = name.to_string_lossy();
+        let folder = [folder];
+        find_picture(files, &folder, without_extension(&full)).or_else(|| find_picture(files, &folder, &full))
+    };
+    // From `capture/images/left/0.png`: capture/masks/images/left/0, capture/masks/left/0, ... and capture/masks/0.
+    let above = image.ancestors().skip(1).take_while(|folder| folder.starts_with(capture)).collect::<Vec<_>>();
+    for folder in above.iter().rev() {
+        let relative = image.strip_prefix(folder).ok()?;
+        let mut part = relative.components();
+        while part.as_path().components().count() > 1 {
+            if let Some(mask) = find(folder.join("masks"), part.as_path()) {
+                return Some(mask);
+            }
+            part.next();
+        }
+    }
+    let folder = image.parent()?;
     let beside = folder.parent().unwrap_or(folder);
-    let folders = [folder, beside, capture].map(|f| f.join("masks"));
-    let full = image.file_name()?.to_string_lossy().into_owned();
-    let find = |name: &str| find_picture(files, &folders, name);
-    find(without_extension(&full)).or_else(|| find(&full))
+    [folder, beside, capture].into_iter().find_map(|f| find(f.join("masks"), Path::new(image.file_name()?)))
 }

@@ -56,7 +56,7 @@ pub fn read(files: &dyn Files, path: &Path, notes: &mut Notes) -> Result<Vec<Imp
     }
     let (lenses, images, [cameras, file]) = if text {
         let [cameras, images] = ["cameras.txt", "images.txt"].map(|name| model.join(name));
-        (text::read_cameras(files, &cameras)?, text::read_images(files, &images)?, [cameras, images])
+        (text::read_cameras(files, &cameras)?, text::read_images(files, &images, notes)?, [cameras, images])
     } else {
         let [cameras, images] = ["cameras.bin", "images.bin"].map(|name| model.join(name));
         (binary::read_cameras(files, &cameras)?, binary::read_images(files, &images)?, [cameras, images])

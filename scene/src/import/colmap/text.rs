@@ -1,7 +1,11 @@
 //! cameras.txt and images.txt.
 
 use super::model::{Image, Lens};
-use crate::{failure::Failure, files::Files, import::source::read_text};
+use crate::{
+    failure::Failure,
+    files::Files,
+    import::{notes::Notes, source::read_text},
+};
 use std::{collections::BTreeMap, path::Path};
 
 /// Lines without surrounding space and without comments.
@@ -37,7 +41,7 @@ fn camera(line: &str) -> Result<(u32, Lens), String> {
 
 /// Reads images.txt. Every image has a line IMAGE_ID QW QX QY QZ TX TY TZ CAMERA_ID NAME, and COLMAP writes a line with its
 /// 2D points after it, which is empty if there are none. Some programs leave that line out.
-pub fn read_images(files: &dyn Files, file: &Path) -> Result<Vec<Image>, Failure> {
+pub fn read_images(files: &dyn Files, file: &Path, notes: &mut Notes) -> Result<Vec<Image>, Failure> {
     let text = read_text(files, file)?;
     let mut images = Vec::new();
     let mut points_may_follow = false;
@@ -59,7 +63,16 @@ pub fn read_images(files: &dyn Files, file: &Path) -> Result<Vec<Image>, Failure
             points_may_follow = true;
         }
     }
+    if let Some(count) = announced(&text).filter(|&count| count != images.len()) {
+        notes.add(format!("{}: a comment announces {count} images, but there are {}", file.display(), images.len()));
+    }
     Ok(images)
+}
+
+/// The number of images in COLMAP's comment `# Number of images: 20, mean observations per image: 0`.
+fn announced(text: &str) -> Option<usize> {
+    let comment = text.lines().find_map(|line| line.trim().strip_prefix("# Number of images:"))?;
+    comment.split(',').next()?.trim().parse().ok()
 }
 
 /// Whether a line has 2D points: X Y POINT3D_ID for each, nothing but numbers.

@@ -128,6 +128,12 @@ fn from_matrix(key: &str, value: &Value) -> Result<Matrix, String> {
     if let Some(object) = value.as_object()
         && !object.contains_key("data")
     {
+        let parts = [FOCAL[0], FOCAL[1], CENTRE[0], CENTRE[1]];
+        if let Some((other, _)) =
+            object.iter().find(|(name, _)| parts.iter().all(|keys| !keys.contains(&name.as_str())))
+        {
+            return Err(format!("{key} has `{other}`, which is not understood there: put it beside {key}"));
+        }
         let of = |keys: &[&str]| find(object, keys).ok_or_else(wrong).and_then(|(key, value)| number(&key, value));
         let (fx, fy) = (of(FOCAL[0])?, of(FOCAL[1])?);
         return Ok([[fx, 0.0, of(CENTRE[0])?], [0.0, fy, of(CENTRE[1])?], [0.0, 0.0, 1.0]]);

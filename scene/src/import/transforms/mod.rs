@@ -27,20 +27,7 @@ const MASK: &[&str] = &["mask_path"];
 const POSE: &[&str] = &["transform_matrix"];
 /// Keys that look like calibration but do not change it. nerfstudio records what it did to the poses, which are used as
 /// they are; NeRF's own data has the step of a turntable.
-const HARMLESS: &[&str] = &[
-    "rotation",
-    "applied_transform",
-    "applied_scale",
-    "orientation_override",
-    "depth_unit_scale_factor",
-    "n_extra_learnable_dims",
-    "sensor_depth",
-    "transforms_version",
-    "share_intrinsics",
-    "model",
-    "lens",
-    "type",
-];
+const HARMLESS: &[&str] = &["rotation", "applied_transform", "orientation_override", "share_intrinsics"];
 
 /// Reads transforms.json, or a folder that contains it or one other transforms_*.json.
 pub fn read(files: &dyn Files, path: &Path, notes: &mut Notes) -> Result<Vec<ImportedView>, Failure> {
