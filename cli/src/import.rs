@@ -22,15 +22,17 @@ pub fn run(options: &Import) -> Result<(), Failure> {
     }
     let mut copies = Vec::new();
     let mut masks = 0;
+    let several = scene.frames.len() > 1;
     for frame in &mut scene.frames {
+        let suffix = if several { format!("_{:04}", frame.index) } else { String::new() };
         for (camera, image) in scene.cameras.iter().zip(&mut frame.images) {
             if let Some(image) = image {
-                copies.push(Copy::plan(image, "images", &camera.name)?);
+                copies.push(Copy::plan(image, "images", &format!("{}{suffix}", camera.name))?);
             }
         }
         for (camera, mask) in scene.cameras.iter().zip(frame.masks.iter_mut().flatten()) {
             if let Some(mask) = mask {
-                copies.push(Copy::plan(mask, "masks", &camera.name)?);
+                copies.push(Copy::plan(mask, "masks", &format!("{}{suffix}", camera.name))?);
                 masks += 1;
             }
         }
@@ -46,7 +48,9 @@ pub fn run(options: &Import) -> Result<(), Failure> {
     for note in notes {
         eprintln!("note: {note}");
     }
-    println!("{} cameras, {masks} with masks, in {}", scene.cameras.len(), options.output.display());
+    let frames = if several { format!("{} frames, ", scene.frames.len()) } else { String::new() };
+    let what = if several { "masks" } else { "with masks" };
+    println!("{} cameras, {frames}{masks} {what}, in {}", scene.cameras.len(), options.output.display());
     Ok(())
 }
 
@@ -58,10 +62,10 @@ struct Copy {
 }
 
 impl Copy {
-    /// Plans the copy of a picture into a folder of the scene, where it is named after the camera, and changes the path in
-    /// the scene. The name is safe as a file name; see [`Imported`].
-    fn plan(path: &mut PathBuf, folder: &str, camera: &str) -> Result<Self, Failure> {
-        let target = Path::new(folder).join(format!("{camera}.{}", extension(path)?));
+    /// Plans the copy of a picture into a folder of the scene, and changes the path in the scene. The name without
+    /// extension is that of a camera, which is safe as a file name (see [`Imported`]), and perhaps a frame's number.
+    fn plan(path: &mut PathBuf, folder: &str, name: &str) -> Result<Self, Failure> {
+        let target = Path::new(folder).join(format!("{name}.{}", extension(path)?));
         Ok(Self { source: std::mem::replace(path, target.clone()), target })
     }
 

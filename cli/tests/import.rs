@@ -56,9 +56,11 @@ fn import_with_notes(from: &str, path: &Path) -> (Value, String) {
     assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
     let scene: Value = serde_json::from_slice(&fs::read(target.path().join("scene.json")).unwrap()).unwrap();
     assert_eq!(scene["version"], 1);
-    for list in ["images", "masks"] {
-        for path in scene["frames"][0][list].as_array().unwrap().iter().filter_map(Value::as_str) {
-            assert!(target.path().join(path).is_file(), "{path}");
+    for frame in scene["frames"].as_array().unwrap() {
+        for list in ["images", "masks"] {
+            for path in frame[list].as_array().unwrap().iter().filter_map(Value::as_str) {
+                assert!(target.path().join(path).is_file(), "{path}");
+            }
         }
     }
     (scene, stderr(&output))

@@ -123,3 +123,22 @@ fn auto_recognises_every_format() {
     assert!(message.contains("--from transforms or --from opencv"), "{message}");
     assert!(refused("auto", &transforms.path().join("masks")).contains("no calibration was recognised"));
 }
+
+#[test]
+fn scene_json_may_have_a_byte_order_mark_and_other_line_ends() {
+    let [.., (format, folder)] = every_format();
+    let scene = tempfile::tempdir().unwrap();
+    let output = crate::common::pcmvs()
+        .args(["import", "--from", format])
+        .arg(folder.path())
+        .arg("-o")
+        .arg(scene.path())
+        .output();
+    assert_eq!(output.unwrap().status.code(), Some(0));
+    let file = scene.path().join("scene.json");
+    let cameras = || pcmvs_scene::Scene::load(&pcmvs_scene::Disk, scene.path()).unwrap().cameras().unwrap();
+    let expected = cameras();
+    let text = fs::read_to_string(&file).unwrap();
+    fs::write(&file, format!("\u{feff}{}", text.replace('\n', "\r\n").replace("  ", "\t"))).unwrap();
+    assert_eq!(cameras(), expected);
+}

@@ -159,19 +159,46 @@ fn what_is_ignored_is_named_and_what_is_not_understood_refused() {
     assert!(message.contains("announces 20 frames, but there are 1"), "{message}");
 }
 
-#[test]
-fn frames_of_several_instants_are_refused() {
-    let frames = |times: &[f64]| {
-        let frame = |(i, &time): (usize, &f64)| json!({ "file_path": (["images/a", "images/b", "images/c"][i]), "transform_matrix": matrix(), "time": time });
-        let frames: Vec<Value> = times.iter().enumerate().map(frame).collect();
-        let file = json!({ "fl_x": 60, "frames": frames });
-        source("transforms.json", &file.to_string(), &["images/a.png", "images/b.png", "images/c.png"], &[])
+/// Frames of these cameras (places on a line) and times, in this order.
+fn frames(list: &[(f64, f64)]) -> TempDir {
+    let frame = |(i, &(place, time)): (usize, &(f64, f64))| {
+        let pose = json!([[1, 0, 0, place], [0, 1, 0, 0], [0, 0, 1, 3]]);
+        json!({ "file_path": format!("images/{i}"), "transform_matrix": pose, "time": time })
     };
-    let message = refused("transforms", frames(&[0.0, 0.5, 0.5]).path());
-    assert!(message.contains("2 different values of `time`, from 0 to 0.5"), "{message}");
-    let (scene, notes) = import_with_notes("transforms", frames(&[0.5, 0.5, 0.5]).path());
+    let frames: Vec<Value> = list.iter().enumerate().map(frame).collect();
+    let pictures: Vec<String> = (0..list.len()).map(|i| format!("images/{i}.png")).collect();
+    let pictures: Vec<&str> = pictures.iter().map(String::as_str).collect();
+    source("transforms.json", &json!({ "fl_x": 60, "frames": frames }).to_string(), &pictures, &["masks/1.png"])
+}
+
+#[test]
+fn frames_of_several_instants_become_a_clip() {
+    let list = [(0.0, 0.5), (0.0, 0.0), (1.0, 0.5), (1.0, 0.0), (2.0, 0.5)];
+    let (scene, notes) = import_with_notes("transforms", frames(&list).path());
+    let names: Vec<&Value> = scene["cameras"].as_array().unwrap().iter().map(|camera| &camera["name"]).collect();
+    assert_eq!(names, ["images_0", "images_2", "images_4"]);
+    let places: Vec<&Value> = scene["cameras"].as_array().unwrap().iter().map(|camera| &camera["t"][0]).collect();
+    assert_eq!(places, [&json!(0.0), &json!(-1.0), &json!(-2.0)]);
+    assert_eq!([&scene["frames"][0]["index"], &scene["frames"][1]["index"]], [0, 1]);
+    let image = |name: &str| json!(format!("images/images_{name}.png"));
+    assert_eq!(scene["frames"][0]["images"], json!([image("0_0000"), image("2_0000"), null]));
+    assert_eq!(scene["frames"][1]["images"], json!([image("0_0001"), image("2_0001"), image("4_0001")]));
+    assert_eq!(scene["frames"][0]["masks"], json!(["masks/images_0_0000.png", null, null]));
+    assert!(notes.contains("5 pictures with different times are 2 frames of 3 cameras"), "{notes}");
+}
+
+#[test]
+fn frames_that_are_no_clip_are_refused() {
+    // A camera that moves through a moving scene.
+    let message = refused("transforms", frames(&[(0.0, 0.0), (1.0, 0.5), (2.0, 1.0)]).path());
+    assert!(message.contains("3 different times, from 0 to 1, and no instant has 3 views"), "{message}");
+    let message = refused("transforms", frames(&[(0.0, 0.0), (1.0, 0.0), (2.0, 0.5), (1.0, 0.0)]).path());
+    assert!(message.contains("`images_1` and `images_3` have the same camera at the same time"), "{message}");
+    // Without times, or with one time, they are cameras of one frame.
+    let (scene, notes) = import_with_notes("transforms", frames(&[(0.0, 0.5), (1.0, 0.5), (1.0, 0.5)]).path());
     assert_eq!(scene["cameras"].as_array().unwrap().len(), 3);
-    assert!(notes.contains("`images_a` and `images_b` have the same pose"), "{notes}");
+    assert_eq!(scene["frames"].as_array().unwrap().len(), 1);
+    assert!(notes.contains("`images_1` and `images_2` have the same pose"), "{notes}");
 }
 
 #[test]

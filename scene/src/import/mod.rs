@@ -1,8 +1,9 @@
-//! Other programs' calibrations as scenes of one frame.
+//! Other programs' calibrations as scenes, most of one frame.
 //!
 //! Every importer turns its convention into the scene's: world to camera `x = K · distort(R X + t)`, x right, y down,
 //! z forward, the first pixel's centre at (0, 0).
 
+mod clip;
 mod colmap;
 mod keys;
 mod lens;
@@ -22,6 +23,7 @@ use crate::{
     files::Files,
     scene::{Scene, SceneCamera, SceneFrame, SilhouetteFiles, VERSION},
 };
+use clip::Clip;
 use notes::Notes;
 use pcmvs_core::Camera;
 pub use recognise::{KNOWN, of_folder, recognise};
@@ -60,7 +62,7 @@ impl Source {
 /// A scene that was made from another program's calibration.
 #[derive(Debug)]
 pub struct Imported {
-    /// The scene, with one frame. Picture paths are those of the source. Camera names differ in more than upper and lower
+    /// The scene, with one frame unless the source has pictures of several instants. Picture paths are those of the source. Camera names differ in more than upper and lower
     /// case, and are safe as file names.
     pub scene: Scene,
     /// What was ignored or assumed, for the user.
@@ -99,9 +101,18 @@ pub fn import(files: &dyn Files, source: Source, path: &Path) -> Result<Imported
             check_size(files, mask, &view.name, "mask", size)?;
         }
     }
-    name_cameras(&mut views, path, &mut notes)?;
-    note_equal_cameras(&views, &mut notes);
-    Ok(Imported { scene: scene(&views), notes: notes.into_list() })
+    let clip = clip::arrange(&views).map_err(|problem| Failure::Input(format!("{}: {problem}", path.display())))?;
+    let names = camera_names(&views, &clip, path, &mut notes)?;
+    if clip.frames.len() > 1 {
+        notes.add(format!(
+            "{} pictures with different times are {} frames of {} cameras, in the order of time; frames per second are unknown",
+            views.len(),
+            clip.frames.len(),
+            clip.cameras.len()
+        ));
+    }
+    note_equal_cameras(&views, &clip, &mut notes);
+    Ok(Imported { scene: scene(&views, &clip, names), notes: notes.into_list() })
 }
 
 fn check_size(files: &dyn Files, file: &Path, camera: &str, what: &str, calibrated: [u32; 2]) -> Result<(), Failure> {
@@ -117,25 +128,22 @@ fn check_size(files: &dyn Files, file: &Path, camera: &str, what: &str, calibrat
     Err(failure(file, camera, &problem))
 }
 
-/// Gives every camera a name that is safe as a file name. Two cameras of the same name are an error.
-fn name_cameras(views: &mut [ImportedView], path: &Path, notes: &mut Notes) -> Result<(), Failure> {
-    let names: Vec<&str> = views.iter().map(|view| view.name.as_str()).collect();
+/// The cameras' names, which are safe as file names. Two views of the same name are an error.
+fn camera_names(views: &[ImportedView], clip: &Clip, path: &Path, notes: &mut Notes) -> Result<Vec<String>, Failure> {
     let mut unique = BTreeSet::new();
-    if let Some(twice) = names.iter().find(|name| !unique.insert(**name)) {
-        return Err(failure(path, twice, "occurs twice: give every camera its own name"));
+    if let Some(twice) = views.iter().find(|view| !unique.insert(view.name.as_str())) {
+        return Err(failure(path, &twice.name, "occurs twice: give every camera its own name"));
     }
-    let safe = names::safe_names(&names, notes);
-    for (view, name) in views.iter_mut().zip(safe) {
-        view.name = name;
-    }
-    Ok(())
+    let names: Vec<&str> = clip.cameras.iter().map(|&first| views[first].name.as_str()).collect();
+    Ok(names::safe_names(&names, notes))
 }
 
 /// A clip in the form of many cameras would be one frame of pictures that contradict each other.
-fn note_equal_cameras(views: &[ImportedView], notes: &mut Notes) {
+fn note_equal_cameras(views: &[ImportedView], clip: &Clip, notes: &mut Notes) {
     let equal = |a: &Camera, b: &Camera| (a.r, a.t, a.k) == (b.r, b.t, b.k);
-    let pair = views.iter().enumerate().find_map(|(i, a)| {
-        let b = views[..i].iter().find(|b| equal(&a.camera, &b.camera))?;
+    let cameras: Vec<&ImportedView> = clip.cameras.iter().map(|&first| &views[first]).collect();
+    let pair = cameras.iter().enumerate().find_map(|(i, a)| {
+        let b = cameras[..i].iter().find(|b| equal(&a.camera, &b.camera))?;
         Some((&b.name, &a.name))
     });
     if let Some((a, b)) = pair {
@@ -146,23 +154,26 @@ fn note_equal_cameras(views: &[ImportedView], notes: &mut Notes) {
     }
 }
 
-fn scene(views: &[ImportedView]) -> Scene {
-    let images = views.iter().map(|view| Some(view.image.clone())).collect();
-    let masks = views.iter().map(|view| view.mask.clone()).collect();
+fn scene(views: &[ImportedView], clip: &Clip, names: Vec<String>) -> Scene {
+    let frame = |(slots, index): (&Vec<Option<usize>>, u32)| SceneFrame {
+        index,
+        images: slots.iter().map(|slot| slot.map(|i| views[i].image.clone())).collect(),
+        masks: Some(slots.iter().map(|slot| views[(*slot)?].mask.clone()).collect()),
+    };
     Scene {
         version: VERSION,
         units: None,
         up: None,
         fps: None,
-        cameras: views.iter().map(scene_camera).collect(),
-        frames: vec![SceneFrame { index: 0, images, masks: Some(masks) }],
+        cameras: clip.cameras.iter().zip(names).map(|(&first, name)| scene_camera(&views[first], name)).collect(),
+        frames: clip.frames.iter().zip(0..).map(frame).collect(),
         background: None,
         path: PathBuf::new(),
         silhouettes: SilhouetteFiles::default(),
     }
 }
 
-fn scene_camera(view: &ImportedView) -> SceneCamera {
+fn scene_camera(view: &ImportedView, name: String) -> SceneCamera {
     let Camera { width, height, k, distortion, r, t } = view.camera;
-    SceneCamera { name: view.name.clone(), width, height, k, distortion: distortion.to_vec(), r, t }
+    SceneCamera { name, width, height, k, distortion: distortion.to_vec(), r, t }
 }

@@ -3,11 +3,12 @@
 //!
 //! A file contains one camera, or several as a list or map `cameras` or as named maps. Keys beside the cameras apply to
 //! all of them. A folder contains one file per camera. Of the keys below, the first that exists is used:
-//! - K: `camera_matrix`, `cameraMatrix`, `K`, `intrinsic_matrix`
+//! - K: `camera_matrix`, `cameraMatrix`, `K`, `intrinsic_matrix`, `mtx`
 //! - distortion k1 k2 p1 p2 k3: `distortion_coefficients`, `distCoeffs`, `dist_coeffs`, `D`, `distortion`, or each by its
 //!   name; default: zero
-//! - rotation, as a 3x3 matrix or Rodrigues' vector: `R`, `rotation_matrix`, `rotation`, `rvec`
-//! - translation: `t`, `tvec`, `T`, `translation`
+//! - rotation, as a 3x3 matrix or Rodrigues' vector: `R`, `rotation_matrix`, `rotation`, `rvec`,
+//!   `rotation_vector`
+//! - translation: `t`, `tvec`, `T`, `translation`, `translation_vector`
 //! - size: `image_width` and `image_height`, `width` and `height`, or `image_size`; default: the size of the picture
 //! - name: `name`; default: the key in the map, or the stem of the file
 //! - picture: `image`, `image_path`, `file`; default: a picture with the camera's name, in this folder or in `images`
@@ -28,11 +29,11 @@ use pcmvs_core::Camera;
 use serde_json::{Map, Value};
 use std::path::{Path, PathBuf};
 
-const K: &[&str] = &["camera_matrix", "cameraMatrix", "K", "intrinsic_matrix"];
+const K: &[&str] = &["camera_matrix", "cameraMatrix", "K", "intrinsic_matrix", "mtx"];
 const DISTORTION: &[&str] =
-    &["distortion_coefficients", "distCoeffs", "dist_coeffs", "distortion_coeffs", "D", "distortion"];
-const ROTATION: &[&str] = &["R", "rotation_matrix", "rotation", "rvec"];
-const TRANSLATION: &[&str] = &["t", "tvec", "T", "translation"];
+    &["distortion_coefficients", "distCoeffs", "dist_coeffs", "distortion_coeffs", "D", "distortion", "dist"];
+const ROTATION: &[&str] = &["R", "rotation_matrix", "rotation", "rvec", "rotation_vector"];
+const TRANSLATION: &[&str] = &["t", "tvec", "T", "translation", "translation_vector"];
 const SIZES: [[&str; 2]; 2] = [["image_width", "image_height"], ["width", "height"]];
 const SIZE: &[&str] = &["image_size"];
 const SIZE_PARTS: &[&str] = &["image_width", "image_height", "width", "height"];
@@ -219,7 +220,7 @@ fn view(
         r: required(&Levels(vec![own]), ROTATION).and_then(|n| rotation(&n)).map_err(wrong)?,
         t,
     };
-    Ok(ImportedView { name: name.to_owned(), camera, image, mask })
+    Ok(ImportedView { name: name.to_owned(), camera, image, mask, time: None })
 }
 
 fn required(levels: &Levels, keys: &[&str]) -> Result<Vec<f64>, String> {

@@ -12,6 +12,8 @@ pub struct ImportedView {
     pub image: PathBuf,
     /// Its mask, if the source names it. Otherwise the usual folders are searched.
     pub mask: Option<PathBuf>,
+    /// When it was taken, in any unit, if the source has pictures of several instants.
+    pub time: Option<f64>,
 }
 
 /// Three rows from nine numbers.

@@ -4,7 +4,6 @@
 //!
 //! Every key of the projection may be given for all frames, or for a single one, which then takes precedence.
 
-mod instant;
 mod intrinsics;
 mod pose;
 
@@ -25,6 +24,8 @@ use std::path::{Path, PathBuf};
 const PICTURE: &[&str] = &["file_path"];
 const MASK: &[&str] = &["mask_path"];
 const POSE: &[&str] = &["transform_matrix"];
+/// The time of a frame, which data sets of moving scenes have. Its unit differs.
+const TIME: &[&str] = &["time", "time_id", "frame_time"];
 /// Keys that look like calibration but do not change it. nerfstudio records what it did to the poses, which are used as
 /// they are; NeRF's own data has the step of a turntable.
 const HARMLESS: &[&str] = &["rotation", "applied_transform", "orientation_override", "share_intrinsics"];
@@ -50,7 +51,6 @@ pub fn read(files: &dyn Files, path: &Path, notes: &mut Notes) -> Result<Vec<Imp
         .enumerate()
         .map(|(i, frame)| frame.as_object().ok_or_else(|| wrong(format!("frames[{i}] is not an object: correct it"))))
         .collect::<Result<_, _>>()?;
-    instant::check(&frames).map_err(wrong)?;
     frames.iter().enumerate().map(|(i, frame)| view(files, file, i, frame, top, notes)).collect()
 }
 
@@ -109,7 +109,7 @@ fn view(
     let name = name_of(&picture);
     let wrong = |problem: String| failure(file, &name, &problem);
     lens::check_model(frame).map_err(wrong)?;
-    note_unread(frame, &[PICTURE, MASK, POSE, instant::KEYS], file, notes).map_err(wrong)?;
+    note_unread(frame, &[PICTURE, MASK, POSE, TIME], file, notes).map_err(wrong)?;
 
     let folder = [file.parent().unwrap_or(Path::new("")).to_path_buf()];
     let image = find_picture(files, &folder, &picture)
@@ -134,5 +134,6 @@ fn view(
     let (_, matrix) = find(frame, POSE).ok_or_else(|| wrong(String::from("transform_matrix is missing: add it")))?;
     let (r, t) = pose::world_to_camera(matrix).map_err(wrong)?;
     let camera = Camera { width, height, k, distortion, r, t };
-    Ok(ImportedView { name, camera, image, mask })
+    let time = Levels(vec![frame]).number(TIME).map_err(wrong)?;
+    Ok(ImportedView { name, camera, image, mask, time })
 }
