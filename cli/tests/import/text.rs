@@ -112,9 +112,8 @@ fn auto_recognises_every_format() {
     for (format, folder) in every_format() {
         let expected = import(format, folder.path());
         assert_eq!(import("auto", folder.path()), expected, "{format}");
-        let entries = fs::read_dir(folder.path()).unwrap().map(|entry| entry.unwrap().path());
-        let file =
-            entries.filter(|path| path.is_file() && path.extension().is_some_and(|e| e != "png")).next().unwrap();
+        let mut entries = fs::read_dir(folder.path()).unwrap().map(|entry| entry.unwrap().path());
+        let file = entries.find(|path| path.is_file() && path.extension().is_some_and(|e| e != "png")).unwrap();
         assert_eq!(import("auto", &file), expected, "{format}");
     }
     let [_, _, (_, opencv), (_, transforms)] = every_format();

@@ -78,7 +78,7 @@ fn announced(text: &str) -> Option<usize> {
 /// Whether a line has 2D points: X Y POINT3D_ID for each, nothing but numbers.
 fn is_points(line: &str) -> bool {
     let words: Vec<&str> = line.split_whitespace().collect();
-    words.len() % 3 == 0 && words.iter().all(|word| word.parse::<f64>().is_ok())
+    words.len().is_multiple_of(3) && words.iter().all(|word| word.parse::<f64>().is_ok())
 }
 
 fn image(line: &str) -> Option<Image> {
