@@ -128,11 +128,20 @@ fn poses_have_three_rows_and_a_known_last_one() {
         let scene = import("transforms", capture(&shared, &json!({ "transform_matrix": pose })).path());
         assert_sees(&scene, 0, seen(60.0, 70.0, 30.0, 20.0));
     }
+    // The axes of an object that was scaled: its centre is where it is.
+    let larger =
+        |row: &Value| (0..4).map(|j| row[j].as_f64().unwrap() * if j < 3 { 2.5 } else { 1.0 }).collect::<Vec<f64>>();
+    let scaled: Vec<Vec<f64>> = rows[..3].iter().map(larger).collect();
+    let (scene, notes) =
+        import_with_notes("transforms", capture(&shared, &json!({ "transform_matrix": scaled })).path());
+    assert_sees(&scene, 0, seen(60.0, 70.0, 30.0, 20.0));
+    assert!(notes.contains("are made 1 long"), "{notes}");
     let column = |j: usize| -> Vec<Value> { rows.iter().map(|row| row[j].clone()).collect() };
     for (pose, problem) in [
         (json!([column(0), column(1), column(2), column(3)]), "may be transposed"),
         (json!(rows[..2]), "3 or 4 rows"),
         (json!(null), "missing"),
+        (json!([[2, 0, 0, 0], [0, 1, 0, 0], [0, 0, 1, 0]]), "R is not a rotation"),
         (json!([[1, 0, 0, "x"], [0, 1, 0, 0], [0, 0, 1, 0]]), "`x`"),
     ] {
         let message = refused("transforms", capture(&shared, &json!({ "transform_matrix": pose })).path());

@@ -35,7 +35,8 @@ fn parameters(files: &dyn Files, path: &Path) -> Result<PathBuf, Failure> {
         return Ok(path.to_path_buf());
     }
     let entries = files.list(path).map_err(|e| Failure::unreadable(path, &e))?;
-    let mut found: Vec<PathBuf> = entries.into_iter().filter(|p| p.to_string_lossy().ends_with("_par.txt")).collect();
+    let mut found: Vec<PathBuf> =
+        entries.into_iter().filter(|p| p.to_string_lossy().to_lowercase().ends_with("_par.txt")).collect();
     match (found.pop(), found.is_empty()) {
         (Some(file), true) => Ok(file),
         (found, _) => {

@@ -5,6 +5,7 @@
 
 mod clip;
 mod colmap;
+mod json;
 mod keys;
 mod lens;
 mod middlebury;

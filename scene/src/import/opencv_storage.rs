@@ -1,6 +1,6 @@
 //! OpenCV's FileStorage, as YAML or JSON, read into JSON values.
 
-use super::source::read_text;
+use super::{json, source::read_text};
 use crate::{failure::Failure, files::Files};
 use serde_json::{Map, Value};
 use std::{collections::BTreeMap, path::Path};
@@ -16,11 +16,11 @@ const MOST_VALUES: usize = 1_000_000;
 pub fn read(files: &dyn Files, path: &Path) -> Result<Value, Failure> {
     let text = read_text(files, path)?;
     let value = if path.extension().is_some_and(|e| e.eq_ignore_ascii_case("json")) {
-        serde_json::from_str(&text).map_err(|e| e.to_string())
+        json::parse(&text)
     } else {
         from_yaml(&text)
     };
-    value.map_err(|problem| Failure::Input(format!("{}: {problem}: correct that line", path.display())))
+    value.map_err(|problem| Failure::Input(format!("{}: {problem}", path.display())))
 }
 
 /// YAML as JSON. All scalars are text, as they are written, so that a name such as `007` keeps its zeros.
@@ -31,9 +31,9 @@ fn from_yaml(text: &str) -> Result<Value, String> {
     // The parser refuses tabs where editors and scripts put them.
     let body = body.replace('\t', "    ");
     let mut builder = Builder::default();
-    Parser::new_from_str(&body).load(&mut builder, true).map_err(|e| e.to_string())?;
+    Parser::new_from_str(&body).load(&mut builder, true).map_err(|e| format!("{e}: correct that line"))?;
     match (builder.problem, builder.documents.len()) {
-        (Some(problem), _) => Err(problem),
+        (Some(problem), _) => Err(format!("{problem}: correct that line")),
         (None, 0..=1) => Ok(builder.documents.pop().unwrap_or_default()),
         (None, count) => Err(format!("the file has {count} documents, and only one can be read: split it at `---`")),
     }

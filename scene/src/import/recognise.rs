@@ -1,6 +1,6 @@
 //! Recognises the program that wrote a calibration.
 
-use super::{Source, colmap, source, transforms};
+use super::{Source, colmap, json, source, transforms};
 use crate::{failure::Failure, files::Files};
 use std::path::{Path, PathBuf};
 
@@ -37,8 +37,7 @@ fn of_file(files: &dyn Files, path: &Path) -> Result<Source, Failure> {
         Ok(Source::Opencv)
     } else if ends(&[".json"]) {
         let text = source::read_text(files, path)?;
-        let value: serde_json::Value = serde_json::from_str(&text)
-            .map_err(|e| Failure::Input(format!("{}: {e}: correct that line", path.display())))?;
+        let value = json::parse(&text).map_err(|problem| Failure::Input(format!("{}: {problem}", path.display())))?;
         Ok(if value.get("frames").is_some() { Source::Transforms } else { Source::Opencv })
     } else {
         Err(Failure::Input(format!(

@@ -8,6 +8,7 @@ mod intrinsics;
 mod pose;
 
 use super::{
+    json,
     keys::{listed, unread},
     lens,
     names::name_of,
@@ -30,12 +31,16 @@ const TIME: &[&str] = &["time", "time_id", "frame_time"];
 /// they are; NeRF's own data has the step of a turntable.
 const HARMLESS: &[&str] = &["rotation", "applied_transform", "orientation_override", "share_intrinsics"];
 
+/// Keys that say how a viewer moves the scene, or how it was moved already.
+const OF_POSES: &[&str] =
+    &["scale", "offset", "aabb_scale", "applied_transform", "applied_scale", "orientation_override"];
+
 /// Reads transforms.json, or a folder that contains it or one other transforms_*.json.
 pub fn read(files: &dyn Files, path: &Path, notes: &mut Notes) -> Result<Vec<ImportedView>, Failure> {
     let file = &file(files, path, notes)?;
     let wrong = |problem: String| Failure::Input(format!("{}: {problem}", file.display()));
     let text = read_text(files, file)?;
-    let top: Value = serde_json::from_str(&text).map_err(|e| wrong(format!("{e}: correct that line")))?;
+    let top = json::parse(&text).map_err(wrong)?;
     let top = top.as_object().ok_or_else(|| wrong(String::from("is not a JSON object: name a transforms.json")))?;
     let frames = top.get("frames").and_then(Value::as_array);
     let frames = frames.ok_or_else(|| wrong(String::from("has no list `frames`: name a transforms.json")))?;
@@ -90,7 +95,9 @@ fn note_unread(object: &Map<String, Value>, own: &[&[&str]], file: &Path, notes:
     let understood: Vec<&[&str]> = own.iter().copied().chain(both).collect();
     let ignored = unread(object, &understood, HARMLESS)?;
     if !ignored.is_empty() {
-        notes.add(format!("{}: ignored: {}; poses are used as they are written", file.display(), listed(ignored)));
+        let poses =
+            if ignored.iter().any(|key| OF_POSES.contains(key)) { "; poses are used as they are written" } else { "" };
+        notes.add(format!("{}: ignored: {}{poses}", file.display(), listed(ignored)));
     }
     Ok(())
 }
@@ -132,7 +139,13 @@ fn view(
     }
     let distortion = intrinsics::distortion(&levels).map_err(wrong)?;
     let (_, matrix) = find(frame, POSE).ok_or_else(|| wrong(String::from("transform_matrix is missing: add it")))?;
-    let (r, t) = pose::world_to_camera(matrix).map_err(wrong)?;
+    let (r, t, scale) = pose::world_to_camera(matrix).map_err(wrong)?;
+    if scale != 1.0 {
+        notes.add(format!(
+            "camera `{name}`: {}: the axes of its transform_matrix, {scale} long, are made 1 long",
+            file.display()
+        ));
+    }
     let camera = Camera { width, height, k, distortion, r, t };
     let time = Levels(vec![frame]).number(TIME).map_err(wrong)?;
     Ok(ImportedView { name, camera, image, mask, time })
