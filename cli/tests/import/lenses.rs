@@ -30,6 +30,8 @@ fn opencv_lenses_that_cannot_be_expressed_are_refused() {
         (json!({ "D": four, "calibration_method": "fisheye" }), "calibration_method"),
         (json!({ "D": four, "camera_model": "KANNALA_BRANDT" }), "camera_model"),
         (json!({ "D": four, "model": "omnidirectional" }), "model"),
+        (json!({ "D": four, "model": "KB4" }), "model"),
+        (json!({ "D": four, "lens": { "model": "fisheye" } }), "lens: model"),
         (json!({ "D": four, "xi": 1.2 }), "xi"),
         (json!({ "D": four, "xi": { "rows": 1, "cols": 1, "dt": "d", "data": [1.2] } }), "xi"),
         (json!({ "D": [0.1, 0, 0, 0, 0, 0.2, 0, 0] }), "rational"),

@@ -80,6 +80,13 @@ const OTHER_NAMES: &[&str] = &[
     "spherical",
     "panoramic",
     "orthographic",
+    "kb",
+    "kb4",
+    "kb8",
+    "mei",
+    "ucm",
+    "fov",
+    "fisheye624",
 ];
 /// Keys whose value is a name or a path.
 const NAMES_OF_FILES: &[&str] = &["name", "image", "image_path", "file", "file_path", "mask", "mask_path"];
@@ -112,6 +119,9 @@ pub fn plain(name: &str) -> String {
 /// Refuses keys that say that the lens is not OpenCV's pinhole model.
 pub fn check_model(object: &Map<String, Value>) -> Result<(), String> {
     for (key, value) in object {
+        if let Value::Object(inner) = value {
+            check_model(inner).map_err(|problem| format!("{key}: {problem}"))?;
+        }
         let name = plain(key);
         if (OTHER_KEYS.iter().any(|part| name.contains(part)) || name == "xi") && !is_neutral(value) {
             return Err(format!("`{key}` says that the lens is not a pinhole with OpenCV's distortion: {REMEDY}"));

@@ -19,6 +19,7 @@ use super::{
 };
 use crate::{failure::Failure, files::Files};
 use pcmvs_core::Camera;
+use pose::Pose;
 use serde_json::{Map, Value};
 use std::path::{Path, PathBuf};
 
@@ -139,7 +140,7 @@ fn view(
     }
     let distortion = intrinsics::distortion(&levels).map_err(wrong)?;
     let (_, matrix) = find(frame, POSE).ok_or_else(|| wrong(String::from("transform_matrix is missing: add it")))?;
-    let (r, t, scale) = pose::world_to_camera(matrix).map_err(wrong)?;
+    let Pose { r, t, scale } = pose::world_to_camera(matrix).map_err(wrong)?;
     if scale != 1.0 {
         notes.add(format!(
             "camera `{name}`: {}: the axes of its transform_matrix, {scale} long, are made 1 long",

@@ -4,10 +4,18 @@ use crate::import::values::numbers;
 use glam::{DMat3, DVec3};
 use serde_json::Value;
 
-/// World to camera with y down and z forward, from camera to world with y up and z backward: a matrix with three rows and
-/// perhaps 0 0 0 1 below them. Axes of equal length, such as those of a scaled object in Blender, are made 1 long; their length
-/// is the last value, and exactly 1 if nothing was changed.
-pub fn world_to_camera(matrix: &Value) -> Result<([[f64; 3]; 3], [f64; 3], f64), String> {
+/// World to camera with y down and z forward.
+pub struct Pose {
+    /// Rotation by rows.
+    pub r: [[f64; 3]; 3],
+    pub t: [f64; 3],
+    /// The length that the matrix' axes had before they were made 1 long; exactly 1 if they were not changed.
+    pub scale: f64,
+}
+
+/// Reads camera to world with y up and z backward: a matrix with three rows and perhaps 0 0 0 1 below them. Axes of equal
+/// length, such as those of a scaled object in Blender, are made 1 long.
+pub fn world_to_camera(matrix: &Value) -> Result<Pose, String> {
     let wrong = |problem: &str| format!("transform_matrix {problem}");
     let rows = matrix.as_array().ok_or_else(|| wrong("is not a matrix: write 4 rows of 4 numbers"))?;
     let nested = rows.iter().all(|row| row.as_array().is_some_and(|row| row.len() == 4));
@@ -27,7 +35,7 @@ pub fn world_to_camera(matrix: &Value) -> Result<([[f64; 3]; 3], [f64; 3], f64),
     let rotation = if scale == 1.0 { rotation } else { rotation * (1.0 / scale) };
     let rotation = DMat3::from_diagonal(DVec3::new(1.0, -1.0, -1.0)) * rotation;
     let translation = -(rotation * DVec3::new(list[3], list[7], list[11]));
-    Ok((rotation.transpose().to_cols_array_2d(), translation.to_array(), scale))
+    Ok(Pose { r: rotation.transpose().to_cols_array_2d(), t: translation.to_array(), scale })
 }
 
 /// The length of axes that are equally long and clearly not 1 long. Others are left to the check of the camera.
