@@ -85,6 +85,7 @@ fn a_matrix_per_frame_has_the_centre_of_the_first_pixel_at_zero() {
     assert_sees(&import("transforms", capture(&none, &skewed).path()), 0, expected);
     for (own, problem) in [
         (json!({ "K": [[60, 0], [0, 70]] }), "K must be a matrix"),
+        (json!({ "K": [[60, 0, 0], [0, 70, 0], [30, 20, 1]] }), "transforms.json: K must be upper triangular"),
         (json!({ "K": [[60, 0, 30, 1], [0, 70, 20, 0], [0, 0, 1, 0]] }), "K must be a matrix"),
         (json!({ "K": [[0.9, 0, 0.5], [0, 1.2, 0.5], [0, 0, 1]] }), "in pixels"),
         (json!({ "K": k, "fl_x": 65 }), "contradict"),

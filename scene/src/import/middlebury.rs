@@ -67,5 +67,5 @@ fn view(files: &dyn Files, file: &Path, folder: &Path, line: &str) -> Result<Imp
     let [width, height] = picture_size(files, &image, &name)?;
     let nine = |start: usize| rows(std::array::from_fn(|i| n[start + i]));
     let camera = Camera { width, height, k: nine(0), distortion: [0.0; 5], r: nine(9), t: [n[18], n[19], n[20]] };
-    Ok(ImportedView { name, camera, image, mask: None, time: None })
+    Ok(ImportedView { name, camera, file: file.to_path_buf(), image, mask: None, time: None })
 }

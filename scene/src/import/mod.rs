@@ -84,7 +84,7 @@ pub fn import(files: &dyn Files, source: Source, path: &Path) -> Result<Imported
     }
     let mut found = BTreeMap::new();
     for view in &mut views {
-        view.camera.check().map_err(|problem| failure(path, &view.name, &problem))?;
+        view.camera.check().map_err(|problem| failure(&view.file, &view.name, &problem))?;
         let size = [view.camera.width, view.camera.height];
         check_size(files, &view.image, &view.name, "picture", size)?;
         if view.mask.is_none()
@@ -103,7 +103,7 @@ pub fn import(files: &dyn Files, source: Source, path: &Path) -> Result<Imported
         }
     }
     let clip = clip::arrange(&views).map_err(|problem| Failure::Input(format!("{}: {problem}", path.display())))?;
-    let names = camera_names(&views, &clip, path, &mut notes)?;
+    let names = camera_names(&views, &clip, &mut notes)?;
     if clip.frames.len() > 1 {
         notes.add(format!(
             "{} pictures with different times are {} frames of {} cameras, in the order of time; frames per second are unknown",
@@ -130,10 +130,10 @@ fn check_size(files: &dyn Files, file: &Path, camera: &str, what: &str, calibrat
 }
 
 /// The cameras' names, which are safe as file names. Two views of the same name are an error.
-fn camera_names(views: &[ImportedView], clip: &Clip, path: &Path, notes: &mut Notes) -> Result<Vec<String>, Failure> {
+fn camera_names(views: &[ImportedView], clip: &Clip, notes: &mut Notes) -> Result<Vec<String>, Failure> {
     let mut unique = BTreeSet::new();
     if let Some(twice) = views.iter().find(|view| !unique.insert(view.name.as_str())) {
-        return Err(failure(path, &twice.name, "occurs twice: give every camera its own name"));
+        return Err(failure(&twice.file, &twice.name, "occurs twice: give every camera its own name"));
     }
     let names: Vec<&str> = clip.cameras.iter().map(|&first| views[first].name.as_str()).collect();
     Ok(names::safe_names(&names, notes))

@@ -220,7 +220,7 @@ fn view(
         r: required(&Levels(vec![own]), ROTATION).and_then(|n| rotation(&n)).map_err(wrong)?,
         t,
     };
-    Ok(ImportedView { name: name.to_owned(), camera, image, mask, time: None })
+    Ok(ImportedView { name: name.to_owned(), camera, file: file.to_path_buf(), image, mask, time: None })
 }
 
 fn required(levels: &Levels, keys: &[&str]) -> Result<Vec<f64>, String> {

@@ -8,6 +8,8 @@ use std::path::PathBuf;
 pub struct ImportedView {
     pub name: String,
     pub camera: Camera,
+    /// The file with its calibration.
+    pub file: PathBuf,
     /// The photograph.
     pub image: PathBuf,
     /// Its mask, if the source names it. Otherwise the usual folders are searched.

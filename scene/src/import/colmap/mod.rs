@@ -102,5 +102,5 @@ fn view(
         r: DMat3::from_quat(DQuat::from_xyzw(x, y, z, w).normalize()).transpose().to_cols_array_2d(),
         t: image.translation,
     };
-    Ok(ImportedView { name, camera, image: picture, mask: None, time: None })
+    Ok(ImportedView { name, camera, file: file.to_path_buf(), image: picture, mask: None, time: None })
 }

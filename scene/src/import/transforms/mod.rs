@@ -149,5 +149,5 @@ fn view(
     }
     let camera = Camera { width, height, k, distortion, r, t };
     let time = Levels(vec![frame]).number(TIME).map_err(wrong)?;
-    Ok(ImportedView { name, camera, image, mask, time })
+    Ok(ImportedView { name, camera, file: file.to_path_buf(), image, mask, time })
 }
