@@ -87,9 +87,10 @@ impl Params {
             octave: 0,
             search: SearchParams { neighbours: 3, ..search },
             band_pixels: 6.0,
-            substitution: Some(SubstitutionParams { below: 0.25 }),
+            substitution: Some(SubstitutionParams { below: 0.2 }),
             clean,
         };
+        // The coarse pass searches the whole hull, so that it needs more support than the search around its result.
         let coarse = CoarseParams {
             detection: DetectionParams {
                 octave: 1,
@@ -99,12 +100,13 @@ impl Params {
                     vote: VoteParams { agreement_radius: None, ..vote },
                     ..search
                 },
+                substitution: Some(SubstitutionParams { below: 0.35 }),
                 clean: CleanParams { radius_pixels: 2.5, ..clean },
                 ..detection
             },
             voxel_pixels: 4.0,
         };
-        let weights = WeightParams { frontier: 58.0, substituted: 0.3, implicit: 0.1 };
+        let weights = WeightParams { frontier: 58.0, substituted: 0.2, implicit: 0.1 };
         let default = Self {
             method: Method::Pcmvs,
             contour: Some(ContourParams { reach_pixels: 4.5 }),
@@ -140,6 +142,7 @@ impl Params {
                         vote: VoteParams { smoothing: Some(0.8), support: Support::Peaks, agreement_radius: None },
                         ..search
                     },
+                    substitution: Some(SubstitutionParams { below: 0.25 }),
                     clean: CleanParams { facing: Some(0.3), ..clean },
                     ..detection
                 },

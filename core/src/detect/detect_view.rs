@@ -93,7 +93,9 @@ pub fn detect_view<'l>(
     depth::depth_map(level, &neighbours, range, &params.search, depth, map, tick)?;
 
     let mut counts = Counts::default();
-    substitute(map, &range.guide, params.search.neighbours, params.substitution.as_ref(), rank, &mut counts);
+    // In a sparse ring fewer views than wanted see the same surface.
+    let compared = neighbours.len() as u32;
+    substitute(map, &range.guide, compared, params.substitution.as_ref(), rank, &mut counts);
     let cloud = clean::clean(level, map, rank, view as u16, &params.clean, hull.footprint(), clean, &mut counts);
     Ok((cloud, counts))
 }

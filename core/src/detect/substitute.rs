@@ -10,15 +10,15 @@ use alloc::vec::Vec;
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
 pub struct SubstitutionParams {
-    /// Stereo has failed where the fidelity is less than this fraction of the number of neighbouring views. The paper
+    /// Stereo has failed where the fidelity is less than this fraction of the number of views that were compared. The paper
     /// uses 1/4.
     pub below: f32,
 }
 
 /// Replaces failed depths by those of the guide surface, and sets the rank of every pixel's point.
 ///
-/// `guide` is the depth of the guide surface per pixel, or 0 where nothing was searched. `neighbours` is J. Without
-/// parameters failed pixels get no point.
+/// `guide` is the depth of the guide surface per pixel, or 0 where nothing was searched. `neighbours` is J, the number of
+/// views that were compared. Without parameters failed pixels get no point.
 pub fn substitute(
     map: &mut DepthMap,
     guide: &[f32],

@@ -24,7 +24,11 @@ struct Case {
 
 impl Case {
     fn new(name: &'static str, subject: Subject) -> Self {
-        let shot = Shot::new(subject, &Ring::default().sized(640, 480).cameras(), &Faults::default());
+        Self::in_ring(name, subject, &Ring::default())
+    }
+
+    fn in_ring(name: &'static str, subject: Subject, ring: &Ring) -> Self {
+        let shot = Shot::new(subject, &ring.sized(640, 480).cameras(), &Faults::default());
         let result = shot.reconstruct_with(&Params::preset(Preset::Default), &Threads(2), &Silent);
         Self { name, shot, result: result.expect("an analytic scene can be reconstructed") }
     }
@@ -138,6 +142,15 @@ fn sphere() {
 #[test]
 fn torus() {
     TORUS.assert_good(1);
+}
+
+/// In a sparse ring a camera has two neighbours that see the same surface, however many are wanted. What both confirm is
+/// enough, and the hull is not the answer in the torus's hole.
+#[test]
+fn torus_in_a_sparse_ring() {
+    let case = Case::in_ring("torus, 8 views", Subject::Torus, &Ring { count: 8, ..Ring::default() });
+    assert_sound(&case.result.mesh, case.name);
+    Errors::new(&case.shot, &case.result.mesh).assert_within(0.9, 1.6, case.name);
 }
 
 #[test]
