@@ -95,7 +95,7 @@ impl Instant {
         let agreement = params.agreement.as_ref();
         carve_agreeing(&mut carved, agreement, if agreement.is_some() { ROUNDS } else { 0 }, progress)?;
         let apart = agreement.map(|params| apart(&carved.views, &carved.mesh, params)).unwrap_or_default();
-        let exchanged = exchanged(&carved.views, &carved.mesh);
+        let exchanged = exchanged(&carved.views, &carved.mesh, progress)?;
         Ok(Guide { mesh: carved.mesh, footprint: carved.footprint, apart, exchanged })
     }
 }

@@ -42,7 +42,7 @@ pub(super) fn fit(
         };
         hulls += 1;
         exchanged.extend(guide.exchanged);
-        let found = compare(&instant.views(models, |_| false), &guide.mesh, executor);
+        let found = compare(&instant.views(models, |_| false), &guide.mesh, executor, progress)?;
         for (sum, overlap) in sums.iter_mut().zip(found.into_iter().map(|found| found.overlap)) {
             if let Some(overlap) = overlap {
                 *sum = (sum.0 + f64::from(overlap), sum.1 + 1);

@@ -45,7 +45,7 @@ impl<R: Deref<Target = Rig> + Sync> Frame<R> {
             self.contradicting = found.places;
         }
         let mut wrong = apart(&self.views, &self.intermediates.hull, &params);
-        self.exchanged = exchanged(&self.views, &self.intermediates.hull);
+        self.exchanged = exchanged(&self.views, &self.intermediates.hull, progress)?;
         wrong.extend(self.exchanged.iter().flatten());
         for place in wrong {
             let view = &mut self.views[usize::from(place)];

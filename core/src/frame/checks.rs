@@ -77,7 +77,7 @@ impl<R: Deref<Target = Rig> + Sync> Frame<R> {
             Err(Error::EmptyHull) => return Err(self.other_convention(executor).unwrap_or(Error::EmptyHull)),
             result => result?,
         }
-        self.compared = compare(&self.views, &self.intermediates.hull, executor);
+        self.compared = compare(&self.views, &self.intermediates.hull, executor, progress)?;
         Ok(())
     }
 
@@ -129,7 +129,7 @@ fn trial(
     let hull = VisualHull::with_workspace(views, &params, limit, workspace, &Silent).ok()?;
     let mut mesh = hull.mesh(workspace);
     drop_small_components(&mut mesh, smallest, workspace);
-    let found = compare(views, &mesh, executor);
+    let found = compare(views, &mesh, executor, &Silent).ok()?;
     hull.recycle_into(workspace);
     mesh.recycle_into(workspace);
     median(found.into_iter().filter_map(|found| found.overlap))

@@ -1,6 +1,15 @@
 //! Silhouettes against the picture of the hull that they carve together.
 
-use crate::{executor::Executor, point_cloud::Mesh, raster::cover, silhouette::Silhouette, view::View};
+use crate::{
+    error::Result,
+    executor::Executor,
+    point_cloud::Mesh,
+    progress::{self, Progress},
+    raster::cover,
+    silhouette::Silhouette,
+    stage::Stage,
+    view::View,
+};
 use alloc::vec::Vec;
 use glam::{Vec2, Vec3};
 
@@ -29,8 +38,20 @@ struct Scratch {
 }
 
 /// Compares every view's silhouette with the picture of the hull's mesh. The results are in the order of the views.
-pub fn compare(views: &[View], mesh: &Mesh, executor: &impl Executor) -> Vec<Comparison> {
-    executor.map_with(&mut Vec::<Scratch>::new(), views.len(), |scratch, i| scratch.compare(&views[i], mesh))
+///
+/// # Errors
+/// [`crate::Error::Cancelled`].
+pub fn compare(
+    views: &[View],
+    mesh: &Mesh,
+    executor: &impl Executor,
+    progress: &dyn Progress,
+) -> Result<Vec<Comparison>> {
+    let compared = executor.map_with(&mut Vec::<Scratch>::new(), views.len(), |scratch, i| {
+        progress::step(progress, Stage::Hull, i as u32, views.len() as u32)?;
+        Ok(scratch.compare(&views[i], mesh))
+    });
+    compared.into_iter().collect()
 }
 
 impl Scratch {

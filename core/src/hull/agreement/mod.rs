@@ -17,7 +17,15 @@ pub use lacking::{Completed, completed};
 pub use rounds::{Carving, apart, carve_agreeing};
 
 use super::{carver::carvers, space::Space};
-use crate::{error::Result, math::max, point_cloud::Mesh, progress::Progress, view::View, workspace::Workspace};
+use crate::{
+    error::Result,
+    math::max,
+    point_cloud::Mesh,
+    progress::{self, Progress},
+    stage::Stage,
+    view::View,
+    workspace::Workspace,
+};
 use alloc::vec::Vec;
 use blame::Blame;
 use coverage::Coverage;
@@ -73,7 +81,8 @@ pub fn contradicting(
     let carvers = carvers(views);
     let mut uncovered: Vec<Vec<[u16; 2]>> = Vec::with_capacity(carvers.len());
     let (mut coverage, mut contours) = (Coverage::default(), 0);
-    for carver in &carvers {
+    for (i, carver) in carvers.iter().enumerate() {
+        progress::step(progress, Stage::Hull, i as u32, carvers.len() as u32)?;
         coverage.draw(mesh, &carver.camera);
         uncovered.push(coverage.uncovered(&carver.silhouette));
         contours += coverage::contour_length(&carver.silhouette);
