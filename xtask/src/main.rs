@@ -96,7 +96,7 @@ enum Task {
         /// Use one scene only, and print the tables
         #[arg(long)]
         quick: bool,
-        /// Renew one table only: scores, ablations-default, configurations, ablations-paper,
+        /// Renew one table only: scores, ablations-default, faults, configurations, ablations-paper,
         /// scaling, threads, meshing, instructions or wasm
         #[arg(long)]
         part: Option<String>,
