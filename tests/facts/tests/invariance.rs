@@ -44,6 +44,10 @@ fn the_order_of_the_cameras_changes_nothing() {
     }
 }
 
+/// Numbers are rounded differently in other units, so that a few of the points with little support come and go. Nearly all of
+/// the surface stays within this many footprints.
+const CHANGED_LITTLE: f64 = 0.05;
+
 /// A change of the world's units, axes and origin: X' = scale · rotation · X + shift.
 #[derive(Clone, Copy)]
 struct Change {
@@ -96,7 +100,7 @@ impl Change {
 fn units_do_not_matter() {
     for scale in [1000.0, 0.001] {
         let differences = Change { scale, ..Change::NONE }.differences();
-        assert!(quantile(&differences, 0.95) < 0.02, "{scale}");
+        assert!(quantile(&differences, 0.95) < CHANGED_LITTLE, "{scale}");
         assert!(quantile(&differences, 1.0) < 2.0, "{scale}");
     }
 }
@@ -105,7 +109,7 @@ fn units_do_not_matter() {
 #[test]
 fn the_origin_does_not_matter() {
     let differences = Change { shift: DVec3::new(100.0, -50.0, 20.0), ..Change::NONE }.differences();
-    assert!(quantile(&differences, 0.95) < 0.02);
+    assert!(quantile(&differences, 0.95) < CHANGED_LITTLE);
     assert!(quantile(&differences, 1.0) < 2.0);
 }
 
