@@ -63,8 +63,8 @@ impl Source {
 /// A scene that was made from another program's calibration.
 #[derive(Debug)]
 pub struct Imported {
-    /// The scene, with one frame unless the source has pictures of several instants. Picture paths are those of the source. Camera names differ in more than upper and lower
-    /// case, and are safe as file names.
+    /// The scene, with one frame unless the source has pictures of several instants. Picture paths are those of the source.
+    /// Camera names differ in more than upper and lower case, and are safe as file names.
     pub scene: Scene,
     /// What was ignored or assumed, for the user.
     pub notes: Vec<String>,
