@@ -26,7 +26,7 @@ mod tests {
     #[test]
     fn numbers_keep_their_shortest_form() {
         let params = to_value(&Params::preset(Preset::Default));
-        assert_eq!(params["meshing"]["weights"]["substituted"].to_string(), "0.3");
+        assert_eq!(params["meshing"]["weights"]["substituted"].to_string(), "0.2");
         assert_eq!(to_value(&Counts::default())["detected"], 0);
     }
 }
