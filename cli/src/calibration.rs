@@ -9,8 +9,8 @@ use crate::{
     warning::WarningReport,
 };
 use pcmvs_core::{
-    Camera, Executor, Params, Preset, Progress, Rig, View,
-    calibration::{Calibration, CalibrationParams, CameraReport, Finding, Verdict, calibrate},
+    Camera, Executor, Progress, Rig, View,
+    calibration::{self, Calibration, CalibrationParams, CameraReport, Finding, Verdict, calibrate},
 };
 use pcmvs_scene::{Failure, Scene, SceneCamera, SceneFrame};
 use serde_json::{Value, json};
@@ -123,19 +123,14 @@ impl Run<'_> {
 
     /// The views of a frame, in the rig's order, without their colours.
     fn views(&self, rig: &Rig, frame: &SceneFrame, pictures: &Pictures) -> Result<Vec<View>, Failure> {
-        let contour = Params::preset(Preset::Default).contour;
         let (order, inputs) = (rig.order(), pictures.inputs());
         let made = self.threads.map(order.len(), |place| {
             if self.console.is_cancelled() {
                 return Err(Failure::Cancelled);
             }
             let camera = order[place] as usize;
-            let view = match &inputs[camera] {
-                Some(input) => View::new(rig, camera, input, contour.as_ref()),
-                None => View::absent(rig, camera),
-            };
-            let view = view.map_err(|error| self.scene.explain(&error, Some(frame)))?;
-            Ok(View { rgb: Vec::new(), ..view })
+            let view = calibration::view(rig, camera, inputs[camera].as_ref());
+            view.map_err(|error| self.scene.explain(&error, Some(frame)))
         });
         made.into_iter().collect()
     }

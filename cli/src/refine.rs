@@ -2,9 +2,10 @@
 
 use crate::{arguments::Refine, calibration::calibrated, output};
 use pcmvs_core::calibration::{CalibrationParams, Verdict};
-use pcmvs_scene::{Disk, FILE_NAME, Failure, Scene};
+use pcmvs_scene::{Disk, FILE_NAME, Failure, Scene, SceneCamera};
 use std::{
     fs,
+    mem::take,
     path::{Component, Path, PathBuf},
     sync::atomic::AtomicBool,
 };
@@ -24,8 +25,7 @@ pub fn run(options: &Refine, cancelled: &AtomicBool) -> Result<(), Failure> {
         return Err(Failure::Other(format!("{path}: {}: nothing is written", found.summary())));
     }
     for (camera, refined) in scene.cameras.iter_mut().zip(found.cameras()) {
-        (camera.k, camera.r, camera.t) = (refined.k, refined.r, refined.t);
-        camera.distortion = refined.distortion.to_vec();
+        *camera = SceneCamera::new(take(&mut camera.name), refined);
     }
     write(scene, &options.output)?;
     println!("{} cameras with a corrected calibration in {}", found.cameras().len(), options.output.display());

@@ -5,8 +5,8 @@ use crate::{
     status::pcmvs_status::WrongOrder,
 };
 use pcmvs_core::{
-    Error, Executor, Params, Preset, Progress, Rig, Stage, View, ViewInput,
-    calibration::{Calibration, CalibrationParams, CameraReport, calibrate},
+    Error, Executor, Progress, Rig, Stage, View, ViewInput,
+    calibration::{self, Calibration, CalibrationParams, CameraReport, calibrate},
 };
 use std::sync::{
     Arc,
@@ -43,7 +43,6 @@ impl Take {
         threads: &impl Executor,
         progress: &dyn Progress,
     ) -> Result<()> {
-        let contour = Params::preset(Preset::Default).contour;
         let (done, total) = (AtomicU32::new(0), inputs.len() as u32);
         let report = || {
             let go_on = progress.step(Stage::Views, done.load(Ordering::Relaxed), total);
@@ -51,12 +50,9 @@ impl Take {
         };
         let read = |camera: usize| {
             report()?;
-            let view = match &inputs[camera] {
-                Some(input) => View::new(&self.rig, camera, input, contour.as_ref())?,
-                None => View::absent(&self.rig, camera)?,
-            };
+            let view = calibration::view(&self.rig, camera, inputs[camera].as_ref())?;
             done.fetch_add(1, Ordering::Relaxed);
-            Ok(View { rgb: Vec::new(), ..view })
+            Ok(view)
         };
         let views = threads.map(inputs.len(), read).into_iter().collect::<std::result::Result<Vec<_>, Error>>();
         let views = views.and_then(|views| report().map(|()| views));

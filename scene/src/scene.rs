@@ -113,6 +113,12 @@ impl Background {
 }
 
 impl SceneCamera {
+    /// A camera with a name.
+    pub fn new(name: String, camera: &Camera) -> Self {
+        let Camera { width, height, k, distortion, r, t } = *camera;
+        Self { name, width, height, k, distortion: distortion.to_vec(), r, t }
+    }
+
     /// The camera as the core takes it.
     pub fn camera(&self) -> Result<Camera, String> {
         let (given, beyond) = self.distortion.split_at(self.distortion.len().min(5));

@@ -75,15 +75,7 @@ struct Found {
 
 impl Found {
     fn new(found: &calibration::Calibration, names: &[String]) -> Self {
-        let camera = |(camera, name): (&Camera, &String)| SceneCamera {
-            name: name.clone(),
-            width: camera.width,
-            height: camera.height,
-            k: camera.k,
-            distortion: camera.distortion.to_vec(),
-            r: camera.r,
-            t: camera.t,
-        };
+        let camera = |(camera, name): (&Camera, &String)| SceneCamera::new(name.clone(), camera);
         Self {
             verdict: match found.verdict {
                 Verdict::Improved => "improved",

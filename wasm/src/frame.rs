@@ -11,7 +11,7 @@ use crate::{
     types::{ChromaKeyObject, PresetName, ProgressFunction},
 };
 use pcmvs_core::{
-    ChromaKey, LeftOut, Mask, Params, PixelFormat, Preset, Serial, View, ViewInput, reconstruct,
+    ChromaKey, LeftOut, Mask, Params, PixelFormat, Serial, View, ViewInput, calibration, reconstruct,
     silhouette::{ContourParams, NoSilhouette},
 };
 use pcmvs_scene::Picture;
@@ -174,17 +174,11 @@ impl Frame {
         &self.rig
     }
 
-    /// The views of all cameras in the rig's order, without their colours.
+    /// The views of all cameras in the rig's order, for the calibration.
     pub(crate) fn views(&self) -> Result<Vec<View>, Failed> {
-        let contour = Params::preset(Preset::Default).contour;
         let view = |&camera: &u32| {
-            let camera = camera as usize;
-            let view = match self.input(camera)? {
-                Some(input) => View::new(&self.rig, camera, &input, contour.as_ref()),
-                None => View::absent(&self.rig, camera),
-            };
-            let view = view.map_err(|error| Failed::core(&error, None))?;
-            Ok(View { rgb: Vec::new(), ..view })
+            let view = calibration::view(&self.rig, camera as usize, self.input(camera as usize)?.as_ref());
+            view.map_err(|error| Failed::core(&error, None))
         };
         self.rig.order().iter().map(view).collect()
     }

@@ -11,7 +11,7 @@ use super::{
 use crate::{
     error::Result,
     executor::Executor,
-    hull::{AgreementParams, Carving, HullParams, VisualHull, apart, carve_agreeing, exchanged},
+    hull::{AgreementParams, Carving, HullParams, VisualHull, apart, carve_agreeing},
     point_cloud::Mesh,
     progress::Progress,
     silhouette::Silhouette,
@@ -65,7 +65,7 @@ impl Instant {
     }
 
     /// The views as the cameras now stand, without pictures. Cameras that are `excluded` have no silhouette.
-    pub(super) fn views(&self, models: &[Model], excluded: impl Fn(usize) -> bool) -> Vec<View> {
+    fn views(&self, models: &[Model], excluded: impl Fn(usize) -> bool) -> Vec<View> {
         let of = |i: usize| {
             let silhouette = self.pictures[i].silhouette.clone().filter(|_| !excluded(i));
             View::of_silhouette(i as u16, models[i].pinhole(), silhouette)
@@ -95,8 +95,7 @@ impl Instant {
         let agreement = params.agreement.as_ref();
         carve_agreeing(&mut carved, agreement, if agreement.is_some() { ROUNDS } else { 0 }, progress)?;
         let apart = agreement.map(|params| apart(&carved.views, &carved.mesh, params)).unwrap_or_default();
-        let exchanged = exchanged(&carved.views, &carved.mesh, progress)?;
-        Ok(Guide { mesh: carved.mesh, footprint: carved.footprint, apart, exchanged })
+        Ok(Guide { mesh: carved.mesh, footprint: carved.footprint, views: carved.views, apart })
     }
 }
 
@@ -127,10 +126,10 @@ impl Carving for Carved {
 pub(super) struct Guide {
     pub(super) mesh: Mesh,
     pub(super) footprint: f32,
+    /// The views without pictures. Those that contradict the others are set aside.
+    pub(super) views: Vec<View>,
     /// Places of the cameras whose silhouettes show what the hull of the others does not have, and lack what it has.
     pub(super) apart: Vec<u16>,
-    /// Pairs of places of cameras whose silhouettes fit when they are exchanged.
-    pub(super) exchanged: Vec<[u16; 2]>,
 }
 
 /// How the hull is carved.

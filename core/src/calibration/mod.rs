@@ -27,6 +27,6 @@ mod tangents;
 mod track;
 
 pub use finding::Finding;
-pub use refine::{CalibrationParams, calibrate};
+pub use refine::{CalibrationParams, calibrate, view};
 pub use report::{Calibration, CameraReport, Uncertainty, Verdict};
 pub use residuals::Residuals;

@@ -7,7 +7,7 @@ use super::{
 use crate::{
     error::{Error, Result},
     executor::Executor,
-    hull::compare,
+    hull::{compare, exchanged},
     progress::Progress,
 };
 use alloc::{vec, vec::Vec};
@@ -31,7 +31,7 @@ pub(super) fn fit(
     executor: &impl Executor,
     progress: &dyn Progress,
 ) -> Result<Fit> {
-    let (mut exchanged, mut hulls) = (Vec::new(), 0);
+    let (mut pairs, mut hulls) = (Vec::new(), 0);
     let mut sums = vec![(0.0, 0_u32); models.len()];
     for instant in instants {
         let guide = match instant.hull(models, |_| false, hull, progress) {
@@ -41,8 +41,8 @@ pub(super) fn fit(
             Err(error) => return Err(error),
         };
         hulls += 1;
-        exchanged.extend(guide.exchanged);
-        let found = compare(&instant.views(models, |_| false), &guide.mesh, executor, progress)?;
+        pairs.extend(exchanged(&guide.views, &guide.mesh, progress)?);
+        let found = compare(&guide.views, &guide.mesh, executor, progress)?;
         for (sum, overlap) in sums.iter_mut().zip(found.into_iter().map(|found| found.overlap)) {
             if let Some(overlap) = overlap {
                 *sum = (sum.0 + f64::from(overlap), sum.1 + 1);
@@ -50,7 +50,7 @@ pub(super) fn fit(
         }
     }
     let overlaps = sums.into_iter().map(|(sum, count)| (count > 0).then(|| sum / f64::from(count))).collect();
-    exchanged.sort_unstable();
-    let most = exchanged.chunk_by(|a, b| a == b).find(|same| 2 * same.len() > hulls);
+    pairs.sort_unstable();
+    let most = pairs.chunk_by(|a, b| a == b).find(|same| 2 * same.len() > hulls);
     Ok(Fit { overlaps, exchanged: most.map(|same| same[0].map(usize::from)) })
 }

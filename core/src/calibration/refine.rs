@@ -23,7 +23,7 @@ use crate::{
     progress::{self, Onward, Part, Progress},
     rig::Rig,
     stage::Stage,
-    view::View,
+    view::{View, ViewInput},
 };
 use alloc::{vec, vec::Vec};
 use glam::DVec3;
@@ -83,6 +83,20 @@ const SUPPORTED: [f64; 2] = [0.5, 3.0];
 const DETERMINED: u32 = 30;
 /// Points at which corrections are measured, per camera.
 const MEASURED: usize = 400;
+
+/// A camera's view for [`calibrate`]: with its contour from the photograph, and without its colours, which nothing reads. A
+/// camera without picture in the frame has no `input`.
+///
+/// # Errors
+/// Those of [`View::new`].
+pub fn view(rig: &Rig, camera: usize, input: Option<&ViewInput>) -> Result<View> {
+    let contour = Params::preset(Preset::Default).contour;
+    let view = match input {
+        Some(input) => View::new(rig, camera, input, contour.as_ref())?,
+        None => View::absent(rig, camera)?,
+    };
+    Ok(View { rgb: Vec::new(), ..view })
+}
 
 /// Checks and refines the cameras of a rig by the views of one or more frames of a take. Each frame has one view per
 /// camera, in the order of [`Rig::order`], as [`crate::Frame::views`] gives them. Their pictures and silhouettes were made

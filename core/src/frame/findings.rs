@@ -24,6 +24,17 @@ const CONTRADICT_PIXELS: f32 = 1.0;
 const OUTLYING: f32 = 3.0;
 const OUTLYING_PIXELS: f32 = 0.3;
 
+/// How a camera's silhouette fits the hull of all.
+struct Fit {
+    camera: u32,
+    /// Whether it excludes what several others show.
+    contradicts: bool,
+    /// Intersection over union.
+    overlap: f32,
+    /// Mean distance of contour and hull's outline in pixels.
+    apart: f32,
+}
+
 impl<R: Deref<Target = Rig>> Frame<R> {
     /// How well each camera's view agrees with the others, in the order in which the cameras were given. Empty before
     /// [`crate::Stage::Hull`] is complete.
@@ -89,21 +100,23 @@ impl<R: Deref<Target = Rig>> Frame<R> {
 
     /// Warnings about silhouettes of used views that disagree with the others.
     fn disagreements(&self) -> Vec<Warning> {
-        let compared = |camera: u32| {
+        let fit = |camera: u32| {
             let place = self.rig().place(camera as usize)?;
             let view = self.views().get(place).filter(|view| view.is_used() && !view.is_set_aside());
             let found = view.and(self.compared.get(place))?;
-            Some((camera, place as u16, found.overlap?, found.apart?))
+            let contradicts = self.contradicting.contains(&(place as u16));
+            Some(Fit { camera, contradicts, overlap: found.overlap?, apart: found.apart? })
         };
-        let compared: Vec<(u32, u16, f32, f32)> = (0..self.cameras() as u32).filter_map(compared).collect();
-        let Some(&(worst, _, overlap, _)) = compared.iter().min_by_key(|&&(_, _, overlap, _)| ordered(overlap)) else {
+        let fits: Vec<Fit> = (0..self.cameras() as u32).filter_map(fit).collect();
+        let Some(&Fit { camera: worst, overlap, .. }) = fits.iter().min_by_key(|fit| ordered(fit.overlap)) else {
             return Vec::new();
         };
-        let typical = median(compared.iter().map(|found| found.2)).unwrap_or(overlap);
-        let apart = median(compared.iter().map(|found| found.3)).unwrap_or(0.0);
+        let typical = median(fits.iter().map(|fit| fit.overlap)).unwrap_or(overlap);
+        let apart = median(fits.iter().map(|fit| fit.apart)).unwrap_or(0.0);
         let outlying = max(OUTLYING * apart, OUTLYING_PIXELS);
-        let named = compared.iter().filter(|found| self.contradicting.contains(&found.1) || found.3 > outlying);
-        let warning = |&(camera, _, overlap, _): &_| Warning::SilhouetteDisagrees { camera, overlap, median: typical };
+        let named = fits.iter().filter(|fit| fit.contradicts || fit.apart > outlying);
+        let warning =
+            |&Fit { camera, overlap, .. }: &Fit| Warning::SilhouetteDisagrees { camera, overlap, median: typical };
         let named: Vec<Warning> = named.map(warning).collect();
         let is_far =
             median(self.compared.iter().filter_map(|found| found.contour)).is_some_and(|d| d > CONTRADICT_PIXELS);

@@ -166,15 +166,15 @@ fn scene(views: &[ImportedView], clip: &Clip, names: Vec<String>) -> Scene {
         units: None,
         up: None,
         fps: None,
-        cameras: clip.cameras.iter().zip(names).map(|(&first, name)| scene_camera(&views[first], name)).collect(),
+        cameras: clip
+            .cameras
+            .iter()
+            .zip(names)
+            .map(|(&first, name)| SceneCamera::new(name, &views[first].camera))
+            .collect(),
         frames: clip.frames.iter().zip(0..).map(frame).collect(),
         background: None,
         path: PathBuf::new(),
         silhouettes: SilhouetteFiles::default(),
     }
-}
-
-fn scene_camera(view: &ImportedView, name: String) -> SceneCamera {
-    let Camera { width, height, k, distortion, r, t } = view.camera;
-    SceneCamera { name, width, height, k, distortion: distortion.to_vec(), r, t }
 }

@@ -5,7 +5,6 @@ use crate::{
     capture::{Capture, CapturedFrame},
 };
 use image::{ColorType, ImageFormat};
-use pcmvs_core::Camera;
 use pcmvs_scene::{Background, FILE_NAME, Scene, SceneCamera, SceneFrame, SilhouetteFiles, VERSION};
 use std::{
     fs, io,
@@ -24,7 +23,12 @@ impl Capture {
             units: Some("m".to_owned()),
             up: Some([0.0, 0.0, 1.0]),
             fps: None,
-            cameras: self.names.iter().zip(&self.cameras).map(|(name, camera)| scene_camera(name, camera)).collect(),
+            cameras: self
+                .names
+                .iter()
+                .zip(&self.cameras)
+                .map(|(name, camera)| SceneCamera::new(name.clone(), camera))
+                .collect(),
             frames,
             background: Some(Background { chroma_rgb: Some(CHROMA_RGB), colours: Vec::new(), plates: None }),
             path: PathBuf::new(),
@@ -84,9 +88,4 @@ impl Capture {
         let entries = entries.collect::<io::Result<Vec<_>>>()?;
         self.write_scene_file(folder, entries)
     }
-}
-
-fn scene_camera(name: &str, camera: &Camera) -> SceneCamera {
-    let Camera { width, height, k, distortion, r, t } = *camera;
-    SceneCamera { name: name.to_owned(), width, height, k, distortion: distortion.to_vec(), r, t }
 }

@@ -31,38 +31,9 @@ const LIST: &[&str] = &["distortion", "distortion_coefficients", "dist_coeffs", 
 /// nerfstudio's list: k1 k2 k3 k4 p1 p2.
 const NERFSTUDIO: &[&str] = &["distortion_params"];
 /// All keys that are read here.
-pub const ALL: &[&str] = &[
-    "w",
-    "width",
-    "h",
-    "height",
-    "K",
-    "intrinsic",
-    "intrinsics",
-    "intrinsic_matrix",
-    "intrinsics_matrix",
-    "camera_matrix",
-    "camera_intrinsics",
-    "camera_intrinsic",
-    "intrinsic_params",
-    "fl_x",
-    "fx",
-    "focal_x",
-    "fl_y",
-    "fy",
-    "focal_y",
-    "x_fov",
-    "y_fov",
-    "camera_angle_x",
-    "camera_angle_y",
-    "cx",
-    "cy",
-    "distortion",
-    "distortion_coefficients",
-    "dist_coeffs",
-    "distCoeffs",
-    "D",
-    "distortion_params",
+pub const ALL: [&[&str]; 13] = [
+    WIDTH, HEIGHT, K, FOCAL[0], FOCAL[1], DEGREES[0], DEGREES[1], RADIANS[0], RADIANS[1], CENTRE[0], CENTRE[1], LIST,
+    NERFSTUDIO,
 ];
 /// What a matrix K is taken for.
 const ASSUMED: &str = "a matrix K is taken as OpenCV's, which puts the centre of the first pixel at (0, 0)";

@@ -92,8 +92,8 @@ pub fn is_split(name: &str) -> bool {
 }
 
 fn note_unread(object: &Map<String, Value>, own: &[&[&str]], file: &Path, notes: &mut Notes) -> Result<(), String> {
-    let both = [lens::NAMED, lens::MODEL_KEYS, intrinsics::ALL];
-    let understood: Vec<&[&str]> = own.iter().copied().chain(both).collect();
+    let of_camera = [lens::NAMED, lens::MODEL_KEYS].into_iter().chain(intrinsics::ALL);
+    let understood: Vec<&[&str]> = own.iter().copied().chain(of_camera).collect();
     let ignored = unread(object, &understood, HARMLESS)?;
     if !ignored.is_empty() {
         let poses =
