@@ -148,7 +148,8 @@ pub(crate) fn cover([a, b, c]: [Vec3; 3], width: usize, height: usize, mut f: im
     let low = |a: f32, b: f32, c: f32| {
         let v = max(min(min(a, b), c), 0.0);
         let floor = v as i32;
-        floor + i32::from(floor as f32 != v)
+        // Where a position is too large for an integer, `floor` is the largest one.
+        floor.saturating_add(i32::from(floor as f32 != v))
     };
     let (x0, x1) = (low(a.x, b.x, c.x), high(a.x, b.x, c.x, width));
     let (y0, y1) = (low(a.y, b.y, c.y), high(a.y, b.y, c.y, height));

@@ -9,7 +9,8 @@ use crate::{
     hull::{Comparison, HullParams, VisualHull, compare},
     left_out::LeftOut,
     math::ordered,
-    progress::{Onward, Progress, Silent},
+    memory,
+    progress::{Onward, Progress},
     rig::{Convention, Rig, meeting_point},
     surface::drop_small_components,
     view::View,
@@ -65,7 +66,7 @@ impl<R: Deref<Target = Rig> + Sync> Frame<R> {
         }
         let overlaps = self.views.iter().zip(&self.compared).filter(|(view, _)| is_evidence(view));
         if median(overlaps.filter_map(|(_, found)| found.overlap)).is_some_and(|overlap| overlap < DOUBTFUL_OVERLAP)
-            && let Some(error) = self.other_convention(executor)
+            && let Some(error) = self.other_convention(executor, progress)?
         {
             return Err(error);
         }
@@ -74,7 +75,9 @@ impl<R: Deref<Target = Rig> + Sync> Frame<R> {
 
     fn carve_and_compare(&mut self, executor: &impl Executor, progress: &dyn Progress) -> Result<()> {
         match self.carve_agreeing(progress) {
-            Err(Error::EmptyHull) => return Err(self.other_convention(executor).unwrap_or(Error::EmptyHull)),
+            Err(Error::EmptyHull) => {
+                return Err(self.other_convention(executor, progress)?.unwrap_or(Error::EmptyHull));
+            }
             result => result?,
         }
         self.compared = compare(&self.views, &self.intermediates.hull, executor, progress)?;
@@ -82,7 +85,10 @@ impl<R: Deref<Target = Rig> + Sync> Frame<R> {
     }
 
     /// An error that names the convention of the poses, if the silhouettes agree in another one than the given.
-    fn other_convention(&mut self, executor: &impl Executor) -> Option<Error> {
+    ///
+    /// # Errors
+    /// [`Error::Cancelled`].
+    fn other_convention(&mut self, executor: &impl Executor, progress: &dyn Progress) -> Result<Option<Error>> {
         let mut workspace = take(&mut self.memory.workspace);
         let mut best: Option<(f32, Convention)> = None;
         for convention in Convention::others() {
@@ -94,20 +100,26 @@ impl<R: Deref<Target = Rig> + Sync> Frame<R> {
             };
             let views: Vec<View> = self.views.iter().filter(|view| is_evidence(view)).map(posed).collect();
             let smallest = self.params.meshing.smallest_component;
-            let overlap = trial(&views, smallest, self.memory.limit(), executor, &mut workspace).unwrap_or(0.0);
+            let limit = self.memory.limit();
+            let overlap = match trial(&views, smallest, limit, executor, &mut workspace, progress) {
+                Ok(overlap) => overlap.unwrap_or(0.0),
+                Err(cancelled) => {
+                    self.memory.workspace = workspace;
+                    return Err(cancelled);
+                }
+            };
             if overlap > best.map_or(CONVINCING_OVERLAP, |(best, _)| best) {
                 best = Some((overlap, convention));
             }
         }
         self.memory.workspace = workspace;
-        let (overlap, convention) = best?;
-        Some(Error::Cameras {
+        Ok(best.map(|(overlap, convention)| Error::Cameras {
             problem: format!(
                 "{}: with the poses as given the silhouettes contradict each other, and read that way they agree to {:.0} %",
                 convention.remedy(),
                 100.0 * overlap
             ),
-        })
+        }))
     }
 }
 
@@ -118,21 +130,30 @@ fn is_evidence(view: &View) -> bool {
 
 /// Median overlap of the silhouettes with their hull, or `None` if they have no hull. Components of the hull smaller than the
 /// share `smallest` are dropped. `limit` is that of memory, in bytes.
+///
+/// # Errors
+/// [`Error::Cancelled`].
 fn trial(
     views: &[View],
     smallest: f32,
     limit: Option<u64>,
     executor: &impl Executor,
     workspace: &mut Workspace,
-) -> Option<f32> {
+    progress: &dyn Progress,
+) -> Result<Option<f32>> {
     let params = HullParams { voxel_pixels: TRIAL_VOXEL_PIXELS };
-    let hull = VisualHull::with_workspace(views, &params, limit, workspace, &Silent).ok()?;
+    let carved = VisualHull::with_workspace(views, &params, limit, workspace, progress);
+    let hull = match carved.and_then(|hull| memory::check_hull(views, &hull, limit).map(|()| hull)) {
+        Ok(hull) => hull,
+        Err(Error::Cancelled) => return Err(Error::Cancelled),
+        Err(_) => return Ok(None),
+    };
     let mut mesh = hull.mesh(workspace);
     drop_small_components(&mut mesh, smallest, workspace);
-    let found = compare(views, &mesh, executor, &Silent).ok()?;
+    let found = compare(views, &mesh, executor, progress)?;
     hull.recycle_into(workspace);
     mesh.recycle_into(workspace);
-    median(found.into_iter().filter_map(|found| found.overlap))
+    Ok(median(found.into_iter().filter_map(|found| found.overlap)))
 }
 
 /// Leaves out the views whose silhouettes touch most of their pictures' borders while those of most others do not. Returns

@@ -22,6 +22,11 @@ use glam::Vec3;
 /// Most blocks in the grid's bounding box. A person that fills pictures of 8000 pixels has as many.
 const MAX_BLOCKS: u64 = 1 << 28;
 
+/// An object is at most so many times as long as the largest picture shows of it, at the footprint of the median view.
+const MAX_PICTURES: f32 = 16.0;
+/// Any grid may have so many blocks along an edge: those of an object that fills the searched space.
+const SMALLEST_EDGE: u32 = 64;
+
 /// Parameters of the visual hull (§0).
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
@@ -58,18 +63,19 @@ impl VisualHull {
         }
         let search = Search::new(&carvers, workspace, progress)?;
         let (lower, upper) = (search.lower, search.upper);
-        let footprint = footprint(&carvers, (lower + upper) * 0.5);
+        let footprint = footprint(&carvers, (lower + upper) * 0.5).ok_or(Error::EmptyHull)?;
         let voxel = footprint * params.voxel_pixels;
         let edge = voxel * BLOCK as f32;
         // A margin of one block on every side, so that the surface is closed within the grid.
         let origin = lower - Vec3::splat(edge);
         let size = (upper - lower) / edge;
-        let dims = [size.x, size.y, size.z].map(|s| libm::ceilf(s) as u32 + 2);
+        let dims = [size.x, size.y, size.z].map(|s| (libm::ceilf(s) as u32).saturating_add(2));
 
         // A block is judged by a ball that contains its nodes and its cells, up to the first nodes of the next block.
         let radius = 0.5 * edge * 1.7320508 + voxel;
-        let table = dims.iter().map(|&n| u64::from(n)).product::<u64>();
-        if table > MAX_BLOCKS || dims.iter().any(|&n| n > u32::from(u16::MAX)) {
+        let longest = longest_edge(&carvers, params.voxel_pixels);
+        let table = dims.iter().map(|&n| u64::from(n)).fold(1, u64::saturating_mul);
+        if table > MAX_BLOCKS || dims.iter().any(|&n| n > longest) {
             return Err(too_large(dims));
         }
         check_grid(views, table, 0, limit)?;
@@ -144,8 +150,17 @@ fn too_large(dims: [u32; 3]) -> Error {
     Error::Cameras { problem }
 }
 
-/// Median over the views of the footprint at a point.
-fn footprint(carvers: &[Carver], p: Vec3) -> f32 {
+/// Most blocks along an edge of the grid. The footprint is that of the median view, whose picture shows the object or a part
+/// of it.
+fn longest_edge(carvers: &[Carver], voxel_pixels: f32) -> u32 {
+    let side = carvers.iter().map(|c| c.camera.width.max(c.camera.height)).max().unwrap_or(0);
+    let blocks = MAX_PICTURES * side as f32 / (voxel_pixels * BLOCK as f32);
+    // Coordinates of blocks have 16 bits.
+    (libm::ceilf(blocks) as u32 + SMALLEST_EDGE).min(u32::from(u16::MAX))
+}
+
+/// Median over the views of the footprint at a point. `None` if no view has it in front, or if it is not a positive number.
+fn footprint(carvers: &[Carver], p: Vec3) -> Option<f32> {
     // The bits of positive numbers sort like the numbers.
     let mut sizes: Vec<u32> = carvers
         .iter()
@@ -155,7 +170,8 @@ fn footprint(carvers: &[Carver], p: Vec3) -> f32 {
         })
         .collect();
     sizes.sort_unstable();
-    f32::from_bits(sizes[sizes.len() / 2])
+    let median = f32::from_bits(*sizes.get(sizes.len() / 2)?);
+    (median > 0.0 && median.is_finite()).then_some(median)
 }
 
 /// Position of a node of a stored block.

@@ -1,6 +1,7 @@
 //! The rig: the cameras, and everything derived from them that all frames share.
 
 mod convention;
+mod limits;
 mod meeting;
 mod neighbours;
 
@@ -34,7 +35,10 @@ pub struct Rig {
 }
 
 impl Rig {
-    /// Checks the cameras and computes the data that frames share.
+    /// Checks the cameras and computes the data that frames share. Sizes, focal lengths, distortion, positions and distances
+    /// out of reason are refused before memory is allocated: sides of more than 32768 pixels, pictures of more than 2²⁸ pixels
+    /// and 2³⁴ pixels together, angles of view beyond 0.06° to 179°, distances from where the cameras look of less than 10⁻⁶ or
+    /// more than 10⁹, and cameras 100 times nearer or farther than most.
     ///
     /// # Errors
     /// [`Error::TooFewViews`], [`Error::Camera`] and [`Error::Cameras`].
@@ -43,11 +47,14 @@ impl Rig {
             return Err(Error::TooFewViews { given: cameras.len() as u32, needed: MIN_VIEWS });
         }
         for (i, camera) in cameras.iter().enumerate() {
-            camera.check().map_err(|problem| Error::Camera { camera: i as u32, problem })?;
+            let fail = |problem| Error::Camera { camera: i as u32, problem };
+            camera.check().and_then(|()| limits::check(camera)).map_err(fail)?;
         }
+        limits::check_pictures(cameras)?;
         let order = canonical_order(cameras);
         let origin = meeting_point(order.iter().map(|&i| &cameras[i as usize]));
         convention::check(cameras, origin)?;
+        limits::check_distances(cameras, origin)?;
         let radius = cameras.iter().map(|c| (c.centre() - origin).length()).fold(0.0, f64::max);
         let same_place = same_place(cameras, SAME_PLACE * radius);
         let pinholes: Vec<_> = cameras.iter().map(|c| Pinhole::new(c, origin)).collect();
