@@ -68,7 +68,21 @@
  * for different cameras, and so may all functions that take a const pcmvs_frame * or a const pcmvs_calibration *. Any
  * other call needs the frame or calibration for itself. A call that cannot run because of another one fails with
  * PCMVS_STATUS_BUSY instead of waiting. Free a handle only when no other thread uses it. The library never starts a
- * thread. Its only global state is the allocator.
+ * thread. Its only global state is the allocator, and the lists of handles and of the jobs that a parallel callback runs.
+ *
+ * Handles are numbers, not addresses. Every function compares them with the list of handles and reads nothing through
+ * them, so that a handle that has been freed, is of another kind or never was one gives PCMVS_STATUS_INVALID_HANDLE. All
+ * other pointers are believed: the library cannot know whether they point to as many bytes as their descriptions say.
+ *
+ * Limits. Numbers out of reason are refused before memory is taken. A rig has 3 to PCMVS_MAX_CAMERAS cameras. Sides of
+ * pictures have up to 32768 pixels, a picture 2^28 and the pictures of a rig together 2^34. Focal lengths are 0.01 to 1000
+ * times the longer side of the picture, and the two differ by less than 10 times. The principal point is within 10 sides
+ * of the picture's middle. At least a twentieth of the undistorted picture shows something. Coordinates of t go up to
+ * 1e15. Most cameras stand 1e-6 to 1e9 units from where they look, and no camera 100 times nearer or farther than they
+ * do; the scene is at most 1e6 times that distance from its zero. pcmvs_rig_set_cameras fails with PCMVS_STATUS_CAMERA
+ * otherwise, and names the camera.
+ *
+ * Time. docs/c.md bounds the time of a frame by the size of its pictures, and the time until a progress callback is asked.
  *
  * Callbacks must not throw exceptions and must not jump out.
  *
@@ -121,8 +135,7 @@ enum pcmvs_status
   PCMVS_STATUS_OK = 0,
   // A pointer that must not be NULL is NULL.
   PCMVS_STATUS_NULL_POINTER = 1,
-  // The handle is of another kind, has been freed, or never was a handle. A freed handle is recognised only until
-  // its memory is reused.
+  // The handle is of another kind, has been freed, or never was a handle.
   PCMVS_STATUS_INVALID_HANDLE = 2,
   // The `struct_size` or `size` of a struct is smaller than in every version, or a member that this library does not
   // know is not zero, which means that the caller asks for something only a newer library can do.
@@ -537,7 +550,8 @@ typedef void (*pcmvs_job_fn)(void *job, uint32_t index);
 
 // Runs jobs on the caller's threads. It calls `run(job, i)` once for every `i` from 0 to `count - 1`, on any threads and
 // in any order, and returns when all of these calls have returned. The library runs jobs that were left out on the
-// calling thread. Results do not depend on the threads. It must not throw.
+// calling thread. If the function returns earlier, the library waits for the jobs that have started; a call of `run` that
+// comes later does nothing. Results do not depend on the threads. It must not throw.
 typedef void (*pcmvs_parallel_fn)(void *user, uint32_t count, pcmvs_job_fn run, void *job);
 
 // Options for a frame. If every member but `struct_size` is zero, these are the defaults.
@@ -559,7 +573,8 @@ typedef struct pcmvs_options {
   pcmvs_parallel_fn parallel;
   // Passed to `parallel`.
   void *parallel_user;
-  // Largest amount of memory that the frame may need on one thread, in bytes, not counting the caller's pictures.
+  // Largest amount of memory that the frame may need on one thread, in bytes, not counting the caller's pictures. Copies
+  // of them count: of pictures that are stored from the bottom up or have 16 bits.
   // 0 means no limit. A frame that needs more fails with `PCMVS_STATUS_OUT_OF_MEMORY` before it allocates the memory,
   // and the message says how much it needs. With a limit, working memory is freed after each stage. Without one it is
   // kept for the next frame, which is faster but can take up to twice as much.
@@ -884,13 +899,15 @@ pcmvs_status pcmvs_frame_free(struct pcmvs_frame *frame);
 
 // Begins a frame and runs all of its stages. `views` holds one view per camera, in the order in which the cameras were
 // given to `pcmvs_rig_set_cameras`, and `count` must be the number of cameras. `options` may be NULL. On failure the
-// frame has no results; the handle can be used again.
+// frame has no results, not even those of the frame before; the handle can be used again. Only if the call could not begin
+// (`PCMVS_STATUS_BUSY`) nothing changes.
 pcmvs_status pcmvs_frame_reconstruct(struct pcmvs_frame *frame,
                                      const struct pcmvs_view *views,
                                      size_t count,
                                      const struct pcmvs_options *options);
 
-// Begins a frame that is to be made stage by stage, and discards the results of the one before. `options` may be NULL.
+// Begins a frame that is to be made stage by stage, and discards the results of the one before. `options` may be NULL. On
+// failure nothing changes.
 pcmvs_status pcmvs_frame_begin(struct pcmvs_frame *frame,
                                const struct pcmvs_options *options);
 

@@ -1,11 +1,12 @@
 //! The handle of a calibration: a lock around some frames of a take.
 
 use crate::{
-    boundary::{Opaque, body, catch, free, into_handle, out, status},
+    boundary::{catch, out, status},
     calibration_options::pcmvs_calibration_options,
     clock::Clock,
     error::pcmvs_error,
     failure::{Failure, Result},
+    handles::{Opaque, body, free, into_handle},
     locked::Locked,
     rig::{RigBody, pcmvs_rig, with_rig},
     sized::{Versioned, read, read_array, write},
@@ -26,34 +27,22 @@ pub struct pcmvs_calibration {
 
 impl Opaque for pcmvs_calibration {
     type Body = Locked<Take>;
-    const TAG: u64 = u64::from_be_bytes(*b"pcmvscal");
 }
 
 /// Reads results. Other such calls may run at the same time.
-///
-/// # Safety
-/// As for [`body`].
-pub(crate) unsafe fn shared(
-    calibration: *const pcmvs_calibration,
-    work: impl FnOnce(&Take) -> Result<()>,
-) -> pcmvs_status {
-    // SAFETY: the caller's promise.
-    match unsafe { body(calibration) } {
+pub(crate) fn shared(calibration: *const pcmvs_calibration, work: impl FnOnce(&Take) -> Result<()>) -> pcmvs_status {
+    match body(calibration) {
         Ok(take) => take.keep(take.shared(work), None),
         Err(failure) => failure.status,
     }
 }
 
 /// Does work that needs the calibration for itself. It notes the number of the frame to which a failure belongs.
-///
-/// # Safety
-/// As for [`body`].
-unsafe fn exclusive(
+fn exclusive(
     calibration: *mut pcmvs_calibration,
     work: impl FnOnce(&mut Take, &mut Option<u32>) -> Result<()>,
 ) -> pcmvs_status {
-    // SAFETY: the caller's promise.
-    match unsafe { body(calibration.cast_const()) } {
+    match body(calibration.cast_const()) {
         Ok(take) => {
             let mut frame = None;
             let result = take.exclusive(|take| work(take, &mut frame));
@@ -87,8 +76,7 @@ pub unsafe extern "C" fn pcmvs_calibration_new(
         unsafe { calibration.write(into_handle(made)) };
         Ok(())
     };
-    // SAFETY: the caller's promise.
-    unsafe { with_rig(rig, make) }
+    with_rig(rig, make)
 }
 
 /// Frees a calibration. NULL is ignored. Fails with `PCMVS_STATUS_BUSY` while a call on the calibration is running.
@@ -99,8 +87,7 @@ pub unsafe extern "C" fn pcmvs_calibration_free(calibration: *mut pcmvs_calibrat
             take.keep(Err(busy.clone()), None);
         })
     };
-    // SAFETY: the caller's promise.
-    unsafe { free(calibration, idle) }
+    free(calibration, idle)
 }
 
 /// Adds a frame of the take: reads its pictures and silhouettes, which the caller may change or free afterwards. `views` holds
@@ -128,14 +115,14 @@ pub unsafe extern "C" fn pcmvs_calibration_add_frame(
         let at = |failure: Failure| failure.at(Stage::Views);
         // SAFETY: the caller's promise.
         let views = unsafe { read_array(views, count, "views") }.map_err(at)?;
+        let sizes = take.calibrated();
         // SAFETY: the caller's promise.
-        let given = |(i, view)| unsafe { GivenView::new(view) }.map_err(|f| at(f.of_camera(i as u32)));
+        let given = |(i, view)| unsafe { GivenView::new(view, sizes[i]) }.map_err(|f| at(f.of_camera(i as u32)));
         let given = views.iter().enumerate().map(given).collect::<Result<Vec<_>>>()?;
         let inputs: Vec<_> = given.iter().map(GivenView::input).collect();
         take.add(&inputs, &options.threads(), &options.progress(&Clock::default()))
     };
-    // SAFETY: the caller's promise.
-    unsafe { exclusive(calibration, add) }
+    exclusive(calibration, add)
 }
 
 /// Checks and refines the cameras by all frames that have been added. `options` may be NULL. More frames can be added
@@ -154,8 +141,7 @@ pub unsafe extern "C" fn pcmvs_calibration_run(
         let options = unsafe { options_or_default(options)? };
         take.run(&options.params()?, &options.threads(), &options.progress(&Clock::default()))
     };
-    // SAFETY: the caller's promise.
-    unsafe { exclusive(calibration, run) }
+    exclusive(calibration, run)
 }
 
 /// Describes the last failed call on a calibration, including calls that only read results. If this function itself fails,

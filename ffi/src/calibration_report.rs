@@ -173,8 +173,7 @@ pub unsafe extern "C" fn pcmvs_calibration_get_report(
         // SAFETY: the caller's promise.
         unsafe { write(report, size, &found, "report") }
     };
-    // SAFETY: the caller's promise.
-    unsafe { shared(calibration, get) }
+    shared(calibration, get)
 }
 
 /// Returns what a calibration found about one camera, once `pcmvs_calibration_run` has succeeded. `size` is
@@ -191,8 +190,7 @@ pub unsafe extern "C" fn pcmvs_calibration_get_camera_report(
         // SAFETY: the caller's promise.
         unsafe { write(report, size, &found, "report") }.map_err(|f| f.of_camera(camera))
     };
-    // SAFETY: the caller's promise.
-    unsafe { shared(calibration, get) }
+    shared(calibration, get)
 }
 
 /// Returns a camera to go on with, once `pcmvs_calibration_run` has succeeded: the refined one if the verdict is
@@ -210,8 +208,7 @@ pub unsafe extern "C" fn pcmvs_calibration_get_camera(
         // SAFETY: the caller's promise.
         unsafe { write_versioned(camera, size, &found, "camera") }.map_err(|f| f.of_camera(index))
     };
-    // SAFETY: the caller's promise.
-    unsafe { shared(calibration, get) }
+    shared(calibration, get)
 }
 
 /// Returns the number of warnings: what is wrong with the given cameras, once `pcmvs_calibration_run` has succeeded.
@@ -226,8 +223,7 @@ pub unsafe extern "C" fn pcmvs_calibration_warning_count(
         unsafe { count.write(take.found()?.findings.len() as u32) };
         Ok(())
     };
-    // SAFETY: the caller's promise.
-    unsafe { shared(calibration, get) }
+    shared(calibration, get)
 }
 
 /// Returns a warning. `index` is less than `pcmvs_calibration_warning_count`. Its code is "camera-bumped",
@@ -249,6 +245,5 @@ pub unsafe extern "C" fn pcmvs_calibration_get_warning(
         // SAFETY: the caller's promise.
         unsafe { write(warning, size, &found.into(), "warning") }
     };
-    // SAFETY: the caller's promise.
-    unsafe { shared(calibration, get) }
+    shared(calibration, get)
 }

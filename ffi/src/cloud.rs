@@ -123,8 +123,7 @@ pub unsafe extern "C" fn pcmvs_frame_copy_cloud(
         // SAFETY: the caller's promise.
         unsafe { target.fill(cloud.iter().map(point)) }.map_err(|f| f.at(stage))
     };
-    // SAFETY: the caller's promise.
-    unsafe { shared(frame, copy) }
+    shared(frame, copy)
 }
 
 /// Returns a pointer to a view's silhouette in the frame's memory, once `PCMVS_STAGE_VIEWS` is complete. Fails with
@@ -146,6 +145,5 @@ pub unsafe extern "C" fn pcmvs_frame_get_silhouette(
         // SAFETY: the caller's promise.
         unsafe { write(silhouette, size, &found, "silhouette") }.map_err(at)
     };
-    // SAFETY: the caller's promise.
-    unsafe { shared(frame, get) }
+    shared(frame, get)
 }

@@ -1,11 +1,13 @@
 //! The host's threads as an executor of the core.
 
+use crate::batches::{Open, run_job};
 use pcmvs_core::{Executor, Pool, Serial};
 use std::{
     any::Any,
     ffi::c_void,
     mem::take,
     panic::{AssertUnwindSafe, catch_unwind, resume_unwind},
+    ptr::{with_exposed_provenance, without_provenance_mut},
     sync::{Mutex, PoisonError},
 };
 
@@ -14,7 +16,8 @@ pub type pcmvs_job_fn = Option<unsafe extern "C" fn(job: *mut c_void, index: u32
 
 /// Runs jobs on the caller's threads. It calls `run(job, i)` once for every `i` from 0 to `count - 1`, on any threads and
 /// in any order, and returns when all of these calls have returned. The library runs jobs that were left out on the
-/// calling thread. Results do not depend on the threads. It must not throw.
+/// calling thread. If the function returns earlier, the library waits for the jobs that have started; a call of `run` that
+/// comes later does nothing. Results do not depend on the threads. It must not throw.
 pub type pcmvs_parallel_fn =
     Option<unsafe extern "C" fn(user: *mut c_void, count: u32, run: pcmvs_job_fn, job: *mut c_void)>;
 
@@ -61,9 +64,9 @@ impl<T: Send, F: Fn(usize) -> T + Sync> Batch<'_, T, F> {
 
     /// # Safety
     /// `batch` points to a batch that lives through the call.
-    unsafe extern "C" fn run_one(batch: *mut c_void, index: u32) {
+    unsafe fn run_one(batch: usize, index: usize) {
         // SAFETY: the caller's promise; a batch may be shared between threads.
-        unsafe { &*batch.cast::<Self>() }.run(index as usize);
+        unsafe { &*with_exposed_provenance::<Self>(batch) }.run(index);
     }
 }
 
@@ -85,6 +88,7 @@ impl Executor for HostThreads {
 impl HostThreads {
     fn run<T: Send>(&self, parallel: Parallel, count: usize, job: impl Fn(usize) -> T + Sync) -> Vec<T> {
         let batch = Batch { job: &job, results: (0..count).map(|_| Mutex::new(Slot::Waiting)).collect() };
+        // Afterwards no other thread uses the batch.
         self.hand_out(parallel, &batch);
         (0..count).for_each(|i| batch.run(i));
         let results = batch.results.into_iter().map(|slot| slot.into_inner().unwrap_or_else(PoisonError::into_inner));
@@ -92,14 +96,16 @@ impl HostThreads {
             .map(|slot| match slot {
                 Slot::Done(result) => result,
                 Slot::Panicked(panic) => resume_unwind(panic),
-                Slot::Waiting | Slot::Running => panic!("the parallel callback returned before its jobs did"),
+                Slot::Waiting | Slot::Running => {
+                    unreachable!("all jobs have been run, and those that run are waited for")
+                }
             })
             .collect()
     }
 
     fn hand_out<T: Send, F: Fn(usize) -> T + Sync>(&self, parallel: Parallel, batch: &Batch<T, F>) {
-        let job = (&raw const *batch).cast_mut().cast();
-        // SAFETY: the batch lives until the host returns, as it promises.
-        unsafe { parallel(self.user, batch.results.len() as u32, Some(Batch::<T, F>::run_one), job) };
+        let open = Open::new((&raw const *batch).expose_provenance(), Batch::<T, F>::run_one);
+        // SAFETY: the host keeps function and user alive for the call. `job` is a number, which may come late.
+        unsafe { parallel(self.user, batch.results.len() as u32, Some(run_job), without_provenance_mut(open.number)) };
     }
 }

@@ -127,7 +127,7 @@ pub unsafe extern "C" fn pcmvs_frame_export_mesh(
     user: *mut c_void,
 ) -> pcmvs_status {
     // SAFETY: the caller's promise.
-    unsafe { shared(frame, |work| hand_over(write, user, || work.mesh_file(kind, options))) }
+    shared(frame, |work| unsafe { hand_over(write, user, || work.mesh_file(kind, options)) })
 }
 
 /// Writes a mesh as a file to a buffer of `capacity` bytes. `size` receives the file's size in bytes and may be NULL. With
@@ -150,8 +150,7 @@ pub unsafe extern "C" fn pcmvs_frame_export_mesh_to_buffer(
             target.fill(file.iter().copied()).map_err(|f| f.at(stage))
         }
     };
-    // SAFETY: the caller's promise.
-    unsafe { shared(frame, copy) }
+    shared(frame, copy)
 }
 
 /// Writes a cloud as a PLY file to a callback. `kind` and `camera` are as in `pcmvs_frame_copy_cloud`. `user` is passed to
@@ -169,5 +168,5 @@ pub unsafe extern "C" fn pcmvs_frame_export_cloud(
         Ok((ply::write_cloud(&cloud.to_vec(), work.frame.rig().origin()), stage))
     };
     // SAFETY: the caller's promise.
-    unsafe { shared(frame, |work| hand_over(write, user, || file(work))) }
+    shared(frame, |work| unsafe { hand_over(write, user, || file(work)) })
 }

@@ -1,9 +1,11 @@
 //! The handle of a frame, and its stages: a lock and a status around the core's frame.
 
 use crate::{
-    boundary::{Opaque, body, catch, free, into_handle, out, status},
+    boundary::{catch, out, status},
     error::pcmvs_error,
     failure::{Failure, Result},
+    handles::{Opaque, body, free, into_handle},
+    image::calibrated,
     locked::Locked,
     options::pcmvs_options,
     rig::{RigBody, pcmvs_rig, with_rig},
@@ -33,7 +35,6 @@ pub(crate) struct FrameBody {
 
 impl Opaque for pcmvs_frame {
     type Body = FrameBody;
-    const TAG: u64 = u64::from_be_bytes(*b"pcmvsfrm");
 }
 
 impl FrameBody {
@@ -43,38 +44,28 @@ impl FrameBody {
 }
 
 /// Reads results or does the work of one view. Other such calls may run at the same time.
-///
-/// # Safety
-/// As for [`body`].
-pub(crate) unsafe fn shared(frame: *const pcmvs_frame, work: impl FnOnce(&Work) -> Result<()>) -> pcmvs_status {
-    // SAFETY: the caller's promise.
-    match unsafe { body(frame) } {
+pub(crate) fn shared(frame: *const pcmvs_frame, work: impl FnOnce(&Work) -> Result<()>) -> pcmvs_status {
+    match body(frame) {
         Ok(frame) => frame.keep(frame.work.shared(work)),
         Err(failure) => failure.status,
     }
 }
 
 /// Does work that needs the frame for itself.
-///
-/// # Safety
-/// As for [`body`].
-unsafe fn exclusive(frame: *mut pcmvs_frame, work: impl FnOnce(&FrameBody, &mut Work) -> Result<()>) -> pcmvs_status {
-    // SAFETY: the caller's promise.
-    match unsafe { body(frame.cast_const()) } {
-        Ok(frame) => frame.keep(frame.work.exclusive(|guarded| work(frame, guarded))),
+fn exclusive(frame: *mut pcmvs_frame, work: impl FnOnce(&FrameBody, &mut Work) -> Result<()>) -> pcmvs_status {
+    match body(frame.cast_const()) {
+        Ok(frame) => frame.keep(frame.work.exclusive(|guarded| work(&frame, guarded))),
         Err(failure) => failure.status,
     }
 }
 
 /// Runs the stages from `first` to `last`, and before them those that have not run yet.
-///
-/// # Safety
-/// As for [`body`].
-unsafe fn run(frame: *mut pcmvs_frame, first: Stage, last: Stage) -> pcmvs_status {
-    // SAFETY: the caller's promise.
-    unsafe { exclusive(frame, |_, work| work.run(first, last)) }
+fn run(frame: *mut pcmvs_frame, first: Stage, last: Stage) -> pcmvs_status {
+    exclusive(frame, |_, work| work.run(first, last))
 }
 
+/// Begins the next frame. On failure nothing changes.
+///
 /// # Safety
 /// As for [`read`].
 unsafe fn begin(frame: &FrameBody, work: &mut Work, options: *const pcmvs_options) -> Result<()> {
@@ -101,8 +92,7 @@ pub unsafe extern "C" fn pcmvs_frame_new(rig: *const pcmvs_rig, frame: *mut *mut
         unsafe { frame.write(into_handle(made)) };
         Ok(())
     };
-    // SAFETY: the caller's promise.
-    unsafe { with_rig(rig, make) }
+    with_rig(rig, make)
 }
 
 /// Frees a frame and everything that pointers obtained from it point to. NULL is ignored. Fails with `PCMVS_STATUS_BUSY`
@@ -114,13 +104,13 @@ pub unsafe extern "C" fn pcmvs_frame_free(frame: *mut pcmvs_frame) -> pcmvs_stat
             frame.keep(Err(busy.clone()));
         })
     };
-    // SAFETY: the caller's promise.
-    unsafe { free(frame, idle) }
+    free(frame, idle)
 }
 
 /// Begins a frame and runs all of its stages. `views` holds one view per camera, in the order in which the cameras were
 /// given to `pcmvs_rig_set_cameras`, and `count` must be the number of cameras. `options` may be NULL. On failure the
-/// frame has no results; the handle can be used again.
+/// frame has no results, not even those of the frame before; the handle can be used again. Only if the call could not begin
+/// (`PCMVS_STATUS_BUSY`) nothing changes.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn pcmvs_frame_reconstruct(
     frame: *mut pcmvs_frame,
@@ -130,7 +120,10 @@ pub unsafe extern "C" fn pcmvs_frame_reconstruct(
 ) -> pcmvs_status {
     let reconstruct = |frame: &FrameBody, work: &mut Work| {
         // SAFETY: the caller's promise.
-        unsafe { begin(frame, work, options)? };
+        if let Err(failure) = unsafe { begin(frame, work, options) } {
+            work.reset()?;
+            return Err(failure);
+        }
         if count != work.frame.cameras() {
             let problem = format!("{count} views were given for {} cameras: give one per camera", work.frame.cameras());
             return Err(Failure::new(InvalidArgument, problem));
@@ -138,8 +131,11 @@ pub unsafe extern "C" fn pcmvs_frame_reconstruct(
         let at = |failure: Failure| failure.at(Stage::Views);
         // SAFETY: the caller's promise.
         let views = unsafe { read_array(views, count, "views") }.map_err(at)?;
+        let sizes = calibrated(work.frame.rig().cameras());
         // SAFETY: the caller's promise.
-        let given = |(i, view)| unsafe { GivenView::new(view) }.map_err(|f| at(f.of_camera(i as u32)));
+        work.hold(views.iter().zip(&sizes).map(|(view, &size)| unsafe { GivenView::copied(view, size) }).sum())?;
+        // SAFETY: the caller's promise.
+        let given = |(i, view)| unsafe { GivenView::new(view, sizes[i]) }.map_err(|f| at(f.of_camera(i as u32)));
         let given = views.iter().enumerate().map(given).collect::<Result<Vec<_>>>()?;
         let inputs: Vec<_> = given.iter().map(GivenView::input).collect();
         let result = work.run_all(&inputs);
@@ -148,15 +144,15 @@ pub unsafe extern "C" fn pcmvs_frame_reconstruct(
         }
         result
     };
-    // SAFETY: the caller's promise.
-    unsafe { exclusive(frame, reconstruct) }
+    exclusive(frame, reconstruct)
 }
 
-/// Begins a frame that is to be made stage by stage, and discards the results of the one before. `options` may be NULL.
+/// Begins a frame that is to be made stage by stage, and discards the results of the one before. `options` may be NULL. On
+/// failure nothing changes.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn pcmvs_frame_begin(frame: *mut pcmvs_frame, options: *const pcmvs_options) -> pcmvs_status {
     // SAFETY: the caller's promise.
-    unsafe { exclusive(frame, |frame, work| begin(frame, work, options)) }
+    exclusive(frame, |frame, work| unsafe { begin(frame, work, options) })
 }
 
 /// Reads the picture and silhouette of one camera, or takes note that it has none in this frame. A second call for the
@@ -170,12 +166,16 @@ pub unsafe extern "C" fn pcmvs_frame_view(
 ) -> pcmvs_status {
     let read_view = |work: &Work| {
         let at = |failure: Failure| failure.of_camera(camera).at(Stage::Views);
+        let size = work.calibrated(camera)?;
         // SAFETY: the caller's promise.
-        let given = unsafe { read(view, "view").and_then(|view| GivenView::new(&view)) }.map_err(at)?;
+        let view = unsafe { read(view, "view") }.map_err(at)?;
+        // SAFETY: the caller's promise.
+        work.check_copies(unsafe { GivenView::copied(&view, size) }).map_err(at)?;
+        // SAFETY: the caller's promise.
+        let given = unsafe { GivenView::new(&view, size) }.map_err(at)?;
         work.view(camera, given.input().as_ref())
     };
-    // SAFETY: the caller's promise.
-    unsafe { shared(frame, read_view) }
+    shared(frame, read_view)
 }
 
 /// Runs one stage, a `pcmvs_stage`. The stages before it that have not run yet run first; detection then covers the views
@@ -187,30 +187,26 @@ pub unsafe extern "C" fn pcmvs_frame_step(frame: *mut pcmvs_frame, stage: u32) -
         let stage = stage::by_id(stage)?;
         work.run(stage, stage)
     };
-    // SAFETY: the caller's promise.
-    unsafe { exclusive(frame, step) }
+    exclusive(frame, step)
 }
 
 /// Carves the visual hull. The same as `pcmvs_frame_step` with `PCMVS_STAGE_HULL`.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn pcmvs_frame_hull(frame: *mut pcmvs_frame) -> pcmvs_status {
-    // SAFETY: the caller's promise.
-    unsafe { run(frame, Stage::Hull, Stage::Hull) }
+    run(frame, Stage::Hull, Stage::Hull)
 }
 
 /// Finds the points that follow from the silhouettes alone. The same as `pcmvs_frame_step` with `PCMVS_STAGE_CONTOURS`.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn pcmvs_frame_contours(frame: *mut pcmvs_frame) -> pcmvs_status {
-    // SAFETY: the caller's promise.
-    unsafe { run(frame, Stage::Contours, Stage::Contours) }
+    run(frame, Stage::Contours, Stage::Contours)
 }
 
 /// Detects and meshes at reduced resolution, then runs every further stage that comes before detection. After it,
 /// `pcmvs_frame_detect` can be called.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn pcmvs_frame_coarse(frame: *mut pcmvs_frame) -> pcmvs_status {
-    // SAFETY: the caller's promise.
-    unsafe { run(frame, Stage::Coarse, ORDER[position(Stage::Detect) - 1]) }
+    run(frame, Stage::Coarse, ORDER[position(Stage::Detect) - 1])
 }
 
 /// Detects the points of one camera's view by stereo with its neighbours. Fails with `PCMVS_STATUS_WRONG_ORDER` until all
@@ -218,29 +214,25 @@ pub unsafe extern "C" fn pcmvs_frame_coarse(frame: *mut pcmvs_frame) -> pcmvs_st
 /// for different cameras; the result does not depend on threads or order.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn pcmvs_frame_detect(frame: *mut pcmvs_frame, camera: u32) -> pcmvs_status {
-    // SAFETY: the caller's promise.
-    unsafe { shared(frame, |work| work.detect(camera)) }
+    shared(frame, |work| work.detect(camera))
 }
 
 /// Merges all points into one cloud. The same as `pcmvs_frame_step` with `PCMVS_STAGE_MERGE`.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn pcmvs_frame_merge(frame: *mut pcmvs_frame) -> pcmvs_status {
-    // SAFETY: the caller's promise.
-    unsafe { run(frame, Stage::Merge, Stage::Merge) }
+    run(frame, Stage::Merge, Stage::Merge)
 }
 
 /// Turns the merged cloud into a closed mesh. The same as `pcmvs_frame_step` with `PCMVS_STAGE_MESH`.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn pcmvs_frame_mesh(frame: *mut pcmvs_frame) -> pcmvs_status {
-    // SAFETY: the caller's promise.
-    unsafe { run(frame, Stage::Mesh, Stage::Mesh) }
+    run(frame, Stage::Mesh, Stage::Mesh)
 }
 
 /// Colours the mesh, then runs every stage after that. After it the frame is complete.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn pcmvs_frame_colour(frame: *mut pcmvs_frame) -> pcmvs_status {
-    // SAFETY: the caller's promise.
-    unsafe { run(frame, Stage::Colour, ORDER[ORDER.len() - 1]) }
+    run(frame, Stage::Colour, ORDER[ORDER.len() - 1])
 }
 
 /// Describes the last failed call on a frame, including calls that only read results. If this function itself fails,

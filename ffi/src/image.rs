@@ -3,9 +3,9 @@
 use crate::{
     failure::{Failure, Result},
     sized::{Growing, Versioned, init},
-    status::pcmvs_status::{self, Image, InvalidArgument, NullPointer},
+    status::pcmvs_status::{self, Image, InvalidArgument, NullPointer, Silhouette},
 };
-use pcmvs_core::{ImageRef, PixelFormat};
+use pcmvs_core::{Camera, ImageRef, PixelFormat};
 use std::{ffi::c_void, mem::size_of, ptr::null, slice::from_raw_parts};
 
 /// Pixel formats. Numbers never change.
@@ -116,6 +116,48 @@ impl Plane<'_> {
     }
 }
 
+/// A camera's index, and the width and height of its pictures.
+#[derive(Clone, Copy)]
+pub(crate) struct Calibrated {
+    pub camera: u32,
+    pub size: [u32; 2],
+}
+
+/// The calibrated sizes of cameras, in their order.
+pub(crate) fn calibrated(cameras: &[Camera]) -> Vec<Calibrated> {
+    let of = |(camera, c): (u32, &Camera)| Calibrated { camera, size: [c.width, c.height] };
+    (0..).zip(cameras).map(of).collect()
+}
+
+/// Bytes that [`Pixels::new`] copies of a picture of the right size: rows that are stored from the bottom up, and 16 bits to 8.
+pub(crate) fn copied(image: &pcmvs_image, of: Calibrated) -> u64 {
+    if [image.width, image.height] != of.size {
+        return 0;
+    }
+    let [w, h] = of.size.map(u64::from);
+    let plane = |bytes: u64, stride: isize| if stride < 0 { bytes } else { 0 };
+    let at = FORMATS.get(image.format as usize).map_or(0, |&(_, pixel)| w * h * pixel as u64);
+    let mut bytes = plane(at, image.stride);
+    if image.format == pcmvs_pixel_format::Gray16 as u32 {
+        bytes += w * h;
+    }
+    if image.format == pcmvs_pixel_format::Nv12 as u32 {
+        bytes += plane(w.div_ceil(2) * 2 * h.div_ceil(2), image.chroma_stride);
+    }
+    bytes
+}
+
+/// Of each [`pcmvs_pixel_format`], the core's format and the bytes of a pixel in the first plane.
+const FORMATS: [(PixelFormat, usize); 7] = [
+    (PixelFormat::Gray8, 1),
+    (PixelFormat::Rgb8, 3),
+    (PixelFormat::Bgr8, 3),
+    (PixelFormat::Rgba8, 4),
+    (PixelFormat::Bgra8, 4),
+    (PixelFormat::Nv12, 1),
+    (PixelFormat::Gray8, 2),
+];
+
 /// A picture that the core can borrow.
 pub(crate) struct Pixels<'a> {
     width: u32,
@@ -126,24 +168,25 @@ pub(crate) struct Pixels<'a> {
 }
 
 impl Pixels<'_> {
+    /// The camera's size is checked before any byte is read.
+    ///
     /// # Safety
     /// The pointers are NULL or point to as many bytes as the description says.
-    pub unsafe fn new(image: &pcmvs_image, name: &str) -> Result<Self> {
-        const FORMATS: [(PixelFormat, usize); 7] = [
-            (PixelFormat::Gray8, 1),
-            (PixelFormat::Rgb8, 3),
-            (PixelFormat::Bgr8, 3),
-            (PixelFormat::Rgba8, 4),
-            (PixelFormat::Bgra8, 4),
-            (PixelFormat::Nv12, 1),
-            (PixelFormat::Gray8, 2),
-        ];
+    pub unsafe fn new(image: &pcmvs_image, of: Calibrated, name: &str) -> Result<Self> {
         let (width, height) = (image.width as usize, image.height as usize);
         let Some(&(format, pixel)) = FORMATS.get(image.format as usize) else {
             return Err(Failure::new(InvalidArgument, format!("`{name}`: pixel format {} is not known", image.format)));
         };
         if width == 0 || height == 0 {
             return Err(Failure::new(Image, format!("`{name}` is {width} x {height} pixels: it is empty")));
+        }
+        if [image.width, image.height] != of.size {
+            let problem = format!(
+                "camera {}: `{name}` is {width} x {height} pixels but the camera was calibrated at {} x {}: give pictures of the \
+                 calibrated size, or scale K",
+                of.camera, of.size[0], of.size[1]
+            );
+            return Err(Failure::new(if name == "view.image" { Image } else { Silhouette }, problem));
         }
         // SAFETY: the caller's promise.
         let mut plane =

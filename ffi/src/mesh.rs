@@ -99,8 +99,7 @@ pub unsafe extern "C" fn pcmvs_frame_get_mesh(
         // SAFETY: the caller's promise.
         unsafe { write(mesh, size, &view, "mesh") }.map_err(|f| f.at(stage))
     };
-    // SAFETY: the caller's promise.
-    unsafe { shared(frame, get) }
+    shared(frame, get)
 }
 
 /// Copies one attribute of a mesh to the caller's memory. `kind` is a `pcmvs_mesh_kind`, `attribute` a `pcmvs_attribute`.
@@ -140,6 +139,5 @@ pub unsafe extern "C" fn pcmvs_frame_copy_mesh(
         };
         copied.map_err(|f| f.at(stage))
     };
-    // SAFETY: the caller's promise.
-    unsafe { shared(frame, copy) }
+    shared(frame, copy)
 }

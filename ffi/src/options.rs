@@ -46,7 +46,8 @@ pub struct pcmvs_options {
     pub parallel: pcmvs_parallel_fn,
     /// Passed to `parallel`.
     pub parallel_user: *mut c_void,
-    /// Largest amount of memory that the frame may need on one thread, in bytes, not counting the caller's pictures.
+    /// Largest amount of memory that the frame may need on one thread, in bytes, not counting the caller's pictures. Copies
+    /// of them count: of pictures that are stored from the bottom up or have 16 bits.
     /// 0 means no limit. A frame that needs more fails with `PCMVS_STATUS_OUT_OF_MEMORY` before it allocates the memory,
     /// and the message says how much it needs. With a limit, working memory is freed after each stage. Without one it is
     /// kept for the next frame, which is faster but can take up to twice as much.
@@ -103,9 +104,9 @@ impl pcmvs_options {
         self.max_memory == 0
     }
 
-    /// New working memory.
-    pub(crate) fn memory(&self) -> Memory {
-        if self.keeps_memory() { Memory::kept() } else { Memory::limited(self.max_memory) }
+    /// New working memory, beside `held` bytes that are held otherwise.
+    pub(crate) fn memory(&self, held: u64) -> Memory {
+        if self.keeps_memory() { Memory::kept() } else { Memory::limited(self.max_memory.saturating_sub(held)) }
     }
 
     pub(crate) fn threads(&self) -> HostThreads {

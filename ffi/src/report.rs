@@ -134,8 +134,7 @@ pub unsafe extern "C" fn pcmvs_frame_get_counts(
         // SAFETY: the caller's promise.
         unsafe { write(counts, size, &found, "counts") }.map_err(|f| f.at(Stage::Colour))
     };
-    // SAFETY: the caller's promise.
-    unsafe { shared(frame, get) }
+    shared(frame, get)
 }
 
 /// Returns what a stage, a `pcmvs_stage`, took and made. Fails with `PCMVS_STATUS_WRONG_ORDER` if the stage is not
@@ -155,8 +154,7 @@ pub unsafe extern "C" fn pcmvs_frame_get_stage_report(
         // SAFETY: the caller's promise.
         unsafe { write(report, size, &found, "report") }.map_err(|f| f.at(stage))
     };
-    // SAFETY: the caller's promise.
-    unsafe { shared(frame, get) }
+    shared(frame, get)
 }
 
 /// Returns diagnostics of one camera's view, once `PCMVS_STAGE_VIEWS` is complete. `size` is `sizeof *report`.
@@ -174,8 +172,7 @@ pub unsafe extern "C" fn pcmvs_frame_get_view_report(
         // SAFETY: the caller's promise.
         unsafe { write(report, size, &found, "report") }.map_err(at)
     };
-    // SAFETY: the caller's promise.
-    unsafe { shared(frame, get) }
+    shared(frame, get)
 }
 
 fn view_report(work: &Work, camera: u32, place: usize) -> pcmvs_view_report {
@@ -221,6 +218,5 @@ pub unsafe extern "C" fn pcmvs_frame_copy_gains(
         // SAFETY: the caller's promise.
         unsafe { target.fill(work.frame.gains().iter().copied()) }.map_err(|f| f.at(Stage::Colour))
     };
-    // SAFETY: the caller's promise.
-    unsafe { shared(frame, copy) }
+    shared(frame, copy)
 }

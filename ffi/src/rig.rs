@@ -1,10 +1,11 @@
 //! The handle of what does not change between frames.
 
 use crate::{
-    boundary::{Opaque, body, catch, free, into_handle, out, status},
+    boundary::{catch, out, status},
     camera::pcmvs_camera,
     error::pcmvs_error,
     failure::{Failure, LastFailure, Result},
+    handles::{Opaque, body, free, into_handle},
     sized::{read_array, write},
     status::pcmvs_status::{self, InvalidArgument, WrongOrder},
 };
@@ -28,17 +29,12 @@ pub(crate) struct RigBody {
 
 impl Opaque for pcmvs_rig {
     type Body = RigBody;
-    const TAG: u64 = u64::from_be_bytes(*b"pcmvsrig");
 }
 
 /// Does work on a rig and keeps its failure.
-///
-/// # Safety
-/// As for [`body`].
-pub(crate) unsafe fn with_rig(rig: *const pcmvs_rig, work: impl FnOnce(&RigBody) -> Result<()>) -> pcmvs_status {
-    // SAFETY: the caller's promise.
-    match unsafe { body(rig) } {
-        Ok(rig) => rig.failure.keep(rig.failure.check().and_then(|()| catch(|| work(rig))), None),
+pub(crate) fn with_rig(rig: *const pcmvs_rig, work: impl FnOnce(&RigBody) -> Result<()>) -> pcmvs_status {
+    match body(rig) {
+        Ok(rig) => rig.failure.keep(rig.failure.check().and_then(|()| catch(|| work(&rig))), None),
         Err(failure) => failure.status,
     }
 }
@@ -69,8 +65,7 @@ pub unsafe extern "C" fn pcmvs_rig_new(rig: *mut *mut pcmvs_rig) -> pcmvs_status
 /// Frees a rig. NULL is ignored.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn pcmvs_rig_free(rig: *mut pcmvs_rig) -> pcmvs_status {
-    // SAFETY: the caller's promise.
-    unsafe { free(rig, |_| Ok(())) }
+    free(rig, |_| Ok(()))
 }
 
 /// Sets the cameras of a rig, 3 to `PCMVS_MAX_CAMERAS`, and computes everything that its frames share. The views of every
@@ -93,8 +88,7 @@ pub unsafe extern "C" fn pcmvs_rig_set_cameras(
         rig.set(Rig::new(&cameras)?);
         Ok(())
     };
-    // SAFETY: the caller's promise.
-    unsafe { with_rig(rig, prepare) }
+    with_rig(rig, prepare)
 }
 
 /// Fixes the gains of a rig's cameras: the factors applied to red, green and blue when a mesh is coloured. `gains` holds
@@ -114,8 +108,7 @@ pub unsafe extern "C" fn pcmvs_rig_set_gains(rig: *mut pcmvs_rig, gains: *const 
         rig.set(Rig::clone(&old).with_gains(&gains)?);
         Ok(())
     };
-    // SAFETY: the caller's promise.
-    unsafe { with_rig(rig, fix) }
+    with_rig(rig, fix)
 }
 
 /// Returns the number of cameras, which is 0 before they are set.
@@ -128,8 +121,7 @@ pub unsafe extern "C" fn pcmvs_rig_camera_count(rig: *const pcmvs_rig, count: *m
         unsafe { count.write(cameras as u32) };
         Ok(())
     };
-    // SAFETY: the caller's promise.
-    unsafe { with_rig(rig, get) }
+    with_rig(rig, get)
 }
 
 /// Returns the origin of the positions in `pcmvs_mesh` and `pcmvs_point`: x, y, z in the scene's frame. `xyz` has room for
@@ -143,8 +135,7 @@ pub unsafe extern "C" fn pcmvs_rig_origin(rig: *const pcmvs_rig, xyz: *mut f64) 
         unsafe { xyz.write(rig.origin().to_array()) };
         Ok(())
     };
-    // SAFETY: the caller's promise.
-    unsafe { with_rig(rig, get) }
+    with_rig(rig, get)
 }
 
 /// Describes the last failed call on a rig, including `pcmvs_frame_new`. If this function itself fails, the description

@@ -11,8 +11,7 @@ pub enum pcmvs_status {
     Ok = 0,
     /// A pointer that must not be NULL is NULL.
     NullPointer = 1,
-    /// The handle is of another kind, has been freed, or never was a handle. A freed handle is recognised only until
-    /// its memory is reused.
+    /// The handle is of another kind, has been freed, or never was a handle.
     InvalidHandle = 2,
     /// The `struct_size` or `size` of a struct is smaller than in every version, or a member that this library does not
     /// know is not zero, which means that the caller asks for something only a newer library can do.

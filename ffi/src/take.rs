@@ -2,6 +2,7 @@
 
 use crate::{
     failure::{Failure, Result},
+    image::{Calibrated, calibrated},
     status::pcmvs_status::WrongOrder,
 };
 use pcmvs_core::{
@@ -28,6 +29,11 @@ impl Take {
 
     pub fn cameras(&self) -> usize {
         self.rig.cameras().len()
+    }
+
+    /// The calibrated sizes of the cameras.
+    pub fn calibrated(&self) -> Vec<Calibrated> {
+        calibrated(self.rig.cameras())
     }
 
     /// Number of frames that have been added.

@@ -2,7 +2,7 @@
 
 use crate::{
     failure::{Failure, Result},
-    image::{Pixels, pcmvs_image},
+    image::{Calibrated, Pixels, copied, pcmvs_image},
     sized::{Growing, Versioned, init, read},
     status::pcmvs_status::{self, InvalidArgument},
 };
@@ -119,7 +119,7 @@ enum GivenSilhouette<'a> {
 impl GivenView<'_> {
     /// # Safety
     /// Pointers are NULL or point to as many bytes as the structs say, for as long as the value lives.
-    pub unsafe fn new(view: &pcmvs_view) -> Result<Self> {
+    pub unsafe fn new(view: &pcmvs_view, of: Calibrated) -> Result<Self> {
         let pcmvs_view { image, mask, clean_plate, chroma_key, .. } = *view;
         let given = [mask.is_null(), clean_plate.is_null(), chroma_key.is_null()];
         if given.iter().filter(|&&null| !null).count() > 1 {
@@ -130,7 +130,7 @@ impl GivenView<'_> {
             return Ok(Self { given: None });
         }
         // SAFETY: the caller's promise.
-        let pixels = |image: *const pcmvs_image, name| unsafe { Pixels::new(&read(image, name)?, name) };
+        let pixels = |image: *const pcmvs_image, name| unsafe { Pixels::new(&read(image, name)?, of, name) };
         let image = pixels(image, "view.image")?;
         let silhouette = if !mask.is_null() {
             GivenSilhouette::Mask(pixels(mask, "view.mask")?)
@@ -154,6 +154,16 @@ impl GivenView<'_> {
             GivenSilhouette::Unknown
         };
         Ok(Self { given: Some((image, silhouette)) })
+    }
+
+    /// Bytes that [`Self::new`] copies.
+    ///
+    /// # Safety
+    /// As for [`Self::new`].
+    pub unsafe fn copied(view: &pcmvs_view, of: Calibrated) -> u64 {
+        // SAFETY: the caller's promise. What cannot be read is refused later.
+        let bytes = |image: *const pcmvs_image| unsafe { read(image, "") }.map_or(0, |image| copied(&image, of));
+        [view.image, view.mask, view.clean_plate].into_iter().filter(|image| !image.is_null()).map(bytes).sum()
     }
 
     /// The view as the core takes it. `None` if the camera has no picture.

@@ -45,8 +45,7 @@ pub unsafe extern "C" fn pcmvs_frame_warning_count(frame: *const pcmvs_frame, co
         unsafe { count.write(work.frame.warnings().len() as u32) };
         Ok(())
     };
-    // SAFETY: the caller's promise.
-    unsafe { shared(frame, get) }
+    shared(frame, get)
 }
 
 /// Returns a warning. `index` is less than `pcmvs_frame_warning_count`; warnings about the cameras come first, then those of
@@ -73,6 +72,5 @@ pub unsafe extern "C" fn pcmvs_frame_get_warning(
         // SAFETY: the caller's promise.
         unsafe { write(warning, size, &found, "warning") }
     };
-    // SAFETY: the caller's promise.
-    unsafe { shared(frame, get) }
+    shared(frame, get)
 }

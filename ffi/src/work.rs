@@ -3,17 +3,21 @@
 use crate::{
     clock::Clock,
     failure::{Failure, Result},
+    image::Calibrated,
     options::pcmvs_options,
 };
 use pcmvs_core::{
-    Frame, Memory, Rig, Stage, ViewInput,
+    Error, Frame, Memory, Rig, Stage, ViewInput,
     frame::{ORDER, position},
+    memory,
 };
 use std::{mem::replace, sync::Arc};
 
 /// A frame of the core, and what the host has set for it.
 pub(crate) struct Work {
     options: pcmvs_options,
+    /// Bytes of the caller's pictures that are copied while the frame is made.
+    held: u64,
     pub frame: Frame<Arc<Rig>>,
     pub clock: Clock,
 }
@@ -25,7 +29,8 @@ unsafe impl Sync for Work {}
 
 impl Work {
     pub fn new(rig: Arc<Rig>, options: pcmvs_options) -> Result<Self> {
-        Ok(Self { options, frame: Frame::new(rig, options.params()?, options.memory()), clock: Clock::default() })
+        let frame = Frame::new(rig, options.params()?, options.memory(0));
+        Ok(Self { options, held: 0, frame, clock: Clock::default() })
     }
 
     /// Begins the next frame. It takes over the working memory of the last one if both keep it. On failure nothing
@@ -37,10 +42,37 @@ impl Work {
             let empty = Frame::new(Arc::clone(&rig), params, Memory::default());
             replace(&mut self.frame, empty).recycle()
         } else {
-            options.memory()
+            options.memory(0)
         };
-        *self = Self { options, frame: Frame::new(rig, params, memory), clock: Clock::default() };
+        *self = Self { options, held: 0, frame: Frame::new(rig, params, memory), clock: Clock::default() };
         Ok(())
+    }
+
+    /// Makes room for copies of the caller's pictures, which stay while the frame is made. Called when it has just begun.
+    pub fn hold(&mut self, copies: u64) -> Result<()> {
+        self.check_copies(copies).map_err(|failure| failure.at(Stage::Views))?;
+        if copies > 0 && !self.options.keeps_memory() {
+            let (rig, params) = (Arc::clone(self.frame.rig()), *self.frame.params());
+            self.frame = Frame::new(rig, params, self.options.memory(copies));
+            self.held = copies;
+        }
+        Ok(())
+    }
+
+    /// Fails if the frame may not take as much memory as copies of pictures and reading views need together.
+    pub fn check_copies(&self, copies: u64) -> Result<()> {
+        let needed = memory::smallest(self.frame.rig()) + copies;
+        match self.options.max_memory {
+            limit if !self.options.keeps_memory() && needed > limit => Err(Error::OutOfMemory { needed, limit }.into()),
+            _ => Ok(()),
+        }
+    }
+
+    /// The calibrated size of a camera.
+    pub fn calibrated(&self, camera: u32) -> Result<Calibrated> {
+        self.place(camera, Stage::Views)?;
+        let of = &self.frame.rig().cameras()[camera as usize];
+        Ok(Calibrated { camera, size: [of.width, of.height] })
     }
 
     /// Begins the same frame again.
@@ -58,7 +90,15 @@ impl Work {
         let progress = self.options.progress(&self.clock);
         let result = self.frame.run_all(inputs, &self.options.threads(), &progress);
         // Before the first stage starts, only its own requirements are checked.
-        result.map_err(|error| at(progress.stage().unwrap_or(ORDER[0]))(error))
+        let held = self.held;
+        result
+            .map_err(|error| match error {
+                Error::OutOfMemory { needed, limit } => {
+                    Error::OutOfMemory { needed: needed + held, limit: limit + held }
+                }
+                other => other,
+            })
+            .map_err(|error| at(progress.stage().unwrap_or(ORDER[0]))(error))
     }
 
     /// Runs the stages from `first` to `last`, and before them those that have not run yet.
@@ -94,6 +134,6 @@ impl Work {
 }
 
 /// The failure of a stage.
-fn at(stage: Stage) -> impl Fn(pcmvs_core::Error) -> Failure {
+fn at(stage: Stage) -> impl Fn(Error) -> Failure {
     move |error| Failure::from(error).at(stage)
 }

@@ -20,6 +20,16 @@ fn misuse_fails_as_the_header_says() {
 }
 
 #[test]
+fn random_calls_neither_crash_nor_panic() {
+    let sample = Sample::sized(4, 40, 32);
+    let program = build(sample.path(), C99, "tests/c/hostile.c", Link::Shared);
+    for seed in ["1", "2", "3"] {
+        let arguments = [sample.plain().into_os_string(), seed.into(), "2000".into()];
+        println!("{}", output(&program, arguments));
+    }
+}
+
+#[test]
 fn results_are_the_same_in_every_way_to_make_them() {
     let sample = Sample::new();
     let program = build(sample.path(), C99, "tests/c/results.c", Link::Shared);

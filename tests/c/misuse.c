@@ -403,12 +403,10 @@ static void check_misuse(const struct capture *capture, pcmvs_rig *rig) {
     OK(pcmvs_frame_view(frame, 1, &view));
     freed = frame;
     OK(pcmvs_frame_free(frame));
-    /* Detected until the memory is reused. Sanitizers rightly report a read of freed memory here. */
-#ifndef WITHOUT_FREED_HANDLES
     EXPECT(pcmvs_frame_free(freed), PCMVS_STATUS_INVALID_HANDLE);
-#else
-    (void)freed;
-#endif
+    EXPECT(pcmvs_frame_hull(freed), PCMVS_STATUS_INVALID_HANDLE);
+    EXPECT(pcmvs_frame_hull((pcmvs_frame *)8), PCMVS_STATUS_INVALID_HANDLE);
+    EXPECT(pcmvs_frame_hull((pcmvs_frame *)((char *)freed + 8)), PCMVS_STATUS_INVALID_HANDLE);
 }
 
 int main(int argc, char **argv) {

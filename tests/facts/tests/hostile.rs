@@ -1,0 +1,207 @@
+//! Cameras, masks and limits out of the ordinary give an error or a closed mesh, in bounded time and within the limit of memory.
+#![allow(unsafe_code)]
+
+use facts::topology::assert_sound;
+use pcmvs_core::{
+    Camera, Error, Frame, ImageRef, Mask, Memory, Params, PixelFormat, Preset, Progress, Rig, Serial, Stage, ViewInput,
+};
+use std::{
+    alloc::{GlobalAlloc, Layout, System},
+    sync::{
+        Mutex,
+        atomic::{AtomicUsize, Ordering},
+    },
+    time::{Duration, Instant},
+};
+use studio::{Ring, noise::Random};
+
+/// Counts allocated bytes and their peak.
+struct Counting;
+
+static TAKEN: AtomicUsize = AtomicUsize::new(0);
+static PEAK: AtomicUsize = AtomicUsize::new(0);
+
+// SAFETY: all calls are forwarded to the system allocator.
+unsafe impl GlobalAlloc for Counting {
+    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
+        let taken = TAKEN.fetch_add(layout.size(), Ordering::Relaxed) + layout.size();
+        PEAK.fetch_max(taken, Ordering::Relaxed);
+        unsafe { System.alloc(layout) }
+    }
+
+    unsafe fn dealloc(&self, pointer: *mut u8, layout: Layout) {
+        TAKEN.fetch_sub(layout.size(), Ordering::Relaxed);
+        unsafe { System.dealloc(pointer, layout) }
+    }
+}
+
+#[global_allocator]
+static ALLOCATOR: Counting = Counting;
+
+/// The longest time between two calls.
+struct Gap(Mutex<(Instant, Duration)>);
+
+impl Gap {
+    fn new() -> Self {
+        Self(Mutex::new((Instant::now(), Duration::ZERO)))
+    }
+
+    fn longest(&self) -> Duration {
+        let mut state = self.0.lock().unwrap();
+        let now = Instant::now();
+        state.1 = state.1.max(now - state.0);
+        state.0 = now;
+        state.1
+    }
+}
+
+impl Progress for Gap {
+    fn step(&self, _: Stage, _: u32, _: u32) -> bool {
+        self.longest();
+        true
+    }
+}
+
+const SIZE: u32 = 40;
+
+/// Numbers that a file may hold by mistake.
+const EXTREMES: [f64; 20] = [
+    0.0,
+    1e-300,
+    1e-30,
+    1e-9,
+    1e-6,
+    1e-3,
+    0.02,
+    0.5,
+    3.0,
+    30.0,
+    90.0,
+    110.0,
+    900.0,
+    1e5,
+    1e9,
+    1e12,
+    1e19,
+    1e39,
+    1e300,
+    f64::NAN,
+];
+
+struct Draw(Random);
+
+impl Draw {
+    fn below(&mut self, n: usize) -> usize {
+        ((self.0.uniform() * n as f64) as usize).min(n - 1)
+    }
+
+    fn extreme(&mut self) -> f64 {
+        let size = EXTREMES[self.below(EXTREMES.len())];
+        if self.below(3) == 0 { -size } else { size }
+    }
+
+    /// A ring with up to three mistakes.
+    fn cameras(&mut self) -> Vec<Camera> {
+        let count = 3 + self.below(7) as u32;
+        let mut cameras = Ring { count, ..Ring::default() }.sized(SIZE, SIZE).cameras();
+        for _ in 0..self.below(4) {
+            let (one, all, what, axis) = (self.below(cameras.len()), self.below(3) == 0, self.below(9), self.below(3));
+            let (number, turn) = (self.extreme(), 3.2 * self.0.signed());
+            for camera in cameras.iter_mut().enumerate().filter(|&(i, _)| all || i == one).map(|(_, camera)| camera) {
+                match what {
+                    0 => camera.k[0][0] *= number,
+                    1 => [0, 1].iter().for_each(|&i| camera.k[i][i] *= number),
+                    2 => camera.t = camera.t.map(|v| v * number),
+                    3 => camera.t[axis] += number,
+                    4 => camera.k[axis.min(1)][2] = number,
+                    5 => camera.distortion[axis] = number,
+                    6 => camera.k[0][1] = number,
+                    7 => (camera.width, camera.height) = (number as u32, SIZE),
+                    // Turned about its own y axis.
+                    _ => {
+                        let (sin, cos) = libm::sincos(turn);
+                        let (r, t) = (camera.r, camera.t);
+                        for k in 0..3 {
+                            camera.r[0][k] = cos * r[0][k] + sin * r[2][k];
+                            camera.r[2][k] = cos * r[2][k] - sin * r[0][k];
+                        }
+                        (camera.t[0], camera.t[2]) = (cos * t[0] + sin * t[2], cos * t[2] - sin * t[0]);
+                    }
+                }
+            }
+        }
+        cameras
+    }
+
+    /// A disc, noise, nothing or everything.
+    fn mask(&mut self) -> Vec<u8> {
+        let (kind, radius) = (self.below(8), 4.0 + 14.0 * self.0.uniform());
+        let centre = [0, 1].map(|_| 19.5 + 5.0 * self.0.signed());
+        let pixel = |i: u32| {
+            let (x, y) = (f64::from(i % SIZE) - centre[0], f64::from(i / SIZE) - centre[1]);
+            match kind {
+                0 => false,
+                1 => true,
+                2 => self.below(2) == 0,
+                _ => x * x + y * y < radius * radius,
+            }
+        };
+        let inside: Vec<bool> = (0..SIZE * SIZE).map(pixel).collect();
+        inside.into_iter().map(|inside| if inside { 255 } else { 0 }).collect()
+    }
+}
+
+/// One drawn capture: an error or a sound mesh.
+fn try_one(seed: u64) -> Result<(), Error> {
+    let mut draw = Draw(Random::new(seed, 3));
+    let cameras = draw.cameras();
+    let begun = Instant::now();
+    let before = TAKEN.load(Ordering::Relaxed);
+    PEAK.store(before, Ordering::Relaxed);
+    let rig = Rig::new(&cameras);
+    let taken = PEAK.load(Ordering::Relaxed) - before;
+    assert!(taken < 4 << 20 && begun.elapsed() < Duration::from_secs(1), "seed {seed}: {taken} bytes for the rig");
+    let rig = rig?;
+    let pictures: Vec<Vec<u8>> =
+        (0..cameras.len()).map(|_| (0..SIZE * SIZE).map(|_| draw.below(256) as u8).collect()).collect();
+    let masks: Vec<Vec<u8>> = (0..cameras.len()).map(|_| draw.mask()).collect();
+    let gray = |bytes| ImageRef::packed(bytes, SIZE, SIZE, PixelFormat::Gray8);
+    let without = draw.below(3 * cameras.len());
+    let input = |i: usize| {
+        let mask = if i == without { Mask::Unknown } else { Mask::Given(gray(&masks[i])) };
+        ViewInput { image: gray(&pictures[i]), mask }
+    };
+    let inputs: Vec<ViewInput> = (0..cameras.len()).map(input).collect();
+    let preset = [Preset::Default, Preset::Paper, Preset::Hull, Preset::Preview][draw.below(4)];
+    let limit = 1 << (22 + draw.below(8));
+    let memory = if draw.below(2) == 0 { Memory::limited(limit) } else { Memory::default() };
+    let limited = TAKEN.load(Ordering::Relaxed);
+    PEAK.store(limited, Ordering::Relaxed);
+    let gap = Gap::new();
+    let mut frame = Frame::new(&rig, Params::preset(preset), memory);
+    let result = frame.run_all(&inputs, &Serial, &gap);
+    let (gap, taken) = (gap.longest(), PEAK.load(Ordering::Relaxed) - limited);
+    assert!(gap < Duration::from_secs(5), "seed {seed}: no progress for {gap:?}");
+    assert!(begun.elapsed() < Duration::from_secs(20), "seed {seed} took {:?}", begun.elapsed());
+    if let Err(Error::OutOfMemory { needed, limit }) = result {
+        assert!(needed > limit && taken as u64 <= limit, "seed {seed}: {taken} bytes allocated within {limit}");
+    }
+    // Without a limit, too: pictures of this size never take more.
+    assert!(taken < 400 << 20, "seed {seed}: {taken} bytes allocated");
+    result?;
+    assert_sound(frame.mesh(), &format!("seed {seed}"));
+    Ok(())
+}
+
+#[test]
+fn any_calibration_gives_an_error_or_a_closed_mesh() {
+    let (mut meshes, mut errors) = (0, 0);
+    for seed in 0..150 {
+        match try_one(seed) {
+            Ok(()) => meshes += 1,
+            Err(_) => errors += 1,
+        }
+    }
+    println!("{meshes} meshes, {errors} errors");
+    assert!(meshes > 20 && errors > 20, "{meshes} meshes, {errors} errors");
+}
