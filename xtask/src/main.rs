@@ -9,6 +9,7 @@ mod compiler;
 mod cycles;
 mod demo;
 mod faults;
+mod fuzz;
 mod golden;
 mod instructions;
 mod measure;
@@ -89,6 +90,15 @@ enum Task {
         #[arg(long)]
         check: bool,
     },
+    /// Run the fuzz targets of tests/fuzz on a nightly compiler
+    Fuzz {
+        /// Seconds of each target
+        #[arg(long, default_value_t = 60)]
+        seconds: u32,
+        /// One target only: scene, import, picture, calls or reconstruct
+        #[arg(long)]
+        target: Option<String>,
+    },
     /// Generate include/pcmvs.h from the sources
     Header,
     /// Measure on the captured scenes and renew the tables of BENCHMARKS.md
@@ -118,6 +128,7 @@ fn main() -> ExitCode {
         Task::Wasm => web::wasm().map(|sizes| println!("{sizes}")),
         Task::Install { prefix: Some(prefix), check: false } => abi::install(&prefix),
         Task::Install { .. } => test::c_library(),
+        Task::Fuzz { seconds, target } => fuzz::run(seconds, target.as_deref()),
         Task::Header => abi::header(),
         Task::Bench { quick, part } => bench::run(quick, part.as_deref()),
     };

@@ -1,7 +1,7 @@
 //! `cargo xtask test`: all checks, quick ones first.
 
 use crate::{
-    Result, abi_check, captured, cycles, golden, no_std, oldest_compiler, players,
+    Result, abi_check, captured, cycles, fuzz, golden, no_std, oldest_compiler, players,
     process::{cargo, program, root, run as run_program, target},
     publish,
     setup::Need,
@@ -26,6 +26,7 @@ fn needs(all: bool) -> Vec<Need> {
     if all {
         needs.extend(players::NEEDS);
         needs.extend(abi_check::NEEDS);
+        needs.extend(fuzz::NEEDS);
     }
     needs
 }
@@ -58,6 +59,7 @@ pub fn run(all: bool, install: bool) -> Result<()> {
     if all {
         players::check(&mut steps)?;
         abi_check::check(&mut steps)?;
+        steps.step_with(&fuzz::NEEDS, "fuzzing", fuzz::check)?;
         captured::check(&mut steps)?;
     }
     steps.finish();

@@ -6,6 +6,7 @@ use super::{
 };
 use crate::{
     error::Result,
+    math::min,
     progress::{self, Progress},
     stage::Stage,
     workspace::Workspace,
@@ -20,6 +21,10 @@ pub(super) const MIN_SILHOUETTES: u32 = 2;
 pub(super) const CELLS: usize = 128;
 /// Ratio of a cube's diagonal to its edge: √3.
 const DIAGONAL: f32 = 1.7320508;
+
+/// The object is nearer to the rig's origin than this many times what a camera sees there, as width plus height of its picture.
+/// Only where cameras see less than 6° this is less than the distance of the cameras.
+const SEEN: f32 = 6.0;
 
 /// The cells of a cube around the rig's origin that the object may occupy even if some silhouettes wrongly exclude it.
 pub(super) struct Space {
@@ -60,9 +65,13 @@ impl Space {
     }
 }
 
-/// Half the edge of a cube around the rig's origin that contains all cameras, in scene units.
+/// Half the edge of a cube around the rig's origin that contains the object, in scene units. It contains all cameras, too,
+/// unless they stand so far away that what they see is a small part of that.
 pub(super) fn half_edge(carvers: &[Carver]) -> f32 {
-    carvers.iter().map(|c| c.camera.centre.length()).fold(0.0, f32::max) * 1.2
+    let largest = |of: fn(&Carver) -> f32| carvers.iter().map(of).fold(0.0, f32::max);
+    let farthest = largest(|c| c.camera.centre.length());
+    let seen = largest(|c| c.camera.footprint(c.camera.centre.length()) * (c.camera.width + c.camera.height) as f32);
+    min(farthest * 1.2, seen * SEEN)
 }
 
 /// Edge of a cell, in scene units, from half the edge of the cube.

@@ -1,0 +1,43 @@
+//! Any bytes as another program's calibration. The first byte chooses the files' names, and zero bytes separate the files.
+#![no_main]
+
+use libfuzzer_sys::fuzz_target;
+use pcmvs_core::Rig;
+use pcmvs_fuzz::Tree;
+use pcmvs_scene::{Source, import, recognise};
+use std::path::Path;
+
+const NAMES: [(&[&str], Source); 6] = [
+    (&["ring_par.txt"], Source::Middlebury),
+    (&["cameras.txt", "images.txt", "points3D.txt"], Source::Colmap),
+    (&["cameras.bin", "images.bin"], Source::Colmap),
+    (&["cameras.yml", "extrinsics.yml"], Source::Opencv),
+    (&["cameras.json"], Source::Opencv),
+    (&["transforms.json", "transforms_test.json"], Source::Transforms),
+];
+
+/// Separates files. Binary models have single zero bytes everywhere.
+const BETWEEN: &[u8] = b"\0\xFF\0\xFE";
+
+fuzz_target!(|bytes: &[u8]| {
+    let Some((&first, mut rest)) = bytes.split_first() else { return };
+    let (names, source) = NAMES[usize::from(first) % NAMES.len()];
+    let mut files = Tree::default();
+    for name in names {
+        let end = rest.windows(BETWEEN.len()).position(|window| window == BETWEEN).unwrap_or(rest.len());
+        files.0.insert(Path::new("capture").join(name), rest[..end].to_vec());
+        rest = rest.get(end + BETWEEN.len()..).unwrap_or_default();
+    }
+    let folder = Path::new("capture");
+    let _ = recognise(&files, folder);
+    let path = if source == Source::Opencv { folder.join(names[0]) } else { folder.to_path_buf() };
+    for path in [&path, folder] {
+        let Ok(imported) = import(&files, source, path) else { continue };
+        let cameras: Vec<_> = imported.scene.cameras.iter().flat_map(|camera| camera.camera()).collect();
+        let _ = Rig::new(&cameras);
+        for camera in &imported.scene.cameras {
+            let name = Path::new(&camera.name);
+            assert!(name.components().count() == 1 && name.file_name().is_some(), "{:?} is no file name", camera.name);
+        }
+    }
+});
