@@ -2,13 +2,13 @@
 //!
 //! On one thread, and not counting the pictures that the host passes in, a frame needs at most
 //!
-//! `6 P + max(16 MiB, 96 L, 12 T, 9000 B, level P + point S + 640 V)` bytes
+//! `6 P + max(16 MiB, 96 L, 12 T, 9000 B, level P + point S + 640 V + 10 M)` bytes
 //!
 //! where P is the number of pixels of all views, L that of the largest view, T the number of blocks in the
 //! bounding box of the hull's grid, B the number of blocks in the hull's grid
-//! that its surface may pass, S the number of pixels inside the silhouettes and V the number of vertices in the final
-//! mesh. `level` is 3 for detection at full resolution and 3/4 at half resolution, where S counts a quarter as well.
-//! `point` is 140, or 200 if the clouds are downsampled or cleaned of conflicts (§5). Both are 0 for the hull alone. The
+//! that its surface may pass, S the number of pixels inside the silhouettes, V the number of vertices in the final
+//! mesh, and M the number of blocks in the bounding box of the grid of the Poisson solver. `level` is 3 for detection at full resolution and 3/4 at half resolution, where S counts a quarter as well.
+//! `point` is 140, or 200 if the clouds are downsampled or cleaned of conflicts (§5). These and M are 0 for the hull alone. The
 //! factors were measured.
 //!
 //! 96 L is for reading views. Of a figure with a clean contour this takes 30 bytes per pixel, or 35 where the lens distorts.
@@ -21,6 +21,7 @@ use crate::{
         VisualHull,
         memory::{PER_BLOCK, PER_PIXEL, pixels, within},
     },
+    mesh::grid_blocks,
     params::{Method, Params},
     point_cloud::Mesh,
     rig::Rig,
@@ -33,6 +34,8 @@ const SEARCH: u64 = 16 << 20;
 const READING: u64 = 96;
 /// Bytes per vertex of the final mesh: grids and samples of the Poisson solver, the mesh and its colours.
 const PER_VERTEX: f64 = 640.0;
+/// Bytes per block of the bounding box of the Poisson solver's grid: the tables of its levels and of the blocks to come.
+const PER_MESHING_BLOCK: u64 = 10;
 /// Share of a picture that an object is expected to cover.
 const EXPECTED_INSIDE: f64 = 0.25;
 /// Vertices of a mesh per pixel inside a silhouette, with voxels of one pixel: an upright figure's surface is about three
@@ -76,7 +79,11 @@ pub fn needed(views: &[View], hull: &VisualHull, hull_mesh: &Mesh, params: &Para
         None => v.luma.len(),
     };
     let (pixels, inside) = (pixels(views), views.iter().map(inside).sum::<usize>());
-    let later = later(pixels as f64, inside as f64, hull_mesh.positions.len() as f64, params);
+    let mut later = later(pixels as f64, inside as f64, hull_mesh.positions.len() as f64, params);
+    if params.method == Method::Pcmvs {
+        let ((low, high), voxel) = (hull.bounds(), params.meshing.voxel_pixels * hull.footprint());
+        later += PER_MESHING_BLOCK.saturating_mul(grid_blocks(high - low, voxel));
+    }
     needed_for_hull(views, hull).max(PER_PIXEL * pixels + later)
 }
 

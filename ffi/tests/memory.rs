@@ -59,6 +59,8 @@ fn address_sanitizer_finds_no_leak_over_200_frames() {
     let tiny = Sample::sized(4, 40, 32);
     let program = build(tiny.path(), SANITIZED, "tests/c/hostile.c", Link::Static);
     run(Command::new(program).arg(tiny.plain()).args(["4", "300"]).env("ASAN_OPTIONS", "detect_leaks=1"));
+    let program = build(tiny.path(), &[SANITIZED, &["-pthread"]].concat(), "tests/c/early.c", Link::Static);
+    run(Command::new(program).arg(tiny.plain()).env("ASAN_OPTIONS", "detect_leaks=1"));
     let turned = Sample::turned();
     let program = build(turned.path(), SANITIZED, "tests/c/calibration.c", Link::Static);
     run(Command::new(program).arg(turned.plain()).env("ASAN_OPTIONS", "detect_leaks=1"));

@@ -30,6 +30,13 @@ fn random_calls_neither_crash_nor_panic() {
 }
 
 #[test]
+fn a_parallel_callback_may_return_early() {
+    let sample = Sample::sized(4, 40, 32);
+    let program = build(sample.path(), &[C99, &["-pthread"]].concat(), "tests/c/early.c", Link::Shared);
+    output(&program, [sample.plain()]);
+}
+
+#[test]
 fn results_are_the_same_in_every_way_to_make_them() {
     let sample = Sample::new();
     let program = build(sample.path(), C99, "tests/c/results.c", Link::Shared);

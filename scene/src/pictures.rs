@@ -56,6 +56,9 @@ impl Picture {
     }
 }
 
+/// Most pixels of a picture, as of a camera's in the core. They are counted before memory is allocated.
+const MOST_PIXELS: usize = 1 << 28;
+
 fn damaged(why: impl std::fmt::Display) -> String {
     format!("the picture is damaged or truncated ({why}): export it again")
 }
@@ -72,8 +75,12 @@ fn decode_jpeg(file: &[u8]) -> Result<Picture, String> {
         .set_max_height(usize::from(u16::MAX))
         .jpeg_set_out_colorspace(ColorSpace::RGB);
     let mut decoder = JpegDecoder::new_with_options(ZCursor::new(file), options);
-    let pixels = decoder.decode().map_err(|e| damaged(e.to_string().trim()))?;
+    decoder.decode_headers().map_err(|e| damaged(e.to_string().trim()))?;
     let (width, height) = decoder.dimensions().ok_or_else(|| damaged("it has no size"))?;
+    if width.saturating_mul(height) > MOST_PIXELS {
+        return Err(format!("the picture is {width} x {height} pixels: at most {MOST_PIXELS} can be used; scale it"));
+    }
+    let pixels = decoder.decode().map_err(|e| damaged(e.to_string().trim()))?;
     Ok(Picture { width: width as u32, height: height as u32, format: PixelFormat::Rgb8, pixels })
 }
 

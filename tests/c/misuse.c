@@ -394,6 +394,14 @@ static void check_misuse(const struct capture *capture, pcmvs_rig *rig) {
     CHECK(error.status == PCMVS_STATUS_IMAGE && error.camera == 1 && error.frame == 41);
     CHECK(error.stage == PCMVS_STAGE_VIEWS && strncmp(error.message, "frame 41: camera 1: ", 20) == 0);
     image.width += 1;
+    /* Sizes are checked before a byte is read, also of pictures that are copied. */
+    image.width = image.height = 100000;
+    image.stride = -300000;
+    EXPECT(pcmvs_frame_view(frame, 1, &view), PCMVS_STATUS_IMAGE);
+    image.format = PCMVS_PIXEL_FORMAT_GRAY16;
+    image.stride = 0;
+    EXPECT(pcmvs_frame_view(frame, 1, &view), PCMVS_STATUS_IMAGE);
+    image = *capture->views[1].image;
     image.stride = 1;
     EXPECT(pcmvs_frame_view(frame, 1, &view), PCMVS_STATUS_IMAGE);
     image.stride = 0;

@@ -18,6 +18,7 @@ use crate::{
     surface::{Envelope, drop_small_components},
     workspace::Workspace,
 };
+use glam::Vec3;
 use steps::Steps;
 
 /// Parameters of meshing (§6).
@@ -59,6 +60,11 @@ pub struct Meshed {
     pub mesh: Mesh,
     /// Number of stray components and cavities that were dropped.
     pub components_dropped: u32,
+}
+
+/// Number of blocks in the bounding box of the grid on which points within bounds of this size are meshed.
+pub(crate) fn grid_blocks(size: Vec3, voxel: f32) -> u64 {
+    poisson::blocks(size, voxel)
 }
 
 /// Largest number of voxels along the longest side of the bounds.

@@ -160,7 +160,7 @@ fn try_one(seed: u64) -> Result<(), Error> {
     PEAK.store(before, Ordering::Relaxed);
     let rig = Rig::new(&cameras);
     let taken = PEAK.load(Ordering::Relaxed) - before;
-    assert!(taken < 4 << 20 && begun.elapsed() < Duration::from_secs(1), "seed {seed}: {taken} bytes for the rig");
+    assert!(taken < 4 << 20 && begun.elapsed() < Duration::from_secs(3), "seed {seed}: {taken} bytes for the rig");
     let rig = rig?;
     let pictures: Vec<Vec<u8>> =
         (0..cameras.len()).map(|_| (0..SIZE * SIZE).map(|_| draw.below(256) as u8).collect()).collect();
@@ -181,8 +181,8 @@ fn try_one(seed: u64) -> Result<(), Error> {
     let mut frame = Frame::new(&rig, Params::preset(preset), memory);
     let result = frame.run_all(&inputs, &Serial, &gap);
     let (gap, taken) = (gap.longest(), PEAK.load(Ordering::Relaxed) - limited);
-    assert!(gap < Duration::from_secs(5), "seed {seed}: no progress for {gap:?}");
-    assert!(begun.elapsed() < Duration::from_secs(20), "seed {seed} took {:?}", begun.elapsed());
+    assert!(gap < Duration::from_secs(10), "seed {seed}: no progress for {gap:?}");
+    assert!(begun.elapsed() < Duration::from_secs(60), "seed {seed} took {:?}", begun.elapsed());
     if let Err(Error::OutOfMemory { needed, limit }) = result {
         assert!(needed > limit && taken as u64 <= limit, "seed {seed}: {taken} bytes allocated within {limit}");
     }

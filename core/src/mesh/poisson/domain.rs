@@ -14,16 +14,28 @@ const ROOM: f32 = 1.3;
 /// Largest number of blocks along an edge of the coarsest level.
 const COARSEST: f32 = 4.0;
 
-/// The frame of the finest grid over the bounds, without stored blocks, and the number of levels.
-pub(super) fn domain(low: Vec3, high: Vec3, voxel: f32) -> (SparseGrid, usize) {
-    let size = (high - low) * ROOM + 8.0 * voxel;
+/// Size in blocks of the coarsest grid over bounds of this size, and the number of levels.
+fn coarsest(size: Vec3, voxel: f32) -> ([u32; 3], usize) {
+    let size = size * ROOM + 8.0 * voxel;
     // There are at least two levels, because the density of the points is measured one level above the finest.
     let mut levels = 2;
     while size.max_element() / (voxel * (BLOCK << (levels - 1)) as f32) > COARSEST {
         levels += 1;
     }
     let block = voxel * (BLOCK << (levels - 1)) as f32;
-    let dims = (size / block).to_array().map(|v| libm::ceilf(v) as u32);
+    ((size / block).to_array().map(|v| libm::ceilf(v) as u32), levels)
+}
+
+/// Number of blocks in the frame of the finest grid over bounds of this size.
+pub(in crate::mesh) fn blocks(size: Vec3, voxel: f32) -> u64 {
+    let (dims, levels) = coarsest(size, voxel);
+    dims.iter().map(|&n| u64::from(n) << (levels - 1)).fold(1, u64::saturating_mul)
+}
+
+/// The frame of the finest grid over the bounds, without stored blocks, and the number of levels.
+pub(super) fn domain(low: Vec3, high: Vec3, voxel: f32) -> (SparseGrid, usize) {
+    let (dims, levels) = coarsest(high - low, voxel);
+    let block = voxel * (BLOCK << (levels - 1)) as f32;
     let extent = Vec3::from_array(dims.map(|v| v as f32)) * block;
     let origin = (low + high - extent) * 0.5;
     let finest = SparseGrid::new(origin, voxel, dims.map(|v| v << (levels - 1)), |_| SparseGrid::OUTSIDE);

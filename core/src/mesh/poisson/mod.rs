@@ -34,6 +34,7 @@ use level::GridLevel;
 use samples::{SAMPLES_PER_STEP, Sample};
 use solution::{MARGIN, Solution};
 use solve::Operator;
+pub(super) use domain::blocks;
 pub(super) use surface::smooth_normals;
 use system::Cell;
 
