@@ -181,8 +181,13 @@ impl Pixels<'_> {
             return Err(Failure::new(Image, format!("`{name}` is {width} x {height} pixels: it is empty")));
         }
         if [image.width, image.height] != of.size {
+            let what = match name {
+                "view.image" => "picture",
+                "view.mask" => "mask",
+                _ => "clean plate",
+            };
             let problem = format!(
-                "camera {}: `{name}` is {width} x {height} pixels but the camera was calibrated at {} x {}: give pictures of the \
+                "camera {}: the {what} is {width} x {height} pixels but the camera was calibrated at {} x {}: give pictures of the \
                  calibrated size, or scale K",
                 of.camera, of.size[0], of.size[1]
             );
