@@ -29,7 +29,8 @@ fn built() -> PathBuf {
 
 /// Builds the targets and returns their folder.
 fn build() -> Result<PathBuf> {
-    let arguments = format!("run nightly cargo build --quiet --release --manifest-path tests/fuzz/Cargo.toml --target {TRIPLE}");
+    let arguments =
+        format!("run nightly cargo build --quiet --release --manifest-path tests/fuzz/Cargo.toml --target {TRIPLE}");
     let mut build = program("rustup", &arguments);
     // The toolchain of the running Cargo must not be that of the nightly one.
     build.env_remove("RUSTC").env_remove("CARGO").env_remove("RUSTUP_TOOLCHAIN");

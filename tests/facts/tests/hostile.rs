@@ -1,7 +1,7 @@
 //! Cameras, masks and limits out of the ordinary give an error or a closed mesh, in bounded time and within the limit of memory.
 #![allow(unsafe_code)]
 
-use facts::topology::assert_sound;
+use facts::{Shot, topology::assert_sound};
 use pcmvs_core::{
     Camera, Error, Frame, ImageRef, Mask, Memory, Params, PixelFormat, Preset, Progress, Rig, Serial, Stage, ViewInput,
 };
@@ -13,11 +13,13 @@ use std::{
     },
     time::{Duration, Instant},
 };
-use studio::{Ring, noise::Random};
+use studio::{Faults, Ring, Subject, noise::Random};
 
 /// Counts allocated bytes and their peak.
 struct Counting;
 
+/// Serialises the tests, because they share the counters.
+static ALONE: Mutex<()> = Mutex::new(());
 static TAKEN: AtomicUsize = AtomicUsize::new(0);
 static PEAK: AtomicUsize = AtomicUsize::new(0);
 
@@ -193,8 +195,34 @@ fn try_one(seed: u64) -> Result<(), Error> {
     Ok(())
 }
 
+/// A ring of long lenses far away sees the same as one nearby, and takes as long.
+#[test]
+fn cameras_six_hundred_metres_away_make_the_same_body() {
+    let _alone = ALONE.lock();
+    let mut cameras = Ring { count: 8, ..Ring::default() }.sized(160, 120).cameras();
+    let near = Shot::new(Subject::Sphere, &cameras, &Faults::default());
+    let origin = near.rig().origin();
+    for camera in &mut cameras {
+        let depth = camera.project(origin).expect("it looks there").1;
+        camera.t[2] += 600.0;
+        [0, 1].iter().for_each(|&i| camera.k[i][i] *= (600.0 + depth) / depth);
+    }
+    let far = Shot::new(Subject::Sphere, &cameras, &Faults::default());
+    let hull = |shot: &Shot| {
+        let begun = Instant::now();
+        let made = shot.reconstruct(&Params::preset(Preset::Hull)).expect("nothing is wrong");
+        assert_sound(&made.mesh, "hull");
+        (made.mesh.triangles.len() as f64, begun.elapsed().as_secs_f64())
+    };
+    let ((near, near_seconds), (far, far_seconds)) = (hull(&near), hull(&far));
+    println!("{near} and {far} triangles, {near_seconds:.2} and {far_seconds:.2} s");
+    assert!((far / near - 1.0).abs() < 0.2, "{near} and {far} triangles");
+    assert!(far_seconds < 1.0 + 4.0 * near_seconds, "{near_seconds} and {far_seconds} s");
+}
+
 #[test]
 fn any_calibration_gives_an_error_or_a_closed_mesh() {
+    let _alone = ALONE.lock();
     let (mut meshes, mut errors) = (0, 0);
     for seed in 0..150 {
         match try_one(seed) {

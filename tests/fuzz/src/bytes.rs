@@ -1,24 +1,8 @@
 //! Decisions from the fuzzer's bytes.
 
 /// Numbers that a file may hold by mistake.
-const EXTREMES: [f64; 16] = [
-    0.0,
-    1e-300,
-    1e-30,
-    1e-6,
-    0.01,
-    0.5,
-    2.0,
-    90.0,
-    1e3,
-    1e5,
-    1e9,
-    1e19,
-    1e39,
-    1e300,
-    f64::INFINITY,
-    f64::NAN,
-];
+const EXTREMES: [f64; 16] =
+    [0.0, 1e-300, 1e-30, 1e-6, 0.01, 0.5, 2.0, 90.0, 1e3, 1e5, 1e9, 1e19, 1e39, 1e300, f64::INFINITY, f64::NAN];
 
 /// The bytes that have not been used. At the end everything is zero.
 pub struct Bytes<'a>(pub &'a [u8]);

@@ -2,9 +2,7 @@
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;
-use pcmvs_core::{
-    Frame, ImageRef, Mask, Memory, Params, PixelFormat, Preset, Rig, Serial, Silent, ViewInput,
-};
+use pcmvs_core::{Frame, ImageRef, Mask, Memory, Params, PixelFormat, Preset, Rig, Serial, Silent, ViewInput};
 use pcmvs_fuzz::{Bytes, assert_closed, ring};
 
 const SIZE: u32 = 16;
@@ -40,7 +38,8 @@ fuzz_target!(|bytes: &[u8]| {
     let planes: Vec<[Vec<u8>; 2]> =
         data.chunks(pixels).map(|view| [0, 1].map(|k| view.iter().map(|pair| pair[k]).collect())).collect();
     let gray = |bytes| ImageRef::packed(bytes, SIZE, SIZE, PixelFormat::Gray8);
-    let input = |[picture, mask]: &[Vec<u8>; 2]| ViewInput { image: gray(&picture[..]), mask: Mask::Given(gray(&mask[..])) };
+    let input =
+        |[picture, mask]: &[Vec<u8>; 2]| ViewInput { image: gray(&picture[..]), mask: Mask::Given(gray(&mask[..])) };
     let inputs: Vec<ViewInput> = planes.iter().map(input).collect();
     let memory = if limit > 0 { Memory::limited(limit) } else { Memory::kept() };
     let mut frame = Frame::new(&rig, Params::preset(preset), memory);

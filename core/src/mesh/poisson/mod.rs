@@ -30,11 +30,11 @@ use crate::math::{from_ordered, max, ordered};
 use crate::point_cloud::Point;
 use crate::surface::Envelope;
 use crate::workspace::Workspace;
+pub(super) use domain::blocks;
 use level::GridLevel;
 use samples::{SAMPLES_PER_STEP, Sample};
 use solution::{MARGIN, Solution};
 use solve::Operator;
-pub(super) use domain::blocks;
 pub(super) use surface::smooth_normals;
 use system::Cell;
 
