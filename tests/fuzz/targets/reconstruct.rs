@@ -7,6 +7,14 @@ use pcmvs_fuzz::{Bytes, assert_closed, ring};
 
 const SIZE: u32 = 16;
 
+fn gray(bytes: &[u8]) -> ImageRef<'_> {
+    ImageRef::packed(bytes, SIZE, SIZE, PixelFormat::Gray8)
+}
+
+fn input([picture, mask]: &[Vec<u8>; 2]) -> ViewInput<'_> {
+    ViewInput { image: gray(picture), mask: Mask::Given(gray(mask)) }
+}
+
 fuzz_target!(|bytes: &[u8]| {
     let mut bytes = Bytes(bytes);
     let mut cameras = ring(3 + bytes.below(4) as u32, SIZE);
@@ -37,9 +45,6 @@ fuzz_target!(|bytes: &[u8]| {
     }
     let planes: Vec<[Vec<u8>; 2]> =
         data.chunks(pixels).map(|view| [0, 1].map(|k| view.iter().map(|pair| pair[k]).collect())).collect();
-    let gray = |bytes| ImageRef::packed(bytes, SIZE, SIZE, PixelFormat::Gray8);
-    let input =
-        |[picture, mask]: &[Vec<u8>; 2]| ViewInput { image: gray(&picture[..]), mask: Mask::Given(gray(&mask[..])) };
     let inputs: Vec<ViewInput> = planes.iter().map(input).collect();
     let memory = if limit > 0 { Memory::limited(limit) } else { Memory::kept() };
     let mut frame = Frame::new(&rig, Params::preset(preset), memory);
