@@ -112,7 +112,7 @@ mod tests {
         let handle = into_handle::<OpaqueNumber>(7);
         assert_eq!(*body(handle.cast_const()).unwrap(), 7);
         assert_eq!(refused(handle.cast::<OpaqueText>().cast_const()), Some(InvalidHandle), "another kind");
-        for number in [1, 8, 16, 4096, usize::MAX, handle.addr() + 1, handle.addr() ^ 1 << 20] {
+        for number in [1, 8, 16, 4096, usize::MAX, handle.addr() + 1, handle.addr() ^ (1 << 20)] {
             assert_eq!(refused(without_provenance_mut::<OpaqueNumber>(number).cast_const()), Some(InvalidHandle));
         }
         assert_eq!(refused(std::ptr::null::<OpaqueNumber>()), Some(NullPointer));
@@ -120,7 +120,7 @@ mod tests {
         assert_eq!(free(handle, |_| Ok(())), pcmvs_status::Ok);
         assert_eq!(free(handle, |_| Ok(())), InvalidHandle, "freed twice");
         // Numbers are not used again.
-        let others: Vec<_> = (0..1000).map(|i| into_handle::<OpaqueNumber>(i)).collect();
+        let others: Vec<_> = (0..1000).map(into_handle::<OpaqueNumber>).collect();
         assert_eq!(refused(handle.cast_const()), Some(InvalidHandle));
         others.into_iter().for_each(|handle| assert_eq!(free(handle, |_| Ok(())), pcmvs_status::Ok));
     }
