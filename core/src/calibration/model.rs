@@ -11,9 +11,6 @@ pub(super) const SHIFT: usize = 3;
 /// Index of the focal length's parameter.
 pub(super) const FOCAL: usize = 6;
 
-/// Iterations of the fixed-point scheme that removes the lens distortion.
-const UNDISTORTION_STEPS: usize = 20;
-
 /// One camera: `x = K · distort(R X + t)`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Model {
@@ -114,7 +111,7 @@ impl Model {
         if !(c.z > 0.0) {
             return None;
         }
-        Some(self.pixel_of(self.given.distort(DVec2::new(c.x / c.z, c.y / c.z))))
+        Some(self.pixel_of(self.given.lens.distort(DVec2::new(c.x / c.z, c.y / c.z))))
     }
 
     fn pixel_of(&self, p: DVec2) -> DVec2 {
@@ -130,8 +127,8 @@ impl Model {
         }
         let (x, y) = (c.x / c.z, c.y / c.z);
         let k = &self.k;
-        let real = self.given.distort(DVec2::new(x, y));
-        let lens = self.distortion_derivative(DVec2::new(x, y));
+        let real = self.given.lens.distort(DVec2::new(x, y));
+        let lens = self.given.lens.derivative(DVec2::new(x, y));
         let to_pixel = DMat2::from_cols(DVec2::new(k[0][0], 0.0), DVec2::new(k[0][1], k[1][1])) * lens;
         let (along_x, along_y) = (to_pixel.x_axis / c.z, to_pixel.y_axis / c.z);
         let along_z = -(along_x * x + along_y * y);
@@ -154,28 +151,11 @@ impl Model {
         })
     }
 
-    /// Derivative of the lens distortion at a normalised position.
-    fn distortion_derivative(&self, p: DVec2) -> DMat2 {
-        let [k1, k2, p1, p2, k3] = self.given.distortion;
-        let r2 = p.length_squared();
-        let radial = 1.0 + r2 * (k1 + r2 * (k2 + r2 * k3));
-        let slope = 2.0 * (k1 + r2 * (2.0 * k2 + r2 * 3.0 * k3));
-        let mixed = slope * p.x * p.y + 2.0 * (p1 * p.x + p2 * p.y);
-        DMat2::from_cols(
-            DVec2::new(radial + slope * p.x * p.x + 2.0 * p1 * p.y + 6.0 * p2 * p.x, mixed),
-            DVec2::new(mixed, radial + slope * p.y * p.y + 6.0 * p1 * p.y + 2.0 * p2 * p.x),
-        )
-    }
-
     /// Normalised position, without distortion, of a pixel of the real picture.
     pub(super) fn normalise(&self, pixel: DVec2) -> DVec2 {
         let k = &self.k;
         let y = (pixel.y - k[1][2]) / k[1][1];
-        let real = DVec2::new((pixel.x - k[0][2] - k[0][1] * y) / k[0][0], y);
-        if !self.given.is_distorted() {
-            return real;
-        }
-        (0..UNDISTORTION_STEPS).fold(real, |p, _| p + (real - self.given.distort(p)))
+        self.given.lens.undistort(DVec2::new((pixel.x - k[0][2] - k[0][1] * y) / k[0][0], y))
     }
 
     /// Normalised position of an ideal pixel, which is a pixel of the undistorted picture. Undistorted pictures are made
@@ -186,7 +166,7 @@ impl Model {
 
     /// Pixel of the real picture that an ideal pixel was resampled from.
     pub(super) fn real_of_ideal(&self, pixel: DVec2) -> DVec2 {
-        if self.given.is_distorted() { self.given.distort_pixel(pixel) } else { pixel }
+        if self.given.lens.is_distorted() { self.given.distort_pixel(pixel) } else { pixel }
     }
 
     /// Direction of an ideal pixel's ray in the rig's axes, of unit depth.
@@ -219,12 +199,12 @@ impl Model {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::testing::camera;
+    use crate::{lens::Lens, testing::camera};
     use glam::Vec3;
 
     fn distorted() -> Model {
         let mut camera = camera(Vec3::new(3.0, -2.0, 1.0), Vec3::new(0.1, 0.2, 0.0), 640, 800.0);
-        camera.distortion = [-0.21, 0.08, 0.002, -0.001, 0.01];
+        camera.lens = Lens::brown([-0.21, 0.08, 0.002, -0.001, 0.01]);
         Model::new(&camera, DVec3::new(0.3, 0.1, -0.2))
     }
 
