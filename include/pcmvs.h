@@ -202,6 +202,25 @@ typedef uint32_t pcmvs_stage;
 #endif // __STDC_VERSION__ >= 202311L
 #endif // __cplusplus
 
+// Models of a lens. Numbers never change.
+enum pcmvs_lens
+#if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+  : uint32_t
+#endif // defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+ {
+  // OpenCV's k1, k2, p1, p2, k3, k4, k5, k6, s1, s2, s3, s4.
+  PCMVS_LENS_OPENCV = 0,
+  // OpenCV's fisheye, which is equidistant: k1, k2, k3, k4.
+  PCMVS_LENS_FISHEYE = 1,
+};
+#ifndef __cplusplus
+#if __STDC_VERSION__ >= 202311L
+typedef enum pcmvs_lens pcmvs_lens;
+#else
+typedef uint32_t pcmvs_lens;
+#endif // __STDC_VERSION__ >= 202311L
+#endif // __cplusplus
+
 // Pixel formats. Numbers never change.
 enum pcmvs_pixel_format
 #if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
@@ -442,12 +461,19 @@ typedef struct pcmvs_camera {
   uint32_t reserved;
   // Intrinsic matrix K in pixels. The last row is 0 0 1. Skew is allowed.
   double k[9];
-  // Distortion coefficients k1, k2, p1, p2, k3 as in OpenCV.
+  // Distortion coefficients as in OpenCV: k1, k2, p1, p2, k3. Of a fisheye k1, k2, k3, k4, and then 0.
   double distortion[5];
   // Rotation R from the scene's to the camera's frame.
   double r[9];
   // Translation t from the scene's to the camera's frame, in the scene's unit.
   double t[3];
+  // A `pcmvs_lens`: the model that the distortion coefficients belong to.
+  uint32_t lens;
+  // Zero.
+  uint32_t reserved_lens;
+  // `PCMVS_LENS_OPENCV`: further distortion coefficients k4, k5, k6, s1, s2, s3, s4 of the rational model and the thin
+  // prism. Otherwise zero.
+  double distortion_more[7];
 } pcmvs_camera;
 
 // Describes the last failed call on a handle.

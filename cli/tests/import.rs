@@ -5,6 +5,8 @@
 #[path = "import/binary.rs"]
 mod binary;
 mod common;
+#[path = "import/formats.rs"]
+mod formats;
 #[path = "import/lenses.rs"]
 mod lenses;
 #[path = "import/masks.rs"]

@@ -41,6 +41,11 @@ impl Lens {
         *self != Self::NONE
     }
 
+    /// Whether the model is that of Brown and Conrady.
+    pub(crate) fn is_brown(&self) -> bool {
+        matches!(self, Self::OpenCv([_, _, _, _, _, rest @ ..]) if *rest == [0.0; 7])
+    }
+
     /// Applies the distortion.
     pub fn distort(&self, p: DVec2) -> DVec2 {
         let r2 = p.length_squared();

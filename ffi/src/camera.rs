@@ -120,3 +120,29 @@ pub unsafe extern "C" fn pcmvs_camera_init(camera: *mut pcmvs_camera, size: usiz
     // SAFETY: the caller's promise.
     unsafe { init(camera, size, "camera") }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn lenses_come_back() {
+        let fisheye = Lens::Fisheye([0.1, 0.2, 0.3, 0.4]);
+        for lens in [Lens::NONE, Lens::OpenCv(std::array::from_fn(|i| i as f64 + 0.5)), fisheye] {
+            let camera = Camera { lens, ..pcmvs_camera::defaults().to_core().unwrap() };
+            assert_eq!(pcmvs_camera::from_core(&camera).to_core(), Ok(camera));
+        }
+    }
+
+    #[test]
+    fn lenses_that_do_not_exist_are_refused() {
+        let of = |lens: pcmvs_lens| pcmvs_camera { lens: lens as u32, ..pcmvs_camera::defaults() };
+        assert!(pcmvs_camera { lens: 2, ..pcmvs_camera::defaults() }.to_core().unwrap_err().contains("pcmvs_lens"));
+        let mut fifth = of(pcmvs_lens::Fisheye);
+        fifth.distortion[4] = 0.1;
+        assert!(fifth.to_core().unwrap_err().contains("four"));
+        let mut more = of(pcmvs_lens::Fisheye);
+        more.distortion_more[6] = 0.1;
+        assert!(more.to_core().unwrap_err().contains("four"));
+    }
+}

@@ -126,7 +126,8 @@ fn c_finds_what_the_core_finds() {
         {
             let Camera { width, height, k, lens, r, t } = *of_core;
             assert_eq!((found.width, found.height), (width, height));
-            let own = found.k.into_iter().chain(found.distortion).chain(found.distortion_more).chain(found.r).chain(found.t);
+            let own =
+                found.k.into_iter().chain(found.distortion).chain(found.distortion_more).chain(found.r).chain(found.t);
             let core = k.as_flattened().iter().chain(lens.coefficients()).chain(r.as_flattened()).chain(&t);
             assert_eq!(bits(own), bits(core.copied()));
             let (of_core, found) = report;

@@ -158,7 +158,22 @@ fn c_and_rust_agree() {
 
     layout!(facts, pcmvs_allocator { struct_size, reserved, user, allocate, reallocate, deallocate });
     layout!(facts, pcmvs_error { status, stage, camera, reserved, frame, message });
-    layout!(facts, pcmvs_camera { struct_size, width, height, reserved, k, distortion, r, t, lens, reserved_lens, distortion_more });
+    layout!(
+        facts,
+        pcmvs_camera {
+            struct_size,
+            width,
+            height,
+            reserved,
+            k,
+            distortion,
+            r,
+            t,
+            lens,
+            reserved_lens,
+            distortion_more
+        }
+    );
     layout!(facts, pcmvs_image { struct_size, format, width, height, data, stride, chroma, chroma_stride });
     layout!(facts, pcmvs_chroma_key { struct_size, rgb, tolerance, darkest_shadow, smallest_part, smallest_hole });
     layout!(facts, pcmvs_view { struct_size, reserved, image, mask, clean_plate, chroma_key });

@@ -59,7 +59,9 @@ mod tests {
     #[test]
     fn lenses_are_read_as_they_are_written() {
         let of = |count: usize| Lens::OpenCv(std::array::from_fn(|i| if i < count { 0.1 + i as f64 } else { 0.0 }));
-        for (lens, length) in [(Lens::NONE, 5), (of(4), 5), (of(5), 5), (of(6), 8), (of(8), 8), (of(9), 12), (of(12), 12)] {
+        for (lens, length) in
+            [(Lens::NONE, 5), (of(4), 5), (of(5), 5), (of(6), 8), (of(8), 8), (of(9), 12), (of(12), 12)]
+        {
             let (model, list) = write(&lens);
             assert_eq!((model, list.len()), (LensModel::OpenCv, length));
             assert_eq!(read(model, &list), Ok(lens));

@@ -202,15 +202,26 @@ mod tests {
     use crate::{lens::Lens, testing::camera};
     use glam::Vec3;
 
-    fn distorted() -> Model {
-        let mut camera = camera(Vec3::new(3.0, -2.0, 1.0), Vec3::new(0.1, 0.2, 0.0), 640, 800.0);
-        camera.lens = Lens::brown([-0.21, 0.08, 0.002, -0.001, 0.01]);
-        Model::new(&camera, DVec3::new(0.3, 0.1, -0.2))
+    /// The same camera with each kind of lens.
+    fn distorted() -> [Model; 3] {
+        let lenses = [
+            Lens::brown([-0.21, 0.08, 0.002, -0.001, 0.01]),
+            Lens::OpenCv([-0.1, 0.03, 0.002, 0.001, -0.004, 0.05, -0.02, 0.003, 0.004, -0.002, -0.003, 0.001]),
+            Lens::Fisheye([-0.03, 0.02, -0.01, 0.003]),
+        ];
+        lenses.map(|lens| {
+            let camera = camera(Vec3::new(3.0, -2.0, 1.0), Vec3::new(0.1, 0.2, 0.0), 640, 800.0);
+            Model::new(&Camera { lens, ..camera }, DVec3::new(0.3, 0.1, -0.2))
+        })
     }
 
     #[test]
     fn derivatives_are_those_of_the_projection() {
-        let (model, point) = (distorted(), DVec3::new(0.2, 0.4, 0.3));
+        distorted().into_iter().for_each(check_derivatives);
+    }
+
+    fn check_derivatives(model: Model) {
+        let point = DVec3::new(0.2, 0.4, 0.3);
         let at = model.linearise(point).unwrap();
         assert_eq!(Some(at.pixel), model.project(point));
         let h = 1e-6;
@@ -232,7 +243,7 @@ mod tests {
 
     #[test]
     fn deviations_are_the_steps_that_were_made() {
-        let model = distorted();
+        let [model, ..] = distorted();
         let turned = model.moved(&[0.01, -0.02, 0.03, 0.0, 0.0, 0.0, 0.004, 1.0, -2.0]).deviation(&model);
         for (found, made) in turned.into_iter().zip([0.01, -0.02, 0.03, 0.0, 0.0, 0.0, 0.004, 1.0, -2.0]) {
             assert!((found - made).abs() < 1e-12);
@@ -245,22 +256,28 @@ mod tests {
 
     #[test]
     fn rays_lead_back_to_their_pixels() {
-        let model = distorted();
-        let pixel = DVec2::new(81.5, 500.25);
-        let point = model.centre() + model.ray(pixel) * 3.0;
-        assert!((model.project(point).unwrap() - pixel).length() < 1e-6);
-        let other = Model::new(&camera(Vec3::new(-2.0, -3.0, 0.5), Vec3::ZERO, 640, 800.0), DVec3::ZERO);
-        let seen = other.project(point).unwrap();
-        assert!(other.epipolar_distance(seen, model.centre(), model.ray(pixel)).abs() < 1e-6);
+        for model in distorted() {
+            let pixel = DVec2::new(81.5, 500.25);
+            let point = model.centre() + model.ray(pixel) * 3.0;
+            assert!((model.project(point).unwrap() - pixel).length() < 1e-9);
+            let other = Model::new(&camera(Vec3::new(-2.0, -3.0, 0.5), Vec3::ZERO, 640, 800.0), DVec3::ZERO);
+            let seen = other.project(point).unwrap();
+            assert!(other.epipolar_distance(seen, model.centre(), model.ray(pixel)).abs() < 1e-6);
+        }
     }
 
     #[test]
     fn the_given_camera_comes_back_in_world_coordinates() {
         let origin = DVec3::new(0.3, 0.1, -0.2);
-        let model = distorted();
-        let camera = model.camera(origin);
-        let world = DVec3::new(0.5, 0.4, 0.1);
-        let (pixel, _) = camera.project(world).unwrap();
-        assert!((model.project(world - origin).unwrap() - pixel).length() < 1e-9);
+        for model in distorted() {
+            let camera = model.camera(origin);
+            let world = DVec3::new(0.5, 0.4, 0.1);
+            let (pixel, _) = camera.project(world).unwrap();
+            assert!((model.project(world - origin).unwrap() - pixel).length() < 1e-9);
+            // Adjusting a camera leaves its lens alone.
+            let moved = model.moved(&[0.01, -0.02, 0.03, 0.1, 0.0, 0.0, 0.004, 1.0, -2.0]).camera(origin);
+            assert_eq!(moved.lens, camera.lens);
+            assert_ne!(moved.k, camera.k);
+        }
     }
 }

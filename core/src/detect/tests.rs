@@ -14,8 +14,8 @@ use super::{
 };
 use crate::{
     camera::{Camera, Pinhole},
-    lens::Lens,
     eigen::{LANES, Lanes, principal},
+    lens::Lens,
     simd::{Simd, Work},
 };
 use alloc::vec::Vec;

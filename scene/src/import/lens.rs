@@ -156,9 +156,6 @@ pub fn model(object: &Map<String, Value>) -> Result<Option<LensModel>, String> {
 
 /// The model that a key and its value name, if they do.
 pub fn named_by(key: &str, value: &Value) -> Result<Option<LensModel>, String> {
-    if let Value::Object(inner) = value {
-        return model(inner).map_err(|problem| format!("{key}: {problem}"));
-    }
     if is_neutral(value) {
         return Ok(None);
     }
@@ -177,9 +174,12 @@ pub fn named_by(key: &str, value: &Value) -> Result<Option<LensModel>, String> {
         }
         return Err(format!("`{key}` belongs to a lens that a scene cannot hold: {REMEDY}"));
     }
+    if let Value::Object(inner) = value {
+        return model(inner).map_err(|problem| format!("{key}: {problem}"));
+    }
     let is_model_key = MODEL_KEYS.contains(&key);
-    let vague =
-        ["type", "cameratype"].contains(&name.as_str()) || ["model", "lens", "projection"].iter().any(|p| name.contains(p));
+    let vague = ["type", "cameratype"].contains(&name.as_str())
+        || ["model", "lens", "projection"].iter().any(|p| name.contains(p));
     let found = match words.as_deref() {
         Some(words) if FISHEYES.contains(&words) && !NAMES_OF_FILES.contains(&key) => Some(Ok(LensModel::Fisheye)),
         Some(words) if is_model_key => Some(MODELS.contains(&words).then_some(LensModel::OpenCv).ok_or(())),

@@ -21,10 +21,9 @@ use super::{
     opencv_storage,
     source::{failure, find_picture, picture_size},
     values::{self, Levels, find, numbers, text, to_array},
-    view::{ImportedView, rows},
+    view::{ImportedView, rotation, rows},
 };
 use crate::{failure::Failure, files::Files};
-use glam::{DMat3, DQuat, DVec3};
 use pcmvs_core::{Camera, Lens};
 use serde_json::{Map, Value};
 use std::path::{Path, PathBuf};
@@ -176,7 +175,7 @@ fn note_unread(object: &Object, file: &Path, notes: &mut Notes) -> Result<(), St
     Ok(())
 }
 
-fn view(
+pub fn view(
     files: &dyn Files,
     file: &Path,
     name: &str,
@@ -252,19 +251,5 @@ fn distortion(levels: &Levels) -> Result<Lens, String> {
             Err(format!("{key} and the coefficients by name contradict each other: remove those that are wrong"))
         }
         _ => Ok(listed),
-    }
-}
-
-/// A rotation from nine numbers by rows, or from Rodrigues' vector (axis times angle in radians).
-fn rotation(numbers: &[f64]) -> Result<[[f64; 3]; 3], String> {
-    match *numbers {
-        [x, y, z] => {
-            let vector = DVec3::new(x, y, z);
-            let (sine, cosine) = libm::sincos(0.5 * vector.length());
-            let axis = vector.normalize_or_zero() * sine;
-            let matrix = DMat3::from_quat(DQuat::from_xyzw(axis.x, axis.y, axis.z, cosine));
-            Ok(matrix.transpose().to_cols_array_2d())
-        }
-        _ => to_array(numbers, "R").map(rows),
     }
 }

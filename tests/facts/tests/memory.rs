@@ -3,8 +3,8 @@
 
 use facts::Shot;
 use pcmvs_core::{
-    Error, Frame, ImageRef, Lens, Mask, Memory, Mesh, Params, PixelFormat, Preset, Progress, Serial, Silent, Stage, View,
-    ViewInput, hull::VisualHull, memory,
+    Error, Frame, ImageRef, Lens, Mask, Memory, Mesh, Params, PixelFormat, Preset, Progress, Serial, Silent, Stage,
+    View, ViewInput, hull::VisualHull, memory,
 };
 use std::{
     alloc::{GlobalAlloc, Layout, System},

@@ -30,7 +30,8 @@ impl CaptureFile {
             for size in [camera.width, camera.height] {
                 bytes.extend(size.to_le_bytes());
             }
-            let numbers = camera.k.iter().flatten().chain(&camera.lens.coefficients()[..5]).chain(camera.r.iter().flatten());
+            let numbers =
+                camera.k.iter().flatten().chain(&camera.lens.coefficients()[..5]).chain(camera.r.iter().flatten());
             for number in numbers.chain(&camera.t) {
                 bytes.extend(number.to_le_bytes());
             }

@@ -56,9 +56,7 @@ impl Lens {
                 let rational = [k1, k2, p1, p2, k3, k4, k5, k6, 0.0, 0.0, 0.0, 0.0];
                 ([fx, fy], [cx, cy], Distortion::OpenCv(rational))
             }
-            ("SIMPLE_RADIAL_FISHEYE", &[f, cx, cy, k1]) => {
-                ([f, f], [cx, cy], Distortion::Fisheye([k1, 0.0, 0.0, 0.0]))
-            }
+            ("SIMPLE_RADIAL_FISHEYE", &[f, cx, cy, k1]) => ([f, f], [cx, cy], Distortion::Fisheye([k1, 0.0, 0.0, 0.0])),
             ("RADIAL_FISHEYE", &[f, cx, cy, k1, k2]) => ([f, f], [cx, cy], Distortion::Fisheye([k1, k2, 0.0, 0.0])),
             ("OPENCV_FISHEYE", &[fx, fy, cx, cy, k1, k2, k3, k4]) => {
                 ([fx, fy], [cx, cy], Distortion::Fisheye([k1, k2, k3, k4]))
