@@ -79,7 +79,7 @@
  * times the longer side of the picture, and the two differ by less than 10 times. The principal point is within 10 sides
  * of the picture's middle. At least a twentieth of the undistorted picture shows something. Coordinates of t go up to
  * 1e15. Most cameras stand 1e-6 to 1e9 units from where they look, and no camera 100 times nearer or farther than they
- * do; the scene is at most 1e6 times that distance from its zero. pcmvs_rig_set_cameras fails with PCMVS_STATUS_CAMERA
+ * do; the scene is at most 1e8 times that distance from its zero. pcmvs_rig_set_cameras fails with PCMVS_STATUS_CAMERA
  * otherwise, and names the camera.
  *
  * Time. docs/c.md bounds the time of a frame by the size of its pictures, and the time until a progress callback is asked.
@@ -212,6 +212,25 @@ enum pcmvs_stage
 typedef enum pcmvs_stage pcmvs_stage;
 #else
 typedef uint32_t pcmvs_stage;
+#endif // __STDC_VERSION__ >= 202311L
+#endif // __cplusplus
+
+// Models of a lens. Numbers never change.
+enum pcmvs_lens
+#if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+  : uint32_t
+#endif // defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+ {
+  // OpenCV's k1, k2, p1, p2, k3, k4, k5, k6, s1, s2, s3, s4.
+  PCMVS_LENS_OPENCV = 0,
+  // OpenCV's fisheye, which is equidistant: k1, k2, k3, k4.
+  PCMVS_LENS_FISHEYE = 1,
+};
+#ifndef __cplusplus
+#if __STDC_VERSION__ >= 202311L
+typedef enum pcmvs_lens pcmvs_lens;
+#else
+typedef uint32_t pcmvs_lens;
 #endif // __STDC_VERSION__ >= 202311L
 #endif // __cplusplus
 
@@ -455,12 +474,19 @@ typedef struct pcmvs_camera {
   uint32_t reserved;
   // Intrinsic matrix K in pixels. The last row is 0 0 1. Skew is allowed.
   double k[9];
-  // Distortion coefficients k1, k2, p1, p2, k3 as in OpenCV.
+  // Distortion coefficients as in OpenCV: k1, k2, p1, p2, k3. Of a fisheye k1, k2, k3, k4, and then 0.
   double distortion[5];
   // Rotation R from the scene's to the camera's frame.
   double r[9];
   // Translation t from the scene's to the camera's frame, in the scene's unit.
   double t[3];
+  // A `pcmvs_lens`: the model that the distortion coefficients belong to.
+  uint32_t lens;
+  // Zero.
+  uint32_t reserved_lens;
+  // `PCMVS_LENS_OPENCV`: further distortion coefficients k4, k5, k6, s1, s2, s3, s4 of the rational model and the thin
+  // prism. Otherwise zero.
+  double distortion_more[7];
 } pcmvs_camera;
 
 // Describes the last failed call on a handle.

@@ -141,7 +141,10 @@ pub struct Import {
     pub from: Source,
     /// Middlebury: folder with *_par.txt. COLMAP: folder with cameras and images, .txt or .bin, or a project with that in
     /// sparse/0. OpenCV: YAML or JSON file, or a folder with one such file per camera. transforms: transforms.json or its
-    /// folder
+    /// folder. EasyMocap: folder with intri.yml and extri.yml. Bundler: bundle.out with list.txt, or their folder.
+    /// Metashape: XML of cameras. NeuS: cameras_sphere.npz or its folder. anipose: TOML file. Panoptic: JSON file. MVSNet:
+    /// folder with cams/*_cam.txt. Kalibr: camchain.yaml. RealityCapture:
+    /// folder with pictures and their .xmp
     pub path: PathBuf,
     /// Folder of the new scene
     #[arg(short, long = "output", value_name = "SCENE")]
@@ -156,6 +159,17 @@ pub enum Source {
     Colmap,
     Opencv,
     Transforms,
+    Easymocap,
+    Bundler,
+    Metashape,
+    Neus,
+    /// Also FreeMoCap and Caliscope
+    Anipose,
+    Panoptic,
+    Mvsnet,
+    Kalibr,
+    /// Also RealityScan
+    Realitycapture,
 }
 
 impl Source {
@@ -167,6 +181,15 @@ impl Source {
             Self::Colmap => Some(pcmvs_scene::Source::Colmap),
             Self::Opencv => Some(pcmvs_scene::Source::Opencv),
             Self::Transforms => Some(pcmvs_scene::Source::Transforms),
+            Self::Easymocap => Some(pcmvs_scene::Source::Easymocap),
+            Self::Bundler => Some(pcmvs_scene::Source::Bundler),
+            Self::Metashape => Some(pcmvs_scene::Source::Metashape),
+            Self::Neus => Some(pcmvs_scene::Source::Neus),
+            Self::Anipose => Some(pcmvs_scene::Source::Anipose),
+            Self::Panoptic => Some(pcmvs_scene::Source::Panoptic),
+            Self::Mvsnet => Some(pcmvs_scene::Source::Mvsnet),
+            Self::Kalibr => Some(pcmvs_scene::Source::Kalibr),
+            Self::Realitycapture => Some(pcmvs_scene::Source::Realitycapture),
         }
     }
 }

@@ -165,7 +165,7 @@ fn a_scene_that_is_not_one() {
     change(|s| s["cameras"][1]["K"] = json!([[1, 0, 0], [0, 1, 0]]), &["cameras[1].K", "cam01", "length 2"]);
     change(|s| s["cameras"][1]["t"] = json!([1, 2, "3"]), &["cameras[1].t[2]", "cam01", "string"]);
     change(|s| drop(s["cameras"][1].as_object_mut().unwrap().remove("R")), &["cameras[1]", "cam01", "missing field"]);
-    change(|s| s["cameras"][1]["distortion"] = json!([0, 0, 0, 0, 0, 0.5]), &["cam01", "beyond k1 k2 p1 p2 k3"]);
+    change(|s| s["cameras"][1]["distortion"] = json!([0, 0, 0, 0, 0, 0.5]), &["cam01", "has 4, 5, 8 or 12"]);
     change(|s| drop(s["frames"][0]["images"].as_array_mut().unwrap().pop()), &["frame 0", "3 images for 4 cameras"]);
     change(|s| drop(s["frames"][0]["masks"].as_array_mut().unwrap().pop()), &["frame 0", "3 masks for 4 cameras"]);
     change(|s| s["frames"] = json!([]), &["no cameras or no frames"]);

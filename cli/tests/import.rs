@@ -5,6 +5,8 @@
 #[path = "import/binary.rs"]
 mod binary;
 mod common;
+#[path = "import/formats.rs"]
+mod formats;
 #[path = "import/lenses.rs"]
 mod lenses;
 #[path = "import/masks.rs"]
@@ -19,7 +21,7 @@ mod transforms;
 use common::{HEIGHT, WIDTH, names, pcmvs, stderr};
 use glam::{DVec2, DVec3};
 use image::{GrayImage, RgbImage};
-use pcmvs_core::Camera;
+use pcmvs_core::{Camera, Lens};
 use serde_json::{Value, json};
 use std::{
     env, fs,
@@ -91,7 +93,10 @@ fn camera(scene: &Value, index: usize) -> Camera {
         width: camera["width"].as_u64().unwrap() as u32,
         height: camera["height"].as_u64().unwrap() as u32,
         k: matrix("K"),
-        distortion: numbers("distortion").try_into().unwrap(),
+        lens: match camera.get("lens") {
+            None => Lens::OpenCv(std::array::from_fn(|i| numbers("distortion").get(i).copied().unwrap_or(0.0))),
+            Some(_) => Lens::Fisheye(numbers("distortion").try_into().unwrap()),
+        },
         r: matrix("R"),
         t: numbers("t").try_into().unwrap(),
     }
@@ -166,6 +171,11 @@ fn colmap_has_w_first_and_half_pixel_centres() {
     let radial = |k3: f64| 1.0 + k1 * r2 + k2 * r2 * r2 + k3 * r2 * r2 * r2;
     let tangential = DVec2::new(2.0 * p1 * x * y + p2 * (r2 + 2.0 * x * x), p1 * (r2 + 2.0 * y * y) + 2.0 * p2 * x * y);
     let ideal = DVec2::new(x, y);
+    let fisheye = |[k1, k2, k3, k4]: [f64; 4]| {
+        let angle = r2.sqrt().atan();
+        let bent = angle + k1 * angle.powi(3) + k2 * angle.powi(5) + k3 * angle.powi(7) + k4 * angle.powi(9);
+        ideal * (bent / r2.sqrt())
+    };
     let cases = [
         (format!("SIMPLE_PINHOLE {size} 60 32 24"), 60.0, ideal),
         (format!("PINHOLE {size} 60 70 32 24"), 70.0, ideal),
@@ -176,6 +186,19 @@ fn colmap_has_w_first_and_half_pixel_centres() {
             format!("FULL_OPENCV {size} 60 70 32 24 {k1} {k2} {p1} {p2} {k3} 0 0 0"),
             70.0,
             ideal * radial(k3) + tangential,
+        ),
+        (
+            format!("FULL_OPENCV {size} 60 70 32 24 {k1} {k2} {p1} {p2} {k3} 0.2 -0.1 0.03"),
+            70.0,
+            ideal * (radial(k3) / (1.0 + 0.2 * r2 - 0.1 * r2 * r2 + 0.03 * r2.powi(3))) + tangential,
+        ),
+        (format!("SIMPLE_RADIAL_FISHEYE {size} 60 32 24 {k1}"), 60.0, fisheye([k1, 0.0, 0.0, 0.0])),
+        (format!("RADIAL_FISHEYE {size} 60 32 24 {k1} {k2}"), 60.0, fisheye([k1, k2, 0.0, 0.0])),
+        (format!("OPENCV_FISHEYE {size} 60 70 32 24 {k1} {k2} {k3} 0.01"), 70.0, fisheye([k1, k2, k3, 0.01])),
+        (
+            format!("THIN_PRISM_FISHEYE {size} 60 70 32 24 {k1} {k2} 0 0 {k3} 0.01 0 0"),
+            70.0,
+            fisheye([k1, k2, k3, 0.01]),
         ),
     ];
     for (lens, fy, bent) in cases {
@@ -192,10 +215,16 @@ fn colmap_has_w_first_and_half_pixel_centres() {
 #[test]
 fn colmap_lenses_that_cannot_be_expressed_are_refused() {
     let size = format!("{WIDTH} {HEIGHT}");
-    let message = refused("colmap", colmap(&format!("FULL_OPENCV {size} 60 70 32 24 0 0 0 0 0 0.1 0 0")).path());
-    assert!(message.contains("cameras.txt") && message.contains("k4"), "{message}");
-    let message = refused("colmap", colmap(&format!("OPENCV_FISHEYE {size} 60 70 32 24 0 0 0 0")).path());
-    assert!(message.contains("OPENCV_FISHEYE") && message.contains("undistort"), "{message}");
+    let prism = format!("THIN_PRISM_FISHEYE {size} 60 70 32 24 0 0 0 0 0 0 0.1 0");
+    let message = refused("colmap", colmap(&prism).path());
+    assert!(message.contains("cameras.txt") && message.contains("sx1"), "{message}");
+    let message = refused("colmap", colmap(&format!("FOV {size} 60 70 32 24 0.5")).path());
+    assert!(message.contains("FOV") && message.contains("undistort"), "{message}");
+    let message = refused("colmap", colmap(&format!("OPENCV_FISHEYE {size} 60 70 32 24 0 0 0")).path());
+    assert!(message.contains("7 parameters do not fit the model OPENCV_FISHEYE"), "{message}");
+    // 25 x 20 pixels around the principal point are all that this lens shows.
+    let message = refused("colmap", colmap(&format!("SIMPLE_RADIAL {size} 60 32 24 -3")).path());
+    assert!(message.contains("folds the picture") && message.contains("a_c d"), "{message}");
     let message = refused("colmap", colmap("SIMPLE_PINHOLE 65 48 60 32 24").path());
     assert!(message.contains("65 x 48") && message.contains("a_c d"), "{message}");
 }

@@ -1,6 +1,7 @@
 //! Calibrated cameras: the form that the host passes in ([`Camera`]) and the undistorted form that the stages use
 //! ([`Pinhole`]).
 
+use crate::lens::Lens;
 use alloc::{format, string::String};
 use glam::{DMat3, DVec2, DVec3, Vec3};
 
@@ -16,8 +17,8 @@ pub struct Camera {
     pub height: u32,
     /// Intrinsic matrix. Its last row is 0 0 1. Skew is allowed.
     pub k: [[f64; 3]; 3],
-    /// OpenCV's distortion coefficients k1, k2, p1, p2, k3.
-    pub distortion: [f64; 5],
+    /// Distortion.
+    pub lens: Lens,
     /// Rotation, world to camera.
     pub r: [[f64; 3]; 3],
     /// Translation, world to camera.
@@ -32,7 +33,7 @@ pub(crate) fn matrix(rows: &[[f64; 3]; 3]) -> DMat3 {
 impl Camera {
     /// Checks the calibration. The error states what is wrong and how to correct it.
     pub fn check(&self) -> Result<(), String> {
-        let numbers = self.k.iter().chain(&self.r).flatten().chain(&self.t).chain(&self.distortion);
+        let numbers = self.k.iter().chain(&self.r).flatten().chain(&self.t).chain(self.lens.coefficients());
         if numbers.into_iter().any(|v| !v.is_finite()) {
             return Err(String::from(
                 "K, R, t or the distortion contains a number that is not finite: calibrate again",
@@ -62,7 +63,21 @@ impl Camera {
         if off > 1e-3 {
             return Err(format!("R is not a rotation (R Rᵀ is off by {off:.1e}): export it with more digits"));
         }
+        if self.lens.is_distorted() && !self.lens.reaches(self.nearest_edge()) {
+            return Err(String::from(
+                "the lens model folds the picture before its nearest edge, so that several directions have the same pixel: \
+                 check that the coefficients are in the order of this model, or calibrate again",
+            ));
+        }
         Ok(())
+    }
+
+    /// Distance from the principal point to the nearest edge of the picture, in normalised coordinates.
+    fn nearest_edge(&self) -> f64 {
+        let of = |size: u32, principal: f64, focal: f64| {
+            (principal + 0.5).abs().min((f64::from(size) - 0.5 - principal).abs()) / focal
+        };
+        of(self.width, self.k[0][2], self.k[0][0]).min(of(self.height, self.k[1][2], self.k[1][1]))
     }
 
     /// Centre of projection in world coordinates.
@@ -81,25 +96,8 @@ impl Camera {
         if c.z <= 0.0 {
             return None;
         }
-        let pixel = matrix(&self.k) * self.distort(DVec2::new(c.x / c.z, c.y / c.z)).extend(1.0);
+        let pixel = matrix(&self.k) * self.lens.distort(DVec2::new(c.x / c.z, c.y / c.z)).extend(1.0);
         Some((pixel.truncate(), c.z))
-    }
-
-    /// Applies the lens distortion to normalised image coordinates: the Brown-Conrady model as in OpenCV, with three
-    /// radial and two tangential coefficients.
-    pub fn distort(&self, p: DVec2) -> DVec2 {
-        let [k1, k2, p1, p2, k3] = self.distortion;
-        let r2 = p.length_squared();
-        let radial = 1.0 + r2 * (k1 + r2 * (k2 + r2 * k3));
-        DVec2::new(
-            p.x * radial + 2.0 * p1 * p.x * p.y + p2 * (r2 + 2.0 * p.x * p.x),
-            p.y * radial + p1 * (r2 + 2.0 * p.y * p.y) + 2.0 * p2 * p.x * p.y,
-        )
-    }
-
-    /// Whether any distortion coefficient is non-zero.
-    pub fn is_distorted(&self) -> bool {
-        self.distortion != [0.0; 5]
     }
 
     /// Normalised coordinates K⁻¹ (x, y, 1) of an ideal (undistorted) pixel.
@@ -111,7 +109,7 @@ impl Camera {
 
     /// Position in the real (distorted) picture of an ideal (undistorted) pixel.
     pub fn distort_pixel(&self, pixel: DVec2) -> DVec2 {
-        (matrix(&self.k) * self.distort(self.normalise(pixel)).extend(1.0)).truncate()
+        (matrix(&self.k) * self.lens.distort(self.normalise(pixel)).extend(1.0)).truncate()
     }
 }
 

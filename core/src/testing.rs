@@ -2,6 +2,7 @@
 
 use crate::{
     camera::{Camera, Pinhole},
+    lens::Lens,
     point_cloud::{Mesh, Point, Rank},
     silhouette::Silhouette,
     view::View,
@@ -28,7 +29,7 @@ pub fn camera(from: Vec3, at: Vec3, size: u32, focal: f64) -> Camera {
         width: size,
         height: size,
         k: [[focal, 0.0, centre], [0.0, focal, centre], [0.0, 0.0, 1.0]],
-        distortion: [0.0; 5],
+        lens: Lens::NONE,
         r: r.transpose().to_cols_array_2d(),
         t: (-(r * from)).to_array(),
     }

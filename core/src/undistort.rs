@@ -4,9 +4,13 @@ use crate::camera::Camera;
 use alloc::{vec, vec::Vec};
 use glam::DVec2;
 
-/// Spacing of the map's nodes in pixels. Over this distance linear interpolation of the distortion is wrong by a few
-/// hundredths of a pixel at most, and the map takes about a hundred kilobytes per camera.
-const CELL: usize = 8;
+/// Largest spacing of the map's nodes in pixels, as a power of two. With it the map takes about a hundred kilobytes per
+/// camera.
+const LARGEST_CELL: u32 = 3;
+/// What linear interpolation between the nodes may be wrong by, in pixels. Where it is more, the nodes are closer to each
+/// other. Lenses of Brown and Conrady keep the largest spacing, so that their results stay the same from version to version:
+/// in ordinary pictures they are wrong by a few hundredths of a pixel at most.
+const PRECISION: f64 = 1.0 / 256.0;
 /// Fixed-point units per pixel of source positions.
 const UNITS: i32 = 256;
 /// Marks ideal pixels for which the distortion model is not valid.
@@ -17,44 +21,42 @@ const FOLDED: [i32; 2] = [i32::MIN; 2];
 pub(crate) struct Undistortion {
     width: usize,
     height: usize,
+    /// Spacing of the nodes, as a power of two.
+    cell: u32,
     /// Nodes in a row.
     columns: usize,
-    /// Source positions of every [`CELL`]th pixel in every [`CELL`]th row, in 1/256 pixel.
+    /// Source positions of every node in 1/256 pixel.
     nodes: Vec<[i32; 2]>,
 }
 
 impl Undistortion {
     /// The map of a camera; `None` if its lens does not distort.
     pub(crate) fn new(camera: &Camera) -> Option<Self> {
-        if !camera.is_distorted() {
+        if !camera.lens.is_distorted() {
             return None;
         }
         let (width, height) = (camera.width as usize, camera.height as usize);
-        let (columns, rows) = (width.div_ceil(CELL) + 1, height.div_ceil(CELL) + 1);
-        let fold = fold_over(camera);
+        let fold = camera.lens.fold_over(farthest(camera));
+        let is_enough = |cell: &u32| camera.lens.is_brown() || is_fine_enough(camera, *cell, fold);
+        let cell = (1..=LARGEST_CELL).rev().find(is_enough).unwrap_or(0);
+        let side = 1 << cell;
+        let (columns, rows) = (width.div_ceil(side) + 1, height.div_ceil(side) + 1);
         let node = |i: usize| {
-            let ideal = DVec2::new((i % columns * CELL) as f64, (i / columns * CELL) as f64);
-            let source = camera.distort_pixel(ideal);
-            // Beyond the fold the polynomial leads back into the picture. Positions far outside have no source in any
-            // case.
-            let far = (source - ideal).abs().max_element() > (width + height) as f64;
-            if far || camera.normalise(ideal).length_squared() >= fold {
-                return FOLDED;
-            }
+            let ideal = DVec2::new((i % columns * side) as f64, (i / columns * side) as f64);
             let fixed = |v: f64| libm::round(v * f64::from(UNITS)) as i32;
-            [fixed(source.x), fixed(source.y)]
+            source(camera, ideal, fold).map_or(FOLDED, |source| [fixed(source.x), fixed(source.y)])
         };
-        Some(Self { width, height, columns, nodes: (0..columns * rows).map(node).collect() })
+        Some(Self { width, height, cell, columns, nodes: (0..columns * rows).map(node).collect() })
     }
 
     /// Computes the source positions of a row of ideal pixels, which are [`FOLDED`] where there is none. Positions
     /// outside the real picture are moved to its edge, so that resampling extends the picture without a step. `known`
     /// is false for both.
     fn row(&self, y: usize, sources: &mut [[i32; 2]], known: &mut [bool]) {
-        const AREA: i32 = (CELL * CELL) as i32;
+        let side = 1 << self.cell;
         let limit = [(self.width as i32 - 1) * UNITS, (self.height as i32 - 1) * UNITS];
-        let (above, fy) = (y / CELL * self.columns, (y % CELL) as i32);
-        for (c, (cell, known)) in sources.chunks_mut(CELL).zip(known.chunks_mut(CELL)).enumerate() {
+        let (above, fy) = (y / side * self.columns, (y % side) as i32);
+        for (c, (cell, known)) in sources.chunks_mut(side).zip(known.chunks_mut(side)).enumerate() {
             let i = above + c;
             let corners = [i, i + 1, i + self.columns, i + self.columns + 1].map(|i| self.nodes[i]);
             if corners.contains(&FOLDED) {
@@ -62,11 +64,13 @@ impl Undistortion {
                 known.fill(false);
                 continue;
             }
-            let side = |a: [i32; 2], b: [i32; 2]| [0, 1].map(|k| a[k] * CELL as i32 + (b[k] - a[k]) * fy);
-            let (left, right) = (side(corners[0], corners[2]), side(corners[1], corners[3]));
+            let between = |a: [i32; 2], b: [i32; 2]| [0, 1].map(|k| (a[k] << self.cell) + (b[k] - a[k]) * fy);
+            let (left, right) = (between(corners[0], corners[2]), between(corners[1], corners[3]));
+            // Sums over the area of a cell are rounded to the nearest unit.
+            let half = (1 << (2 * self.cell)) >> 1;
             for x in 0..cell.len() {
                 let at =
-                    |k: usize| (left[k] * CELL as i32 + (right[k] - left[k]) * x as i32 + AREA / 2).div_euclid(AREA);
+                    |k: usize| ((left[k] << self.cell) + (right[k] - left[k]) * x as i32 + half) >> (2 * self.cell);
                 let position = [at(0), at(1)];
                 cell[x] = [0, 1].map(|k| position[k].clamp(0, limit[k]));
                 known[x] = cell[x] == position;
@@ -141,18 +145,37 @@ impl Undistortion {
     }
 }
 
-/// The squared radius, in normalised coordinates, from which the radial polynomial r (1 + k1 r² + k2 r⁴ + k3 r⁶) no
-/// longer grows; infinite if it always grows. Tangential terms are too small to fold the picture.
-fn fold_over(camera: &Camera) -> f64 {
-    let [k1, k2, _, _, k3] = camera.distortion;
+/// The largest squared radius of an ideal picture, in normalised coordinates.
+fn farthest(camera: &Camera) -> f64 {
     let (w, h) = (f64::from(camera.width), f64::from(camera.height));
     let corners = [(0.0, 0.0), (w, 0.0), (0.0, h), (w, h)];
-    let farthest = corners.into_iter().map(|(x, y)| camera.normalise(DVec2::new(x, y)).length_squared());
-    let step = farthest.fold(0.0, f64::max) / 1024.0;
-    (1..=1024)
-        .map(|i| f64::from(i) * step)
-        .find(|s| 1.0 + s * (3.0 * k1 + s * (5.0 * k2 + s * 7.0 * k3)) <= 0.0)
-        .map_or(f64::INFINITY, |s| s - step)
+    corners.into_iter().map(|(x, y)| camera.normalise(DVec2::new(x, y)).length_squared()).fold(0.0, f64::max)
+}
+
+/// The position in the real picture of an ideal pixel, unless it lies beyond the fold, whose squared radius is given.
+fn source(camera: &Camera, ideal: DVec2, fold: f64) -> Option<DVec2> {
+    let source = camera.distort_pixel(ideal);
+    // Beyond the fold the model leads back into the picture. Positions far outside have no source in any case.
+    let far = (source - ideal).abs().max_element() > f64::from(camera.width) + f64::from(camera.height);
+    (!far && camera.normalise(ideal).length_squared() < fold).then_some(source)
+}
+
+/// Whether linear interpolation in cells of this size, a power of two, is precise enough inside the real picture.
+fn is_fine_enough(camera: &Camera, cell: u32, fold: f64) -> bool {
+    let side = 1 << cell;
+    let size = DVec2::new(f64::from(camera.width), f64::from(camera.height));
+    let is_fine = |x: usize, y: usize| {
+        let at = |dx: usize, dy: usize| source(camera, DVec2::new((x + dx) as f64, (y + dy) as f64), fold);
+        let corners = [at(0, 0), at(side, 0), at(0, side), at(side, side)];
+        // The interpolation of a smooth function is worst in the middle of a cell.
+        let (Some(middle), [Some(a), Some(b), Some(c), Some(d)]) = (at(side / 2, side / 2), corners) else {
+            return true;
+        };
+        let outside = middle.cmplt(DVec2::ZERO).any() || middle.cmpgt(size).any();
+        outside || (middle - (a + b + c + d) / 4.0).abs().max_element() <= PRECISION
+    };
+    let (width, height) = (camera.width as usize, camera.height as usize);
+    (0..height).step_by(side).all(|y| (0..width).step_by(side).all(|x| is_fine(x, y)))
 }
 
 /// The four weights of the Catmull-Rom spline (Catmull & Rom, A Class of Local Interpolating Splines, 1974) at a
@@ -172,13 +195,14 @@ fn catmull_rom(fraction: i32) -> [i32; 4] {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::lens::Lens;
 
     fn camera(distortion: [f64; 5]) -> Camera {
         Camera {
             width: 320,
             height: 240,
             k: [[300.0, 0.0, 163.0], [0.0, 301.0, 117.5], [0.0, 0.0, 1.0]],
-            distortion,
+            lens: Lens::brown(distortion),
             r: [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
             t: [0.0; 3],
         }
@@ -226,6 +250,34 @@ mod tests {
             assert!(count > w * h * 2, "most of the picture is known");
             // A hundredth of a pixel is 0.3 levels here.
             assert!(worst <= 6 && squares / f64::from(count as u32) < 1.0, "{worst} {}", squares / count as f64);
+        }
+    }
+
+    #[test]
+    fn positions_of_other_lenses_than_browns_are_exact_to_a_hundredth_of_a_pixel() {
+        let lenses = [
+            Lens::OpenCv([0.52, -2.6, 4e-4, -2e-4, 1.45, 0.39, -2.4, 1.38, 0.0, 0.0, 0.0, 0.0]),
+            Lens::OpenCv([-0.1, 0.03, 0.002, 0.001, -0.004, 0.05, -0.02, 0.003, 0.004, -0.002, -0.003, 0.001]),
+            Lens::Fisheye([-0.03, 0.02, -0.03, 0.017]),
+        ];
+        // Up to 61 degrees from the axis, where a cell of eight pixels is too coarse, and up to 22 degrees.
+        for (focal, lens) in [110.0, 500.0].into_iter().flat_map(|focal| lenses.map(|lens| (focal, lens))) {
+            let mut camera = camera([0.0; 5]);
+            camera.lens = lens;
+            (camera.k[0][0], camera.k[1][1]) = (focal, focal + 1.0);
+            let map = Undistortion::new(&camera).unwrap();
+            let (mut sources, mut known) = (vec![FOLDED; map.width], vec![false; map.width]);
+            let mut count = 0;
+            for y in 0..map.height {
+                map.row(y, &mut sources, &mut known);
+                for x in (0..map.width).filter(|&x| known[x]) {
+                    let exact = camera.distort_pixel(DVec2::new(x as f64, y as f64));
+                    let found = DVec2::new(f64::from(sources[x][0]), f64::from(sources[x][1])) / f64::from(UNITS);
+                    assert!((found - exact).abs().max_element() < 0.01, "{lens:?} at {x} {y}: {found} for {exact}");
+                    count += 1;
+                }
+            }
+            assert!(count > map.width * map.height / 2, "{count} of {lens:?}, focal length {focal}");
         }
     }
 

@@ -3,7 +3,7 @@
 
 use glam::{DMat3, DQuat, DVec3, Vec3};
 use pcmvs_core::{
-    Camera, ImageRef, Mask, Params, Pinhole, PixelFormat, Preset, Rig, Silent, View, ViewInput, hull::VisualHull,
+    Camera, ImageRef, Lens, Mask, Params, Pinhole, PixelFormat, Preset, Rig, Silent, View, ViewInput, hull::VisualHull,
     silhouette::Silhouette,
 };
 use proptest::prelude::*;
@@ -30,7 +30,7 @@ fn any_camera() -> impl Strategy<Value = Camera> {
                 width: WIDTH,
                 height: HEIGHT,
                 k: [[focal, skew, 63.5 + shift], [0.0, focal * aspect, 47.5 - shift], [0.0, 0.0, 1.0]],
-                distortion: [0.0; 5],
+                lens: Lens::NONE,
                 r: r.transpose().to_cols_array_2d(),
                 t: (-(r * DVec3::from_array(place))).to_array(),
             })
@@ -82,7 +82,7 @@ proptest! {
     fn the_camera_is_its_pinhole_and_its_lens(
         camera in any_camera(), lens in any_lens(), u in 0.0..127.0f32, v in 0.0..95.0f32, depth in 0.5..20.0f32,
     ) {
-        let camera = Camera { distortion: lens, ..camera };
+        let camera = Camera { lens: Lens::brown(lens), ..camera };
         let pinhole = Pinhole::new(&camera, DVec3::ZERO);
         let point = pinhole.unproject(u, v, depth).as_dvec3();
         let (pixel, z) = camera.project(point).expect("it is in front");
@@ -101,7 +101,7 @@ proptest! {
     #[test]
     fn undistorted_pictures_show_what_the_lens_saw(camera in any_camera(), lens in any_lens()) {
         let mut cameras = studio::Ring { count: 3, ..studio::Ring::default() }.sized(WIDTH, HEIGHT).cameras();
-        cameras[1] = Camera { k: camera.k, distortion: lens, ..cameras[1] };
+        cameras[1] = Camera { k: camera.k, lens: Lens::brown(lens), ..cameras[1] };
         let rig = Rig::new(&cameras).expect("the cameras are sound");
         // Red is the column and green the row, both times two.
         let pixels = (0..HEIGHT).flat_map(|y| (0..WIDTH).map(move |x| (x, y)));
@@ -215,7 +215,7 @@ proptest! {
             let r = DMat3::from_cols(right, forward.cross(right), forward).transpose();
             let k = [[150.0, 0.0, 63.5], [0.0, 150.0, 63.5], [0.0, 0.0, 1.0]];
             let (r, t) = (r.transpose().to_cols_array_2d(), (-(r * from)).to_array());
-            Camera { width: 128, height: 128, k, distortion: [0.0; 5], r, t }
+            Camera { width: 128, height: 128, k, lens: Lens::NONE, r, t }
         }).collect();
         let views: Option<Vec<View>> = cameras.iter().enumerate().map(|(i, c)| view_of(&balls, c, i as u16)).collect();
         let Some(views) = views else { return Ok(()) };

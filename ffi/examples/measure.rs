@@ -86,7 +86,8 @@ fn main() -> ExitCode {
         let mut cameras = vec![zeroed::<pcmvs_camera>(); views as usize];
         for (c, camera) in cameras.iter_mut().zip(&capture.cameras) {
             ok(pcmvs_camera_init(c, size_of::<pcmvs_camera>()));
-            (c.width, c.height, c.distortion, c.t) = (camera.width, camera.height, camera.distortion, camera.t);
+            (c.width, c.height, c.t) = (camera.width, camera.height, camera.t);
+            c.distortion.copy_from_slice(&camera.lens.coefficients()[..5]);
             c.k.copy_from_slice(camera.k.as_flattened());
             c.r.copy_from_slice(camera.r.as_flattened());
         }

@@ -84,7 +84,10 @@ pub unsafe extern "C" fn pcmvs_rig_set_cameras(
         }
         // SAFETY: the caller's promise.
         let cameras = unsafe { read_array(cameras, count, "cameras")? };
-        let cameras: Vec<Camera> = cameras.into_iter().map(pcmvs_camera::to_core).collect();
+        let camera = |(i, camera): (usize, pcmvs_camera)| {
+            camera.to_core().map_err(|problem| Failure::from(Error::Camera { camera: i as u32, problem }))
+        };
+        let cameras: Vec<Camera> = cameras.into_iter().enumerate().map(camera).collect::<Result<_>>()?;
         rig.set(Rig::new(&cameras)?);
         Ok(())
     };

@@ -63,7 +63,9 @@ type ByC = (Vec<pcmvs_camera>, Vec<pcmvs_camera_report>, pcmvs_calibration_repor
 fn by_c(capture: &Capture, intrinsics: bool) -> ByC {
     let list = |m: [[f64; 3]; 3]| [0, 1, 2, 3, 4, 5, 6, 7, 8].map(|i| m[i / 3][i % 3]);
     let camera = |camera: &Camera| {
-        let Camera { width, height, k, distortion, r, t } = *camera;
+        let Camera { width, height, k, lens, r, t } = *camera;
+        let mut distortion = [0.0; 5];
+        distortion.copy_from_slice(&lens.coefficients()[..5]);
         // SAFETY: the pointer and the size are those of the struct.
         let init = filled::<pcmvs_camera>(|target, size| unsafe { pcmvs_camera_init(target, size) });
         pcmvs_camera { width, height, k: list(k), distortion, r: list(r), t, ..init }
@@ -122,10 +124,11 @@ fn c_finds_what_the_core_finds() {
         for ((found, of_core), report) in
             cameras.iter().zip(&expected.cameras).zip(expected.reports.iter().zip(&reports))
         {
-            let Camera { width, height, k, distortion, r, t } = *of_core;
+            let Camera { width, height, k, lens, r, t } = *of_core;
             assert_eq!((found.width, found.height), (width, height));
-            let own = found.k.into_iter().chain(found.distortion).chain(found.r).chain(found.t);
-            let core = k.as_flattened().iter().chain(&distortion).chain(r.as_flattened()).chain(&t);
+            let own =
+                found.k.into_iter().chain(found.distortion).chain(found.distortion_more).chain(found.r).chain(found.t);
+            let core = k.as_flattened().iter().chain(lens.coefficients()).chain(r.as_flattened()).chain(&t);
             assert_eq!(bits(own), bits(core.copied()));
             let (of_core, found) = report;
             let figures = [

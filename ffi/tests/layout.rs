@@ -7,7 +7,7 @@ use pcmvs::{
     allocator::pcmvs_allocator,
     calibration_options::pcmvs_calibration_options,
     calibration_report::{pcmvs_calibration_report, pcmvs_camera_report, pcmvs_verdict},
-    camera::pcmvs_camera,
+    camera::{pcmvs_camera, pcmvs_lens},
     cloud::{pcmvs_cloud_kind, pcmvs_point, pcmvs_rank, pcmvs_silhouette},
     error::pcmvs_error,
     export::{pcmvs_export_options, pcmvs_file_format},
@@ -92,6 +92,7 @@ fn c_and_rust_agree() {
         "MESH" = G::Mesh,
         "COLOUR" = G::Colour,
     );
+    values!(facts, "PCMVS_LENS_", "OPENCV" = pcmvs_lens::Opencv, "FISHEYE" = pcmvs_lens::Fisheye);
     use pcmvs_pixel_format as F;
     values!(
         facts,
@@ -157,7 +158,22 @@ fn c_and_rust_agree() {
 
     layout!(facts, pcmvs_allocator { struct_size, reserved, user, allocate, reallocate, deallocate });
     layout!(facts, pcmvs_error { status, stage, camera, reserved, frame, message });
-    layout!(facts, pcmvs_camera { struct_size, width, height, reserved, k, distortion, r, t });
+    layout!(
+        facts,
+        pcmvs_camera {
+            struct_size,
+            width,
+            height,
+            reserved,
+            k,
+            distortion,
+            r,
+            t,
+            lens,
+            reserved_lens,
+            distortion_more
+        }
+    );
     layout!(facts, pcmvs_image { struct_size, format, width, height, data, stride, chroma, chroma_stride });
     layout!(facts, pcmvs_chroma_key { struct_size, rgb, tolerance, darkest_shadow, smallest_part, smallest_hole });
     layout!(facts, pcmvs_view { struct_size, reserved, image, mask, clean_plate, chroma_key });

@@ -1,6 +1,11 @@
 //! A captured scene: the strict reader of scene.json.
 
-use crate::{failure::Failure, files::Files, text};
+use crate::{
+    failure::Failure,
+    files::Files,
+    lens::{self, LensModel},
+    text,
+};
 use pcmvs_core::Camera;
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
@@ -63,7 +68,10 @@ pub struct SceneCamera {
     /// Intrinsic matrix by rows.
     #[serde(rename = "K")]
     pub k: [[f64; 3]; 3],
-    /// k1 k2 p1 p2 k3. Shorter lists are padded with zeros.
+    /// The model of the lens.
+    #[serde(default, skip_serializing_if = "LensModel::is_opencv")]
+    pub lens: LensModel,
+    /// Coefficients of the model in OpenCV's order. Shorter lists of [`LensModel::OpenCv`] are padded with zeros.
     #[serde(default)]
     pub distortion: Vec<f64>,
     /// Rotation by rows, world to camera.
@@ -115,21 +123,15 @@ impl Background {
 impl SceneCamera {
     /// A camera with a name.
     pub fn new(name: String, camera: &Camera) -> Self {
-        let Camera { width, height, k, distortion, r, t } = *camera;
-        Self { name, width, height, k, distortion: distortion.to_vec(), r, t }
+        let Camera { width, height, k, lens, r, t } = *camera;
+        let (model, distortion) = lens::write(&lens);
+        Self { name, width, height, k, lens: model, distortion, r, t }
     }
 
     /// The camera as the core takes it.
     pub fn camera(&self) -> Result<Camera, String> {
-        let (given, beyond) = self.distortion.split_at(self.distortion.len().min(5));
-        if beyond.iter().any(|&v| v != 0.0) {
-            return Err(String::from(
-                "the distortion has coefficients beyond k1 k2 p1 p2 k3: calibrate without the rational model",
-            ));
-        }
-        let mut distortion = [0.0; 5];
-        distortion[..given.len()].copy_from_slice(given);
-        Ok(Camera { width: self.width, height: self.height, k: self.k, distortion, r: self.r, t: self.t })
+        let lens = lens::read(self.lens, &self.distortion).map_err(|problem| format!("the distortion {problem}"))?;
+        Ok(Camera { width: self.width, height: self.height, k: self.k, lens, r: self.r, t: self.t })
     }
 }
 

@@ -6,12 +6,14 @@ use wasm_bindgen::prelude::*;
 #[wasm_bindgen(typescript_custom_section)]
 const TYPES: &str = r#"
 /** A calibrated camera. World to pixel is `x = K · distort(R X + t)`, x right, y down, z forward, the first pixel's
- * centre at (0, 0). Matrices by rows, OpenCV's distortion k1 k2 p1 p2 k3. */
+ * centre at (0, 0). Matrices by rows. Distortion in OpenCV's order: k1 k2 p1 p2 k3 k4 k5 k6 s1 s2 s3 s4, of which the
+ * last ones may be missing, or k1 k2 k3 k4 of a fisheye. */
 export interface Camera {
     name: string;
     width: number;
     height: number;
     K: [number, number, number][];
+    lens?: "opencv" | "fisheye";
     distortion?: number[];
     R: [number, number, number][];
     t: [number, number, number];

@@ -11,9 +11,6 @@ pub(super) const SHIFT: usize = 3;
 /// Index of the focal length's parameter.
 pub(super) const FOCAL: usize = 6;
 
-/// Iterations of the fixed-point scheme that removes the lens distortion.
-const UNDISTORTION_STEPS: usize = 20;
-
 /// One camera: `x = K · distort(R X + t)`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Model {
@@ -114,7 +111,7 @@ impl Model {
         if !(c.z > 0.0) {
             return None;
         }
-        Some(self.pixel_of(self.given.distort(DVec2::new(c.x / c.z, c.y / c.z))))
+        Some(self.pixel_of(self.given.lens.distort(DVec2::new(c.x / c.z, c.y / c.z))))
     }
 
     fn pixel_of(&self, p: DVec2) -> DVec2 {
@@ -130,8 +127,8 @@ impl Model {
         }
         let (x, y) = (c.x / c.z, c.y / c.z);
         let k = &self.k;
-        let real = self.given.distort(DVec2::new(x, y));
-        let lens = self.distortion_derivative(DVec2::new(x, y));
+        let real = self.given.lens.distort(DVec2::new(x, y));
+        let lens = self.given.lens.derivative(DVec2::new(x, y));
         let to_pixel = DMat2::from_cols(DVec2::new(k[0][0], 0.0), DVec2::new(k[0][1], k[1][1])) * lens;
         let (along_x, along_y) = (to_pixel.x_axis / c.z, to_pixel.y_axis / c.z);
         let along_z = -(along_x * x + along_y * y);
@@ -154,28 +151,11 @@ impl Model {
         })
     }
 
-    /// Derivative of the lens distortion at a normalised position.
-    fn distortion_derivative(&self, p: DVec2) -> DMat2 {
-        let [k1, k2, p1, p2, k3] = self.given.distortion;
-        let r2 = p.length_squared();
-        let radial = 1.0 + r2 * (k1 + r2 * (k2 + r2 * k3));
-        let slope = 2.0 * (k1 + r2 * (2.0 * k2 + r2 * 3.0 * k3));
-        let mixed = slope * p.x * p.y + 2.0 * (p1 * p.x + p2 * p.y);
-        DMat2::from_cols(
-            DVec2::new(radial + slope * p.x * p.x + 2.0 * p1 * p.y + 6.0 * p2 * p.x, mixed),
-            DVec2::new(mixed, radial + slope * p.y * p.y + 6.0 * p1 * p.y + 2.0 * p2 * p.x),
-        )
-    }
-
     /// Normalised position, without distortion, of a pixel of the real picture.
     pub(super) fn normalise(&self, pixel: DVec2) -> DVec2 {
         let k = &self.k;
         let y = (pixel.y - k[1][2]) / k[1][1];
-        let real = DVec2::new((pixel.x - k[0][2] - k[0][1] * y) / k[0][0], y);
-        if !self.given.is_distorted() {
-            return real;
-        }
-        (0..UNDISTORTION_STEPS).fold(real, |p, _| p + (real - self.given.distort(p)))
+        self.given.lens.undistort(DVec2::new((pixel.x - k[0][2] - k[0][1] * y) / k[0][0], y))
     }
 
     /// Normalised position of an ideal pixel, which is a pixel of the undistorted picture. Undistorted pictures are made
@@ -186,7 +166,7 @@ impl Model {
 
     /// Pixel of the real picture that an ideal pixel was resampled from.
     pub(super) fn real_of_ideal(&self, pixel: DVec2) -> DVec2 {
-        if self.given.is_distorted() { self.given.distort_pixel(pixel) } else { pixel }
+        if self.given.lens.is_distorted() { self.given.distort_pixel(pixel) } else { pixel }
     }
 
     /// Direction of an ideal pixel's ray in the rig's axes, of unit depth.
@@ -219,18 +199,29 @@ impl Model {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::testing::camera;
+    use crate::{lens::Lens, testing::camera};
     use glam::Vec3;
 
-    fn distorted() -> Model {
-        let mut camera = camera(Vec3::new(3.0, -2.0, 1.0), Vec3::new(0.1, 0.2, 0.0), 640, 800.0);
-        camera.distortion = [-0.21, 0.08, 0.002, -0.001, 0.01];
-        Model::new(&camera, DVec3::new(0.3, 0.1, -0.2))
+    /// The same camera with each kind of lens.
+    fn distorted() -> [Model; 3] {
+        let lenses = [
+            Lens::brown([-0.21, 0.08, 0.002, -0.001, 0.01]),
+            Lens::OpenCv([-0.1, 0.03, 0.002, 0.001, -0.004, 0.05, -0.02, 0.003, 0.004, -0.002, -0.003, 0.001]),
+            Lens::Fisheye([-0.03, 0.02, -0.01, 0.003]),
+        ];
+        lenses.map(|lens| {
+            let camera = camera(Vec3::new(3.0, -2.0, 1.0), Vec3::new(0.1, 0.2, 0.0), 640, 800.0);
+            Model::new(&Camera { lens, ..camera }, DVec3::new(0.3, 0.1, -0.2))
+        })
     }
 
     #[test]
     fn derivatives_are_those_of_the_projection() {
-        let (model, point) = (distorted(), DVec3::new(0.2, 0.4, 0.3));
+        distorted().into_iter().for_each(check_derivatives);
+    }
+
+    fn check_derivatives(model: Model) {
+        let point = DVec3::new(0.2, 0.4, 0.3);
         let at = model.linearise(point).unwrap();
         assert_eq!(Some(at.pixel), model.project(point));
         let h = 1e-6;
@@ -252,7 +243,7 @@ mod tests {
 
     #[test]
     fn deviations_are_the_steps_that_were_made() {
-        let model = distorted();
+        let [model, ..] = distorted();
         let turned = model.moved(&[0.01, -0.02, 0.03, 0.0, 0.0, 0.0, 0.004, 1.0, -2.0]).deviation(&model);
         for (found, made) in turned.into_iter().zip([0.01, -0.02, 0.03, 0.0, 0.0, 0.0, 0.004, 1.0, -2.0]) {
             assert!((found - made).abs() < 1e-12);
@@ -265,22 +256,28 @@ mod tests {
 
     #[test]
     fn rays_lead_back_to_their_pixels() {
-        let model = distorted();
-        let pixel = DVec2::new(81.5, 500.25);
-        let point = model.centre() + model.ray(pixel) * 3.0;
-        assert!((model.project(point).unwrap() - pixel).length() < 1e-6);
-        let other = Model::new(&camera(Vec3::new(-2.0, -3.0, 0.5), Vec3::ZERO, 640, 800.0), DVec3::ZERO);
-        let seen = other.project(point).unwrap();
-        assert!(other.epipolar_distance(seen, model.centre(), model.ray(pixel)).abs() < 1e-6);
+        for model in distorted() {
+            let pixel = DVec2::new(81.5, 500.25);
+            let point = model.centre() + model.ray(pixel) * 3.0;
+            assert!((model.project(point).unwrap() - pixel).length() < 1e-9);
+            let other = Model::new(&camera(Vec3::new(-2.0, -3.0, 0.5), Vec3::ZERO, 640, 800.0), DVec3::ZERO);
+            let seen = other.project(point).unwrap();
+            assert!(other.epipolar_distance(seen, model.centre(), model.ray(pixel)).abs() < 1e-6);
+        }
     }
 
     #[test]
     fn the_given_camera_comes_back_in_world_coordinates() {
         let origin = DVec3::new(0.3, 0.1, -0.2);
-        let model = distorted();
-        let camera = model.camera(origin);
-        let world = DVec3::new(0.5, 0.4, 0.1);
-        let (pixel, _) = camera.project(world).unwrap();
-        assert!((model.project(world - origin).unwrap() - pixel).length() < 1e-9);
+        for model in distorted() {
+            let camera = model.camera(origin);
+            let world = DVec3::new(0.5, 0.4, 0.1);
+            let (pixel, _) = camera.project(world).unwrap();
+            assert!((model.project(world - origin).unwrap() - pixel).length() < 1e-9);
+            // Adjusting a camera leaves its lens alone.
+            let moved = model.moved(&[0.01, -0.02, 0.03, 0.1, 0.0, 0.0, 0.004, 1.0, -2.0]).camera(origin);
+            assert_eq!(moved.lens, camera.lens);
+            assert_ne!(moved.k, camera.k);
+        }
     }
 }

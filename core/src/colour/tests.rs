@@ -1,7 +1,7 @@
 mod gains;
 
 use super::*;
-use crate::{Camera, Pinhole, Silent, error::Error, silhouette::Silhouette};
+use crate::{Camera, Lens, Pinhole, Silent, error::Error, silhouette::Silhouette};
 use alloc::sync::Arc;
 use glam::{DMat3, DVec3};
 
@@ -65,7 +65,7 @@ fn camera(from: DVec3) -> Camera {
         width: SIZE,
         height: SIZE,
         k: [[260.0, 0.0, c], [0.0, 260.0, c], [0.0, 0.0, 1.0]],
-        distortion: [0.0; 5],
+        lens: Lens::NONE,
         r: rows(r),
         t: (-(r * from)).to_array(),
     }

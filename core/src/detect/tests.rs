@@ -15,6 +15,7 @@ use super::{
 use crate::{
     camera::{Camera, Pinhole},
     eigen::{LANES, Lanes, principal},
+    lens::Lens,
     simd::{Simd, Work},
 };
 use alloc::vec::Vec;
@@ -41,7 +42,7 @@ impl Random {
 fn level(x: f64, random: &mut Random, mut luma: impl FnMut(&mut Random) -> u8) -> PyramidLevel<'static> {
     let k = [[60.0, 0.0, 23.5], [0.0, 60.0, 19.5], [0.0, 0.0, 1.0]];
     let r = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
-    let camera = Camera { width: WIDTH, height: HEIGHT, k, distortion: [0.0; 5], r, t: [-x, 0.0, 0.0] };
+    let camera = Camera { width: WIDTH, height: HEIGHT, k, lens: Lens::NONE, r, t: [-x, 0.0, 0.0] };
     let pixels = 0..WIDTH * HEIGHT;
     PyramidLevel {
         camera: Pinhole::new(&camera, DVec3::ZERO),

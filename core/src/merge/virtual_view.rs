@@ -1,7 +1,10 @@
 //! The viewpoints from which conflicts are detected (§5.2): the cameras, and virtual cameras on the sphere through
 //! them.
 
-use crate::camera::{Camera, Pinhole};
+use crate::{
+    camera::{Camera, Pinhole},
+    lens::Lens,
+};
 use alloc::vec::Vec;
 use glam::{DVec3, Vec3};
 
@@ -48,7 +51,7 @@ pub fn virtual_views(count: u32, target: Vec3, distance: f32, radius: f32, footp
                 width: size,
                 height: size,
                 k: [[focal, 0.0, 0.5 * f64::from(size)], [0.0, focal, 0.5 * f64::from(size)], [0.0, 0.0, 1.0]],
-                distortion: [0.0; 5],
+                lens: Lens::NONE,
                 r: [right.to_array(), down.to_array(), forward.to_array()],
                 t: [-right.dot(centre), -down.dot(centre), -forward.dot(centre)],
             };

@@ -22,7 +22,7 @@ pub fn write(capture: &Capture, folder: &Path) -> io::Result<()> {
     fs::create_dir_all(folder)?;
     let mut text = format!("{}\n", capture.cameras.len());
     for (i, c) in capture.cameras.iter().enumerate() {
-        let numbers = c.k.iter().flatten().chain(&c.distortion).chain(c.r.iter().flatten()).chain(&c.t);
+        let numbers = c.k.iter().flatten().chain(&c.lens.coefficients()[..5]).chain(c.r.iter().flatten()).chain(&c.t);
         let numbers: Vec<String> = numbers.map(f64::to_string).collect();
         let _ = writeln!(text, "{} {} {}", c.width, c.height, numbers.join(" "));
         let netpbm = |kind: &str, pixels: &[u8]| {

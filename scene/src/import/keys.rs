@@ -1,7 +1,10 @@
 //! Keys of a calibration file that no importer reads. Those that look like calibration are errors, so that nothing which
 //! changes the geometry is lost; the others are named in a note.
 
-use super::{lens::plain, values::is_neutral};
+use super::{
+    lens::{self, plain},
+    values::is_neutral,
+};
 use serde_json::{Map, Value};
 
 /// Parts of keys that describe a lens. Zero means that there is nothing to describe.
@@ -95,7 +98,7 @@ pub fn unread<'a>(
     let mut ignored = Vec::new();
     for (key, value) in object {
         let key = key.as_str();
-        if understood.iter().any(|keys| keys.contains(&key)) {
+        if understood.iter().any(|keys| keys.contains(&key)) || lens::named_by(key, value)?.is_some() {
             continue;
         }
         if !harmless.contains(&key) && looks_like_calibration(key, value) {

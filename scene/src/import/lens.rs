@@ -1,6 +1,9 @@
-//! Lens models. A scene holds OpenCV's model with k1 k2 p1 p2 k3; any other lens is an error.
+//! Lens models. A scene holds OpenCV's model with up to twelve coefficients and OpenCV's fisheye; any other lens is an
+//! error.
 
 use super::values::{Levels, find, is_neutral, number};
+use crate::lens::{self, LensModel};
+use pcmvs_core::Lens;
 use serde_json::{Map, Value};
 
 /// What to do about a lens that a scene cannot hold.
@@ -45,6 +48,17 @@ const MODELS: &[&str] = &[
     "pinholecamera",
     "pinholebrown",
 ];
+/// Those that say nothing about the distortion.
+const PROJECTIONS: &[&str] = &[
+    "pinhole",
+    "simplepinhole",
+    "perspective",
+    "opencv",
+    "standard",
+    "opencvpinhole",
+    "pinholeopencv",
+    "pinholecamera",
+];
 /// Parts of the names of other models, for keys that may also name the maker's model.
 const OTHER_MODELS: &[&str] = &[
     "fish",
@@ -59,30 +73,37 @@ const OTHER_MODELS: &[&str] = &[
     "ftheta",
     "orthog",
 ];
-/// Names of other models, whatever the key is.
-const OTHER_NAMES: &[&str] = &[
+/// Names of OpenCV's fisheye and of special cases of it, whatever the key is.
+const FISHEYES: &[&str] = &[
     "fisheye",
     "opencvfisheye",
+    "fisheyeopencv",
     "simpleradialfisheye",
     "radialfisheye",
-    "thinprismfisheye",
     "equidistant",
+    "equi",
+    "pinholeequi",
+    "pinholeequidistant",
+    "kannalabrandt",
+    "kannalabrandt4",
+    "kannalabrandt8",
+    "kb",
+    "kb4",
+    "kb8",
+];
+/// Names of other models, whatever the key is.
+const OTHER_NAMES: &[&str] = &[
+    "thinprismfisheye",
     "equirectangular",
     "omnidirectional",
     "omnidir",
     "omni",
-    "kannalabrandt",
-    "kannalabrandt4",
-    "kannalabrandt8",
     "unified",
     "eucm",
     "doublesphere",
     "spherical",
     "panoramic",
     "orthographic",
-    "kb",
-    "kb4",
-    "kb8",
     "mei",
     "ucm",
     "fov",
@@ -103,11 +124,10 @@ const OTHER_KEYS: &[&str] = &[
     "orthographic",
     "thinprism",
 ];
-/// Coefficients by name that a scene holds, in its order.
-const HELD: [&str; 5] = ["k1", "k2", "p1", "p2", "k3"];
-/// Coefficients by name that a scene cannot hold.
-const BEYOND: &[&str] = &["k4", "k5", "k6", "s1", "s2", "s3", "s4", "p3", "p4", "tau_x", "tau_y", "b1", "b2"];
-/// All coefficients that are read by name.
+/// Coefficients by name in the order of OpenCV's model, and in that of its fisheye.
+const OPENCV: [&str; 12] = ["k1", "k2", "p1", "p2", "k3", "k4", "k5", "k6", "s1", "s2", "s3", "s4"];
+const FISHEYE: [&str; 4] = ["k1", "k2", "k3", "k4"];
+/// All coefficients that are read by name. Those beyond OpenCV's must be zero.
 pub const NAMED: &[&str] =
     &["k1", "k2", "p1", "p2", "k3", "k4", "k5", "k6", "s1", "s2", "s3", "s4", "p3", "p4", "tau_x", "tau_y", "b1", "b2"];
 
@@ -116,63 +136,121 @@ pub fn plain(name: &str) -> String {
     name.chars().filter(|c| c.is_alphanumeric()).flat_map(char::to_lowercase).collect()
 }
 
-/// Refuses keys that say that the lens is not OpenCV's pinhole model.
-pub fn check_model(object: &Map<String, Value>) -> Result<(), String> {
+/// The model that the keys of an object name, if they do. A lens of another kind is an error.
+pub fn model(object: &Map<String, Value>) -> Result<Option<LensModel>, String> {
+    let mut found: Option<(LensModel, &str, bool)> = None;
     for (key, value) in object {
-        if let Value::Object(inner) = value {
-            check_model(inner).map_err(|problem| format!("{key}: {problem}"))?;
-        }
-        let name = plain(key);
-        if (OTHER_KEYS.iter().any(|part| name.contains(part)) || name == "xi") && !is_neutral(value) {
-            return Err(format!("`{key}` says that the lens is not a pinhole with OpenCV's distortion: {REMEDY}"));
-        }
-        let model = value.as_str().map(plain);
-        let vague = ["type", "cameratype"].contains(&name.as_str())
-            || ["model", "lens", "projection"].iter().any(|part| name.contains(part));
-        let refused = match model.as_deref() {
-            Some(model) if MODEL_KEYS.contains(&key.as_str()) => !MODELS.contains(&model),
-            Some(model) => {
-                OTHER_NAMES.contains(&model) && !NAMES_OF_FILES.contains(&key.as_str())
-                    || vague && OTHER_MODELS.iter().any(|part| model.contains(part))
+        let Some(named) = named_by(key, value)? else { continue };
+        // A pinhole may have the fisheye's distortion.
+        let loose = value.as_str().is_some_and(|words| PROJECTIONS.contains(&plain(words).as_str()));
+        match found {
+            Some((other, by, false)) if other != named && !loose => {
+                return Err(format!("`{by}` and `{key}` name different lenses: remove the one that is wrong"));
             }
-            None => MODEL_KEYS.contains(&key.as_str()) && !is_neutral(value),
-        };
-        if refused {
-            return Err(format!("{key} {value} is not supported: {REMEDY}"));
+            Some((_, _, was_loose)) if loose || !was_loose => {}
+            _ => found = Some((named, key, loose)),
         }
     }
-    Ok(())
+    Ok(found.map(|(model, ..)| model))
 }
 
-/// Distortion from OpenCV's list k1 k2 p1 p2 k3 k4 k5 k6 s1 s2 s3 s4 tau_x tau_y.
-pub fn from_list(key: &str, list: &[f64]) -> Result<[f64; 5], String> {
-    if let Some(&value) = list.iter().skip(5).find(|&&v| v != 0.0) {
-        let model = if list.len() <= 8 { "rational" } else { "rational, thin prism or tilted" };
-        return Err(format!(
-            "{key} has the coefficient {value} beyond k1 k2 p1 p2 k3, of OpenCV's {model} model, which is not supported: \
-             {REMEDY}, or calibrate without CALIB_RATIONAL_MODEL, CALIB_THIN_PRISM_MODEL and CALIB_TILTED_MODEL"
-        ));
+/// The model that a key and its value name, if they do.
+pub fn named_by(key: &str, value: &Value) -> Result<Option<LensModel>, String> {
+    if is_neutral(value) {
+        return Ok(None);
     }
-    if !matches!(list.len(), 0..=2 | 4 | 5 | 8 | 12 | 14) && list.iter().any(|&v| v != 0.0) {
-        return Err(format!(
-            "{key} has {} numbers, but OpenCV's model has 4, 5, 8, 12 or 14: write k1 k2 p1 p2 k3",
-            list.len()
-        ));
+    let name = plain(key);
+    let is_flag = *value == Value::Bool(true)
+        || *value == 1
+        || value.as_str().is_some_and(|text| ["1", "true", "yes", "on"].contains(&text.trim().to_lowercase().as_str()));
+    if name.contains("fish") && is_flag {
+        return Ok(Some(LensModel::Fisheye));
     }
-    Ok(std::array::from_fn(|i| list.get(i).copied().unwrap_or(0.0)))
+    let words = value.as_str().map(plain);
+    if OTHER_KEYS.iter().any(|part| name.contains(part)) || name == "xi" {
+        // A key such as `fisheye` whose value is the name of a model.
+        if words.as_deref().is_some_and(|words| FISHEYES.contains(&words)) {
+            return Ok(Some(LensModel::Fisheye));
+        }
+        return Err(format!("`{key}` belongs to a lens that a scene cannot hold: {REMEDY}"));
+    }
+    if let Value::Object(inner) = value {
+        return model(inner).map_err(|problem| format!("{key}: {problem}"));
+    }
+    let is_model_key = MODEL_KEYS.contains(&key);
+    let vague = ["type", "cameratype"].contains(&name.as_str())
+        || ["model", "lens", "projection"].iter().any(|p| name.contains(p));
+    let found = match words.as_deref() {
+        Some(words) if FISHEYES.contains(&words) && !NAMES_OF_FILES.contains(&key) => Some(Ok(LensModel::Fisheye)),
+        Some(words) if is_model_key => Some(MODELS.contains(&words).then_some(LensModel::OpenCv).ok_or(())),
+        Some(words) => {
+            let other = OTHER_NAMES.contains(&words) && !NAMES_OF_FILES.contains(&key)
+                || vague && OTHER_MODELS.iter().any(|part| words.contains(part));
+            other.then_some(Err(()))
+        }
+        None => is_model_key.then_some(Err(())),
+    };
+    found.transpose().map_err(|()| format!("{key} {value} is not supported: {REMEDY}"))
+}
+
+/// The model of a camera. What its own keys name has precedence over what those of all cameras do.
+pub fn of_levels(levels: &Levels) -> Result<Option<LensModel>, String> {
+    for object in &levels.0 {
+        if let Some(model) = model(object)? {
+            return Ok(Some(model));
+        }
+    }
+    Ok(None)
+}
+
+/// The lens of a model without coefficients.
+pub fn plainest(model: Option<LensModel>) -> Lens {
+    match model {
+        Some(LensModel::Fisheye) => Lens::Fisheye([0.0; 4]),
+        _ => Lens::NONE,
+    }
+}
+
+/// Distortion from OpenCV's list k1 k2 p1 p2 k3 k4 k5 k6 s1 s2 s3 s4 tau_x tau_y, or k1 k2 k3 k4 of its fisheye.
+pub fn from_list(key: &str, list: &[f64], model: Option<LensModel>) -> Result<Lens, String> {
+    if list.iter().all(|&v| v == 0.0) {
+        return Ok(plainest(model));
+    }
+    if list.len() == 3 {
+        return Err(format!("{key} has 3 numbers, but OpenCV's model has 4, 5, 8 or 12: write k1 k2 p1 p2 k3"));
+    }
+    lens::read(model.unwrap_or_default(), list).map_err(|problem| format!("{key} {problem}, or {REMEDY}"))
 }
 
 /// Distortion from coefficients by name. None if there are none.
-pub fn from_names(levels: &Levels) -> Result<Option<[f64; 5]>, String> {
+pub fn from_names(levels: &Levels, model: Option<LensModel>) -> Result<Option<Lens>, String> {
+    let is_fisheye = model == Some(LensModel::Fisheye);
+    let order: &[&str] = if is_fisheye { &FISHEYE } else { &OPENCV };
     for object in &levels.0 {
-        for &name in BEYOND {
+        for &name in NAMED.iter().filter(|name| !order.contains(name)) {
             if let Some((key, value)) = find(object, &[name])
                 && number(&key, value)? != 0.0
             {
-                return Err(format!("the lens has the coefficient {name} = {value}, which is not supported: {REMEDY}"));
+                let of = if is_fisheye { "fisheye" } else { "lens" };
+                return Err(format!("the {of} has the coefficient {name} = {value}, which is not supported: {REMEDY}"));
             }
         }
     }
-    let found: Vec<Option<f64>> = HELD.iter().map(|&name| levels.number(&[name])).collect::<Result<_, _>>()?;
-    Ok(found.iter().any(Option::is_some).then(|| std::array::from_fn(|i| found[i].unwrap_or(0.0))))
+    let found: Vec<Option<f64>> = order.iter().map(|&name| levels.number(&[name])).collect::<Result<_, _>>()?;
+    if found.iter().all(Option::is_none) {
+        return Ok(None);
+    }
+    let at = |i: usize| found[i].unwrap_or(0.0);
+    if is_fisheye {
+        return Ok(Some(Lens::Fisheye(std::array::from_fn(at))));
+    }
+    // Without k5 and k6 it may also be that of a fisheye, or of the eighth power of the radius.
+    if at(5) != 0.0 && found[6].or(found[7]).is_none() {
+        return Err(format!(
+            "k4 = {} is ambiguous: add k5 and k6 if they are those of OpenCV's rational model, name the model if the lens is \
+             a fisheye (`distortion_model` or `camera_model` with the value `fisheye`), or else {REMEDY}",
+            at(5)
+        ));
+    }
+    Ok(Some(Lens::OpenCv(std::array::from_fn(at))))
 }

@@ -6,7 +6,7 @@ use super::{
     view::{ImportedView, rows},
 };
 use crate::{failure::Failure, files::Files};
-use pcmvs_core::Camera;
+use pcmvs_core::{Camera, Lens};
 use std::path::{Path, PathBuf};
 
 /// Reads a folder with one `*_par.txt`, or that file. The pictures are in the same folder or in `images`.
@@ -66,6 +66,6 @@ fn view(files: &dyn Files, file: &Path, folder: &Path, line: &str) -> Result<Imp
     })?;
     let [width, height] = picture_size(files, &image, &name)?;
     let nine = |start: usize| rows(std::array::from_fn(|i| n[start + i]));
-    let camera = Camera { width, height, k: nine(0), distortion: [0.0; 5], r: nine(9), t: [n[18], n[19], n[20]] };
+    let camera = Camera { width, height, k: nine(0), lens: Lens::NONE, r: nine(9), t: [n[18], n[19], n[20]] };
     Ok(ImportedView { name, camera, file: file.to_path_buf(), image, mask: None, time: None })
 }

@@ -3,17 +3,37 @@
 //! Every importer turns its convention into the scene's: world to camera `x = K · distort(R X + t)`, x right, y down,
 //! z forward, the first pixel's centre at (0, 0).
 
+#[cfg(feature = "formats")]
+mod bundler;
 mod clip;
 mod colmap;
+mod easymocap;
+mod found;
+#[cfg(feature = "formats")]
+mod further;
 mod json;
+#[cfg(feature = "formats")]
+mod kalibr;
 mod keys;
 mod lens;
+#[cfg(feature = "formats")]
+mod metashape;
 mod middlebury;
+#[cfg(feature = "formats")]
+mod mvsnet;
 mod names;
+#[cfg(feature = "formats")]
+mod neus;
 mod notes;
 mod opencv;
 mod opencv_storage;
+#[cfg(feature = "formats")]
+mod panoptic;
+#[cfg(feature = "formats")]
+mod realitycapture;
 mod recognise;
+#[cfg(feature = "formats")]
+mod rig_toml;
 mod source;
 mod transforms;
 mod values;
@@ -46,6 +66,32 @@ pub enum Source {
     Opencv,
     /// transforms.json or its folder.
     Transforms,
+    /// A folder with intri.yml and extri.yml.
+    Easymocap,
+    /// bundle.out with list.txt, or a folder with them.
+    #[cfg(feature = "formats")]
+    Bundler,
+    /// An XML file with cameras of Agisoft Metashape.
+    #[cfg(feature = "formats")]
+    Metashape,
+    /// cameras_sphere.npz, or a folder with it.
+    #[cfg(feature = "formats")]
+    Neus,
+    /// A TOML file of anipose, FreeMoCap or Caliscope.
+    #[cfg(feature = "formats")]
+    Anipose,
+    /// A JSON file of CMU Panoptic.
+    #[cfg(feature = "formats")]
+    Panoptic,
+    /// A folder with files *_cam.txt, or with such a folder `cams`.
+    #[cfg(feature = "formats")]
+    Mvsnet,
+    /// Kalibr's camchain.yaml.
+    #[cfg(feature = "formats")]
+    Kalibr,
+    /// A folder with pictures and the XMP files of RealityCapture or RealityScan.
+    #[cfg(feature = "formats")]
+    Realitycapture,
 }
 
 impl Source {
@@ -56,6 +102,23 @@ impl Source {
             Self::Colmap => "colmap",
             Self::Opencv => "opencv",
             Self::Transforms => "transforms",
+            Self::Easymocap => "easymocap",
+            #[cfg(feature = "formats")]
+            Self::Bundler => "bundler",
+            #[cfg(feature = "formats")]
+            Self::Metashape => "metashape",
+            #[cfg(feature = "formats")]
+            Self::Neus => "neus",
+            #[cfg(feature = "formats")]
+            Self::Anipose => "anipose",
+            #[cfg(feature = "formats")]
+            Self::Panoptic => "panoptic",
+            #[cfg(feature = "formats")]
+            Self::Mvsnet => "mvsnet",
+            #[cfg(feature = "formats")]
+            Self::Kalibr => "kalibr",
+            #[cfg(feature = "formats")]
+            Self::Realitycapture => "realitycapture",
         }
     }
 }
@@ -73,11 +136,30 @@ pub struct Imported {
 /// Reads the calibration of another program.
 pub fn import(files: &dyn Files, source: Source, path: &Path) -> Result<Imported, Failure> {
     let mut notes = Notes::default();
+    #[cfg(feature = "formats")]
+    let path = &further::only_file(files, source, path)?;
     let mut views = match source {
         Source::Middlebury => middlebury::read(files, path)?,
         Source::Colmap => colmap::read(files, path, &mut notes)?,
         Source::Opencv => opencv::read(files, path, &mut notes)?,
         Source::Transforms => transforms::read(files, path, &mut notes)?,
+        Source::Easymocap => easymocap::read(files, path, &mut notes)?,
+        #[cfg(feature = "formats")]
+        Source::Bundler => bundler::read(files, path, &mut notes)?,
+        #[cfg(feature = "formats")]
+        Source::Metashape => metashape::read(files, path, &mut notes)?,
+        #[cfg(feature = "formats")]
+        Source::Neus => neus::import(files, path, &mut notes)?,
+        #[cfg(feature = "formats")]
+        Source::Anipose => rig_toml::read(files, path, &mut notes)?,
+        #[cfg(feature = "formats")]
+        Source::Panoptic => panoptic::read(files, path, &mut notes)?,
+        #[cfg(feature = "formats")]
+        Source::Mvsnet => mvsnet::read(files, path, &mut notes)?,
+        #[cfg(feature = "formats")]
+        Source::Kalibr => kalibr::read(files, path, &mut notes)?,
+        #[cfg(feature = "formats")]
+        Source::Realitycapture => realitycapture::read(files, path, &mut notes)?,
     };
     if views.is_empty() {
         return Err(Failure::Input(format!("{}: contains no camera", path.display())));
@@ -132,7 +214,8 @@ fn check_size(files: &dyn Files, file: &Path, camera: &str, what: &str, calibrat
 /// The cameras' names, which are safe as file names. Two views of the same name are an error.
 fn camera_names(views: &[ImportedView], clip: &Clip, notes: &mut Notes) -> Result<Vec<String>, Failure> {
     let mut unique = BTreeSet::new();
-    if let Some(twice) = views.iter().find(|view| !unique.insert(view.name.as_str())) {
+    let same = |view: &ImportedView| (view.name.clone(), view.time.map(f64::to_bits));
+    if let Some(twice) = views.iter().find(|view| !unique.insert(same(view))) {
         return Err(failure(&twice.file, &twice.name, "occurs twice: give every camera its own name"));
     }
     let names: Vec<&str> = clip.cameras.iter().map(|&first| views[first].name.as_str()).collect();

@@ -4,7 +4,7 @@
 //! A file contains one camera, or several as a list or map `cameras` or as named maps. Keys beside the cameras apply to
 //! all of them. A folder contains one file per camera. Of the keys below, the first that exists is used:
 //! - K: `camera_matrix`, `cameraMatrix`, `K`, `intrinsic_matrix`, `mtx`
-//! - distortion k1 k2 p1 p2 k3: `distortion_coefficients`, `distCoeffs`, `dist_coeffs`, `D`, `distortion`, or each by its
+//! - distortion k1 k2 p1 p2 k3 k4 k5 k6 s1 s2 s3 s4, or k1 k2 k3 k4 if a key says that the lens is a fisheye: `distortion_coefficients`, `distCoeffs`, `dist_coeffs`, `D`, `distortion`, or each by its
 //!   name; default: zero
 //! - rotation, as a 3x3 matrix or Rodrigues' vector: `R`, `rotation_matrix`, `rotation`, `rvec`,
 //!   `rotation_vector`
@@ -21,11 +21,10 @@ use super::{
     opencv_storage,
     source::{failure, find_picture, picture_size},
     values::{self, Levels, find, numbers, text, to_array},
-    view::{ImportedView, rows},
+    view::{ImportedView, rotation, rows},
 };
 use crate::{failure::Failure, files::Files};
-use glam::{DMat3, DQuat, DVec3};
-use pcmvs_core::Camera;
+use pcmvs_core::{Camera, Lens};
 use serde_json::{Map, Value};
 use std::path::{Path, PathBuf};
 
@@ -142,7 +141,7 @@ impl<'a> Contents<'a> {
     }
 
     fn check_shared(&self, file: &Path, notes: &mut Notes) -> Result<(), String> {
-        lens::check_model(&self.shared)?;
+        lens::model(&self.shared)?;
         // One pose for all cameras would put them into the same place: it means something else, such as a stereo pair's.
         for keys in [ROTATION, TRANSLATION] {
             if let Some((key, _)) = find(&self.shared, keys) {
@@ -176,7 +175,7 @@ fn note_unread(object: &Object, file: &Path, notes: &mut Notes) -> Result<(), St
     Ok(())
 }
 
-fn view(
+pub fn view(
     files: &dyn Files,
     file: &Path,
     name: &str,
@@ -185,7 +184,7 @@ fn view(
     notes: &mut Notes,
 ) -> Result<ImportedView, Failure> {
     let wrong = |problem: String| failure(file, name, &problem);
-    lens::check_model(own).map_err(wrong)?;
+    lens::model(own).map_err(wrong)?;
     note_unread(own, file, notes).map_err(wrong)?;
     let levels = Levels(vec![own, shared]);
     let folder = file.parent().unwrap_or(Path::new(""));
@@ -216,7 +215,7 @@ fn view(
         width,
         height,
         k: rows(k),
-        distortion: distortion(&levels).map_err(wrong)?,
+        lens: distortion(&levels).map_err(wrong)?,
         r: required(&Levels(vec![own]), ROTATION).and_then(|n| rotation(&n)).map_err(wrong)?,
         t,
     };
@@ -241,29 +240,16 @@ fn size(levels: &Levels) -> Result<Option<[u32; 2]>, String> {
     values::size(w, h).map(Some)
 }
 
-fn distortion(levels: &Levels) -> Result<[f64; 5], String> {
-    let named = lens::from_names(levels)?;
-    let Some((key, found)) = levels.find(DISTORTION) else { return Ok(named.unwrap_or([0.0; 5])) };
+fn distortion(levels: &Levels) -> Result<Lens, String> {
+    let model = lens::of_levels(levels)?;
+    let named = lens::from_names(levels, model)?;
+    let Some((key, found)) = levels.find(DISTORTION) else { return Ok(named.unwrap_or(lens::plainest(model))) };
     let listed =
-        numbers(found).map_err(|problem| format!("{key}: {problem}")).and_then(|n| lens::from_list(&key, &n))?;
+        numbers(found).map_err(|problem| format!("{key}: {problem}")).and_then(|n| lens::from_list(&key, &n, model))?;
     match named {
         Some(named) if named != listed => {
             Err(format!("{key} and the coefficients by name contradict each other: remove those that are wrong"))
         }
         _ => Ok(listed),
-    }
-}
-
-/// A rotation from nine numbers by rows, or from Rodrigues' vector (axis times angle in radians).
-fn rotation(numbers: &[f64]) -> Result<[[f64; 3]; 3], String> {
-    match *numbers {
-        [x, y, z] => {
-            let vector = DVec3::new(x, y, z);
-            let (sine, cosine) = libm::sincos(0.5 * vector.length());
-            let axis = vector.normalize_or_zero() * sine;
-            let matrix = DMat3::from_quat(DQuat::from_xyzw(axis.x, axis.y, axis.z, cosine));
-            Ok(matrix.transpose().to_cols_array_2d())
-        }
-        _ => to_array(numbers, "R").map(rows),
     }
 }

@@ -1,12 +1,14 @@
 //! Recognises the program that wrote a calibration.
 
-use super::{Source, colmap, json, source, transforms};
+#[cfg(feature = "formats")]
+use super::further;
+use super::{Source, colmap, easymocap, json, source, transforms};
 use crate::{failure::Failure, files::Files};
 use std::path::{Path, PathBuf};
 
 /// What is recognised, for messages.
-pub const KNOWN: &str = "Middlebury's *_par.txt, a COLMAP model (cameras and images, .txt or .bin), transforms.json or OpenCV \
-                         calibrations (.yml, .yaml, .json)";
+pub const KNOWN: &str = "Middlebury's *_par.txt, a COLMAP model (cameras and images, .txt or .bin), transforms.json, \
+                         EasyMocap's intri.yml and extri.yml, or OpenCV calibrations (.yml, .yaml, .json)";
 
 /// The program whose calibration a path names. A folder with calibrations of several programs is an error.
 pub fn recognise(files: &dyn Files, path: &Path) -> Result<Source, Failure> {
@@ -15,6 +17,7 @@ pub fn recognise(files: &dyn Files, path: &Path) -> Result<Source, Failure> {
     }
     let entries = files.list(path).map_err(|e| Failure::unreadable(path, &e))?;
     let mut found = of_folder(files, path, &entries);
+    found.dedup_by_key(|(source, _)| *source);
     let wrong = |problem: String| Failure::Input(format!("{}: {problem}", path.display()));
     match (found.pop(), &found[..]) {
         (None, _) => Err(wrong(format!("no calibration was recognised: name {KNOWN}, or give its format with --from"))),
@@ -29,10 +32,16 @@ pub fn recognise(files: &dyn Files, path: &Path) -> Result<Source, Failure> {
 fn of_file(files: &dyn Files, path: &Path) -> Result<Source, Failure> {
     let name = path.file_name().unwrap_or_default().to_string_lossy().to_lowercase();
     let ends = |ends: &[&str]| ends.iter().any(|end| name.ends_with(end));
+    #[cfg(feature = "formats")]
+    if let Some(source) = further::of_file(files, path, &name)? {
+        return Ok(source);
+    }
     if ends(&["_par.txt"]) {
         Ok(Source::Middlebury)
     } else if ["cameras.txt", "cameras.bin", "images.txt", "images.bin"].contains(&name.as_str()) {
         Ok(Source::Colmap)
+    } else if easymocap::FILES.contains(&name.as_str()) {
+        Ok(Source::Easymocap)
     } else if ends(&[".yml", ".yaml"]) {
         Ok(Source::Opencv)
     } else if ends(&[".json"]) {
@@ -61,7 +70,19 @@ pub fn of_folder(files: &dyn Files, folder: &Path, entries: &[PathBuf]) -> Vec<(
     if any(&|name| name == "transforms.json" || transforms::is_split(name)).is_some() {
         found.push((Source::Transforms, folder.to_path_buf()));
     }
-    if any(&|name| name.ends_with(".yml") || name.ends_with(".yaml")).is_some() {
+    #[cfg(feature = "formats")]
+    found.extend(further::of_folder(files, folder, entries));
+    if easymocap::FILES.iter().all(|file| any(&|name| name == *file).is_some()) {
+        found.push((Source::Easymocap, folder.to_path_buf()));
+    }
+    // Other programs' files have the same extensions.
+    let others: Vec<&PathBuf> = found.iter().map(|(_, path)| path).collect();
+    let is_opencv = |path: &&PathBuf| {
+        let name = name(path);
+        let yaml = name.ends_with(".yml") || name.ends_with(".yaml");
+        yaml && !others.contains(path) && !easymocap::FILES.contains(&name.as_str())
+    };
+    if entries.iter().any(|path| is_opencv(&path)) {
         found.push((Source::Opencv, folder.to_path_buf()));
     }
     found

@@ -28,6 +28,11 @@ pub fn picture_size(files: &dyn Files, path: &Path, camera: &str) -> Result<[u32
     Ok([picture.view().width, picture.view().height])
 }
 
+/// Whether a path has the extension of a picture that can be read.
+pub fn is_picture(path: &Path) -> bool {
+    path.extension().is_some_and(|extension| EXTENSIONS.iter().any(|known| extension.eq_ignore_ascii_case(known)))
+}
+
 /// A path without the extension of a picture. Any other dot is part of the name.
 pub fn without_extension(path: &str) -> &str {
     match path.rsplit_once('.') {

@@ -1,5 +1,7 @@
 //! A view as an importer found it.
 
+use super::values::to_array;
+use glam::{DMat3, DQuat, DVec3};
 use pcmvs_core::Camera;
 use std::path::PathBuf;
 
@@ -21,4 +23,18 @@ pub struct ImportedView {
 /// Three rows from nine numbers.
 pub fn rows(m: [f64; 9]) -> [[f64; 3]; 3] {
     [[m[0], m[1], m[2]], [m[3], m[4], m[5]], [m[6], m[7], m[8]]]
+}
+
+/// A rotation from nine numbers by rows, or from Rodrigues' vector (axis times angle in radians).
+pub fn rotation(numbers: &[f64]) -> Result<[[f64; 3]; 3], String> {
+    match *numbers {
+        [x, y, z] => {
+            let vector = DVec3::new(x, y, z);
+            let (sine, cosine) = libm::sincos(0.5 * vector.length());
+            let axis = vector.normalize_or_zero() * sine;
+            let matrix = DMat3::from_quat(DQuat::from_xyzw(axis.x, axis.y, axis.z, cosine));
+            Ok(matrix.transpose().to_cols_array_2d())
+        }
+        _ => to_array(numbers, "R").map(rows),
+    }
 }

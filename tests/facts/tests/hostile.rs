@@ -3,7 +3,8 @@
 
 use facts::{Shot, topology::assert_sound};
 use pcmvs_core::{
-    Camera, Error, Frame, ImageRef, Mask, Memory, Params, PixelFormat, Preset, Progress, Rig, Serial, Stage, ViewInput,
+    Camera, Error, Frame, ImageRef, Lens, Mask, Memory, Params, PixelFormat, Preset, Progress, Rig, Serial, Stage,
+    ViewInput,
 };
 use std::{
     alloc::{GlobalAlloc, Layout, System},
@@ -116,7 +117,11 @@ impl Draw {
                     2 => camera.t = camera.t.map(|v| v * number),
                     3 => camera.t[axis] += number,
                     4 => camera.k[axis.min(1)][2] = number,
-                    5 => camera.distortion[axis] = number,
+                    5 => {
+                        let mut coefficients = [0.0; 5];
+                        coefficients[axis] = number;
+                        camera.lens = Lens::brown(coefficients);
+                    }
                     6 => camera.k[0][1] = number,
                     7 => (camera.width, camera.height) = (number as u32, SIZE),
                     // Turned about its own y axis.

@@ -3,8 +3,8 @@
 
 use facts::Shot;
 use pcmvs_core::{
-    Error, Frame, ImageRef, Mask, Memory, Mesh, Params, PixelFormat, Preset, Progress, Serial, Silent, Stage, View,
-    ViewInput, hull::VisualHull, memory,
+    Error, Frame, ImageRef, Lens, Mask, Memory, Mesh, Params, PixelFormat, Preset, Progress, Serial, Silent, Stage,
+    View, ViewInput, hull::VisualHull, memory,
 };
 use std::{
     alloc::{GlobalAlloc, Layout, System},
@@ -123,7 +123,7 @@ fn reading_views_takes_no_more_than_the_smallest_frame() {
     let plain = vec![90; stripes.len()];
     for distorted in [false, true] {
         let mut cameras = cameras.clone();
-        cameras.iter_mut().for_each(|c| c.distortion[0] = if distorted { -0.1 } else { 0.0 });
+        cameras.iter_mut().for_each(|c| c.lens = Lens::brown([if distorted { -0.1 } else { 0.0 }, 0.0, 0.0, 0.0, 0.0]));
         let shot = Shot::new(Subject::Figure, &cameras, &Faults::default());
         let rig = shot.rig();
         let params = Params::preset(Preset::Default);

@@ -4,7 +4,7 @@ use facts::{
     Errors, Shot,
     topology::{assert_sound, components},
 };
-use pcmvs_core::{Params, Preset};
+use pcmvs_core::{Camera, Lens, Params, Preset};
 use std::sync::LazyLock;
 use studio::{Faults, Ring, Subject};
 
@@ -25,6 +25,20 @@ fn torus(faults: &Faults) -> Shot {
 #[test]
 fn no_fault() {
     errors(&torus(&Faults::default()), 1, "no fault").assert_within(0.9, 0.7, "no fault");
+}
+
+/// The lens is undone, whatever its model.
+#[test]
+fn lenses() {
+    for lens in [
+        Lens::OpenCv([0.52, -2.6, 4e-4, -2e-4, 1.45, 0.39, -2.4, 1.38, 0.0, 0.0, 0.0, 0.0]),
+        Lens::OpenCv([-0.1, 0.03, 0.002, 0.001, 0.0, 0.0, 0.0, 0.0, 0.02, -0.01, -0.02, 0.01]),
+        Lens::Fisheye([-0.03, 0.02, -0.03, 0.017]),
+    ] {
+        let cameras: Vec<Camera> = RING.cameras().into_iter().map(|camera| Camera { lens, ..camera }).collect();
+        let what = format!("{lens:?}");
+        errors(&Shot::new(Subject::Torus, &cameras, &Faults::default()), 1, &what).assert_within(0.9, 0.7, &what);
+    }
 }
 
 /// Masks that are one or two pixels too wide make the hull too wide by no more than that.

@@ -1,6 +1,6 @@
 //! Cameras around the zero of the scene.
 
-use pcmvs_core::Camera;
+use pcmvs_core::{Camera, Lens};
 
 /// `count` cameras at a distance of 3 that look at the zero, with pictures of `size` x `size` pixels.
 pub fn ring(count: u32, size: u32) -> Vec<Camera> {
@@ -10,7 +10,7 @@ pub fn ring(count: u32, size: u32) -> Vec<Camera> {
         // Looks along -(cos, sin, 0), with z of the scene upwards.
         let r = [[-sin, cos, 0.0], [0.0, 0.0, -1.0], [-cos, -sin, 0.0]];
         let k = [[focal, 0.0, middle], [0.0, focal, middle], [0.0, 0.0, 1.0]];
-        Camera { width: size, height: size, k, distortion: [0.0; 5], r, t: [0.0, 0.0, 3.0] }
+        Camera { width: size, height: size, k, lens: Lens::NONE, r, t: [0.0, 0.0, 3.0] }
     };
     (0..count).map(camera).collect()
 }

@@ -81,9 +81,10 @@ fuzz_target!(|bytes: &[u8]| {
         height: c.height,
         reserved: 0,
         k: c.k.as_flattened().try_into().unwrap(),
-        distortion: c.distortion,
+        distortion: [0.0; 5],
         r: c.r.as_flattened().try_into().unwrap(),
         t: c.t,
+        ..init(pcmvs_camera_init)
     };
     let cameras: Vec<pcmvs_camera> = ring(CAMERAS as u32, SIZE).iter().map(camera).collect();
     let (mut rig, mut frames, mut stale) = (null_mut(), [null_mut(); 2], null_mut());

@@ -75,9 +75,10 @@ fn description(bytes: &mut Bytes) {
         height: c.height,
         reserved: 0,
         k: c.k.as_flattened().try_into().unwrap(),
-        distortion: c.distortion,
+        distortion: [0.0; 5],
         r: c.r.as_flattened().try_into().unwrap(),
         t: c.t,
+        ..init(pcmvs_camera_init)
     };
     let mut cameras: Vec<pcmvs_camera> = ring(3, SIZE).iter().map(camera).collect();
     cameras[0].distortion[0] = 0.1;

@@ -2,7 +2,7 @@
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;
-use pcmvs_core::{Frame, ImageRef, Mask, Memory, Params, PixelFormat, Preset, Rig, Serial, Silent, ViewInput};
+use pcmvs_core::{Frame, ImageRef, Lens, Mask, Memory, Params, PixelFormat, Preset, Rig, Serial, Silent, ViewInput};
 use pcmvs_fuzz::{Bytes, assert_closed, ring};
 
 const SIZE: u32 = 16;
@@ -27,7 +27,11 @@ fuzz_target!(|bytes: &[u8]| {
             2 => camera.k[axis.min(1)][2] += number,
             3 => camera.t[axis] += number,
             4 => camera.t = camera.t.map(|v| v * number),
-            5 => camera.distortion[axis] = number,
+            5 => {
+                        let mut coefficients = [0.0; 5];
+                        coefficients[axis] = number;
+                        camera.lens = Lens::brown(coefficients);
+                    }
             _ => camera.r.swap(axis, (axis + 1) % 3),
         }
     }

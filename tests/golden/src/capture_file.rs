@@ -1,6 +1,6 @@
 //! A capture in one file, so that all machines read the same numbers.
 
-use pcmvs_core::{Camera, ImageRef, Mask, PixelFormat, ViewInput};
+use pcmvs_core::{Camera, ImageRef, Lens, Mask, PixelFormat, ViewInput};
 
 /// One frame: calibration, picture and mask of every camera.
 #[derive(Debug, Clone, PartialEq)]
@@ -30,7 +30,8 @@ impl CaptureFile {
             for size in [camera.width, camera.height] {
                 bytes.extend(size.to_le_bytes());
             }
-            let numbers = camera.k.iter().flatten().chain(&camera.distortion).chain(camera.r.iter().flatten());
+            let numbers =
+                camera.k.iter().flatten().chain(&camera.lens.coefficients()[..5]).chain(camera.r.iter().flatten());
             for number in numbers.chain(&camera.t) {
                 bytes.extend(number.to_le_bytes());
             }
@@ -50,7 +51,7 @@ impl CaptureFile {
                 width,
                 height,
                 k: [rest.numbers()?, rest.numbers()?, rest.numbers()?],
-                distortion: rest.numbers()?,
+                lens: Lens::brown(rest.numbers()?),
                 r: [rest.numbers()?, rest.numbers()?, rest.numbers()?],
                 t: rest.numbers()?,
             };
@@ -96,7 +97,7 @@ mod tests {
             width: 2,
             height: 1,
             k: [[1.0, 2.0, 3.0], [4.0, 5.0, 6.0], [7.0, 8.0, 9.0]],
-            distortion: [0.1, 0.2, 0.3, 0.4, 0.5],
+            lens: Lens::brown([0.1, 0.2, 0.3, 0.4, 0.5]),
             r: [[-1.0, -2.0, -3.0], [-4.0, -5.0, -6.0], [-7.0, -8.0, -9.0]],
             t: [f64::MIN_POSITIVE, 1.0 / 3.0, 1e300],
         };

@@ -53,9 +53,9 @@ impl<'a> Lens<'a> {
     /// Inverts the lens distortion by fixed-point iteration, which converges for every lens that does not fold the picture.
     fn undistort(&self, distorted: DVec2) -> DVec2 {
         let mut p = distorted;
-        if self.camera.is_distorted() {
+        if self.camera.lens.is_distorted() {
             for _ in 0..40 {
-                let miss = distorted - self.camera.distort(p);
+                let miss = distorted - self.camera.lens.distort(p);
                 p += miss;
                 if miss.length_squared() < 1e-24 {
                     break;

@@ -3,7 +3,7 @@
 use crate::{noise::Random, rotation::turn};
 use core::f64::consts::TAU;
 use glam::{DMat3, DVec3};
-use pcmvs_core::Camera;
+use pcmvs_core::{Camera, Lens};
 
 /// Cameras spaced evenly on a horizontal circle that look at one point. The default is the dome of the paper: 20 cameras
 /// of 1024 x 768 pixels, 3.8 m from the subject, looking down by 20 degrees.
@@ -86,7 +86,7 @@ impl Ring {
             width: self.width,
             height: self.height_px,
             k,
-            distortion: self.distortion,
+            lens: Lens::brown(self.distortion),
             r: rotation.transpose().to_cols_array_2d(),
             t: (-(rotation * centre)).to_array(),
         }

@@ -98,7 +98,7 @@ fn view(
         width,
         height,
         k,
-        distortion,
+        lens: distortion,
         r: DMat3::from_quat(DQuat::from_xyzw(x, y, z, w).normalize()).transpose().to_cols_array_2d(),
         t: image.translation,
     };

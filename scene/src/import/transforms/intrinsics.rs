@@ -4,6 +4,8 @@ use crate::import::{
     lens,
     values::{self, Levels, find, number, numbers},
 };
+use crate::lens::LensModel;
+use pcmvs_core::Lens;
 use serde_json::{Map, Value};
 
 const WIDTH: &[&str] = &["w", "width"];
@@ -164,16 +166,24 @@ fn check_agreement(key: &str, k: &Matrix, object: &Map<String, Value>) -> Result
 }
 
 /// Distortion of a scene.
-pub fn distortion(levels: &Levels) -> Result<[f64; 5], String> {
-    let named = lens::from_names(levels)?;
+pub fn distortion(levels: &Levels) -> Result<Lens, String> {
+    let model = lens::of_levels(levels)?;
+    let named = lens::from_names(levels, model)?;
     let listed = if let Some((key, value)) = levels.find(LIST) {
-        Some(numbers(value).map_err(|problem| format!("{key}: {problem}")).and_then(|n| lens::from_list(&key, &n))?)
+        let list = numbers(value).map_err(|problem| format!("{key}: {problem}"))?;
+        Some(lens::from_list(&key, &list, model)?)
     } else if let Some((key, value)) = levels.find(NERFSTUDIO) {
         let [k1, k2, k3, k4, p1, p2] = numbers(value).and_then(|n| values::to_array(&n, &key))?;
-        if k4 != 0.0 {
-            return Err(format!("{key} has k4 = {k4}, which is not supported: {}", lens::REMEDY));
-        }
-        Some([k1, k2, p1, p2, k3])
+        let unused = |problem: &str| format!("{key} has {problem}, which is not supported: {}", lens::REMEDY);
+        Some(match model {
+            Some(LensModel::Fisheye) if [p1, p2] != [0.0; 2] => {
+                return Err(unused("p1 or p2 of a fisheye"));
+            }
+            Some(LensModel::Fisheye) => Lens::Fisheye([k1, k2, k3, k4]),
+            // It would be that of the eighth power of the radius, which OpenCV's model does not have.
+            _ if k4 != 0.0 => return Err(unused(&format!("k4 = {k4}"))),
+            _ => Lens::brown([k1, k2, p1, p2, k3]),
+        })
     } else {
         None
     };
@@ -181,6 +191,6 @@ pub fn distortion(levels: &Levels) -> Result<[f64; 5], String> {
         (Some(named), Some(listed)) if named != listed => Err(String::from(
             "the list of coefficients and those by name contradict each other: remove those that are wrong",
         )),
-        (named, listed) => Ok(listed.or(named).unwrap_or([0.0; 5])),
+        (named, listed) => Ok(listed.or(named).unwrap_or(lens::plainest(model))),
     }
 }

@@ -50,7 +50,7 @@ pub fn read(files: &dyn Files, path: &Path, notes: &mut Notes) -> Result<Vec<Imp
     {
         return Err(wrong(format!("announces {count} frames, but there are {}: copy the file again", frames.len())));
     }
-    lens::check_model(top).map_err(wrong)?;
+    lens::model(top).map_err(wrong)?;
     note_unread(top, &[&["frames", "n_frames"]], file, notes).map_err(wrong)?;
     let frames: Vec<&Map<String, Value>> = frames
         .iter()
@@ -116,7 +116,7 @@ fn view(
         .ok_or_else(|| Failure::Input(format!("{}: frames[{index}] has no file_path: add it", file.display())))?;
     let name = name_of(&picture);
     let wrong = |problem: String| failure(file, &name, &problem);
-    lens::check_model(frame).map_err(wrong)?;
+    lens::model(frame).map_err(wrong)?;
     note_unread(frame, &[PICTURE, MASK, POSE, TIME], file, notes).map_err(wrong)?;
 
     let folder = [file.parent().unwrap_or(Path::new("")).to_path_buf()];
@@ -138,7 +138,7 @@ fn view(
     if let Some(assumed) = assumed {
         notes.add(format!("{}: {assumed}", file.display()));
     }
-    let distortion = intrinsics::distortion(&levels).map_err(wrong)?;
+    let lens = intrinsics::distortion(&levels).map_err(wrong)?;
     let (_, matrix) = find(frame, POSE).ok_or_else(|| wrong(String::from("transform_matrix is missing: add it")))?;
     let Pose { r, t, scale } = pose::world_to_camera(matrix).map_err(wrong)?;
     if scale != 1.0 {
@@ -147,7 +147,7 @@ fn view(
             file.display()
         ));
     }
-    let camera = Camera { width, height, k, distortion, r, t };
+    let camera = Camera { width, height, k, lens, r, t };
     let time = Levels(vec![frame]).number(TIME).map_err(wrong)?;
     Ok(ImportedView { name, camera, file: file.to_path_buf(), image, mask, time })
 }
