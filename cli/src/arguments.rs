@@ -1,7 +1,7 @@
 //! The arguments of the command line.
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
-use pcmvs_core::Preset;
+use pcmvs_core::{Preset, texture::SIZES as TEXTURE_SIZES};
 use std::{num::NonZeroUsize, path::PathBuf};
 
 /// Multi-view stereo for free-viewpoint video.
@@ -78,6 +78,22 @@ pub struct Reconstruct {
     /// Format of the meshes
     #[arg(long, value_enum, default_value_t = Format::Glb)]
     pub format: Format,
+    /// Reduce the meshes to at most N triangles. More remain if fewer would move the surface by more than 2 pixels, with a
+    /// warning. Only for GLB
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(4..))]
+    pub faces: Option<u32>,
+    /// Give the meshes a texture of SIZE x SIZE texels instead of colours per vertex. Without SIZE it is as large as the
+    /// photographs' detail needs. Only for GLB
+    #[arg(long, value_name = "SIZE", num_args = 0..=1, require_equals = true, value_parser = texture_size)]
+    pub texture: Option<Option<u32>>,
+    /// Compress the meshes about eightfold: positions and colours with fewer bits, without normals. Players need
+    /// EXT_meshopt_compression and KHR_mesh_quantization. Only for GLB
+    #[arg(long)]
+    pub compress: bool,
+    /// Turn the meshes upright in glTF's frame, in which +y is up, by the upward direction in scene.json. Without it they
+    /// are in the scene's frame. Only for GLB
+    #[arg(long)]
+    pub upright: bool,
     /// Also write the point cloud or mesh of each stage to OUT/stages/frame_FFFF/*.ply
     #[arg(long)]
     pub stages: bool,
@@ -256,6 +272,12 @@ impl PresetName {
             Self::Preview => "preview",
         }
     }
+}
+
+fn texture_size(text: &str) -> Result<u32, String> {
+    let [smallest, largest] = TEXTURE_SIZES;
+    let size = text.parse().ok().filter(|size| (smallest..=largest).contains(size));
+    size.ok_or_else(|| format!("`{text}` is no size of a texture: choose {smallest} to {largest}"))
 }
 
 /// Numbers and inclusive ranges, in the order given.

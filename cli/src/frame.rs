@@ -1,10 +1,11 @@
 //! Reconstructs one frame: reads its files and writes its mesh.
 
 use crate::{
-    arguments::Format,
     fingerprint::{Fingerprint, sha256},
     inputs::{FrameFiles, Silhouettes},
-    json, output,
+    json,
+    mesh_file::MeshFile,
+    output,
     progress::{Console, FrameProgress},
     report::{CameraReport, Earlier, FrameReport, peak_memory},
     threads::Threads,
@@ -12,7 +13,7 @@ use crate::{
 };
 use pcmvs_core::{
     Frame, Memory, Mesh, Params, PointCloud, Progress, Reconstruction, Rig, Stage,
-    export::{bounds, glb, ply},
+    export::{bounds, ply},
 };
 use pcmvs_scene::{Failure, Scene, SceneFrame};
 use std::{
@@ -31,7 +32,7 @@ pub struct Job<'a> {
     pub silhouettes: Silhouettes,
     /// Whether warnings are errors.
     pub strict: bool,
-    pub format: Format,
+    pub mesh_file: MeshFile,
     pub stages: bool,
     pub folder: &'a Path,
     pub threads: &'a Threads,
@@ -59,21 +60,20 @@ impl Job<'_> {
             return Ok(earlier.clone());
         }
         let progress = self.console.frame(frame.index);
-        let result = self.reconstruct(frame, files, warnings, &progress)?;
+        let made = self.reconstruct(frame, files, warnings, &progress)?;
+        let file = self.mesh_file.bytes(&made, frame.index, self.threads, &progress);
+        let (bytes, too_many) = file.map_err(|error| self.scene.explain(&error, Some(frame)))?;
+        self.warn(warnings, too_many.into_iter().collect());
         self.accept(frame, warnings)?;
 
+        let result = made.into_reconstruction();
         progress.begin("write");
-        let origin = self.rig.origin();
-        let bounds = bounds(&result.mesh, origin)
+        let bounds = bounds(&result.mesh, self.rig.origin())
             .ok_or_else(|| Failure::Other(format!("frame {}: the mesh is empty", frame.index)))?;
         if self.stages {
             self.write_stages(frame.index, &result)?;
         }
-        let bytes = match self.format {
-            Format::Glb => glb::write(&result.mesh, origin, &glb::Options { up: self.scene.up, ..Default::default() }),
-            Format::Ply => ply::write_mesh(&result.mesh, origin),
-        };
-        let file = output::frame_name(frame.index, self.format.extension());
+        let file = output::frame_name(frame.index, self.mesh_file.extension());
         output::write(&self.folder.join(&file), &bytes)?;
         progress.end("write");
 
@@ -132,7 +132,7 @@ impl Job<'_> {
         mut files: FrameFiles,
         warnings: &mut Vec<WarningReport>,
         progress: &FrameProgress,
-    ) -> Result<Reconstruction, Failure> {
+    ) -> Result<Frame<&Rig>, Failure> {
         progress.begin("decode");
         let missing = take(&mut files.warnings);
         self.warn(warnings, missing);
@@ -144,7 +144,7 @@ impl Job<'_> {
         let result = made.run_all(&pictures.inputs(), self.threads, progress);
         self.warn(warnings, self.warnings_of(&made, frame, warnings));
         result.map_err(|error| self.scene.explain(&error, Some(frame)))?;
-        Ok(made.into_reconstruction())
+        Ok(made)
     }
 
     /// The core's warnings about a frame. That a camera has no picture or mask goes without saying where `known` says that

@@ -3,11 +3,13 @@
 mod arguments;
 mod calibration;
 mod check;
+mod compress;
 mod fingerprint;
 mod frame;
 mod import;
 mod inputs;
 mod json;
+mod mesh_file;
 mod output;
 mod overrides;
 mod progress;

@@ -1,12 +1,14 @@
 //! `pcmvs reconstruct`: reconstructs all frames of a scene.
 
 use crate::{
-    arguments::{Format, Reconstruct},
+    arguments::Reconstruct,
     calibration,
     fingerprint::Fingerprint,
     frame::Job,
     inputs::Silhouettes,
-    json, output, overrides,
+    json,
+    mesh_file::MeshFile,
+    output, overrides,
     progress::Console,
     report::{self, Earlier, FrameFailure, Report, peak_memory},
     threads::{Threads, thread_count},
@@ -42,6 +44,7 @@ pub fn run(options: &Reconstruct, cancelled: &AtomicBool) -> Result<(), Failure>
     for assignment in &options.overrides {
         params = overrides::set(&params, assignment).map_err(Failure::Input)?;
     }
+    let mesh_file = MeshFile::new(options, &scene)?;
     let silhouettes = Silhouettes::new(options.common.masks, &mut scene)?;
     let threads = thread_count(options.common.threads);
     let pool = Threads::new(threads)?;
@@ -56,7 +59,7 @@ pub fn run(options: &Reconstruct, cancelled: &AtomicBool) -> Result<(), Failure>
         calibration = Some(found.to_json(&scene));
     }
     let rig = Rig::new(&cameras).map_err(|error| scene.explain(&error, None))?;
-    let settings = settings(options.format, &params, &cameras, silhouettes)?;
+    let settings = settings(&mesh_file, &params, &cameras, silhouettes)?;
     let settings_text = settings.clone().finish();
     let earlier = Earlier::read(&options.output, &settings_text);
     let about_rig = warnings_about(&rig, &scene);
@@ -74,7 +77,7 @@ pub fn run(options: &Reconstruct, cancelled: &AtomicBool) -> Result<(), Failure>
         max_memory: options.max_memory.map(|mib| mib.saturating_mul(1 << 20)),
         silhouettes,
         strict: options.strict,
-        format: options.format,
+        mesh_file: mesh_file.clone(),
         stages: options.stages,
         folder: &options.output,
         threads: &pool,
@@ -103,7 +106,7 @@ pub fn run(options: &Reconstruct, cancelled: &AtomicBool) -> Result<(), Failure>
     }
     // Written once more, because frames may have failed after the last good one.
     output::write_json(&options.output.join(report::FILE_NAME), &report)?;
-    output::write_manifest(&options.output, &scene, first_index, options.format.extension(), &report)?;
+    output::write_manifest(&options.output, &scene, first_index, mesh_file.extension(), &report)?;
     match worst {
         Some(failure) => Err(failure),
         None => {
@@ -121,13 +124,13 @@ fn warnings_about(rig: &Rig, scene: &Scene) -> Vec<WarningReport> {
 
 /// Everything that the frames depend on besides their own pictures.
 fn settings(
-    format: Format,
+    mesh_file: &MeshFile,
     params: &Params,
     cameras: &[Camera],
     silhouettes: Silhouettes,
 ) -> Result<Fingerprint, Failure> {
     let mut fingerprint = Fingerprint::of_program()?;
-    fingerprint.add(format!("{params:?} {cameras:?} {silhouettes:?} {format:?}").as_bytes());
+    fingerprint.add(format!("{params:?} {cameras:?} {silhouettes:?} {mesh_file:?}").as_bytes());
     Ok(fingerprint)
 }
 

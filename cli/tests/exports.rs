@@ -30,7 +30,7 @@ const FAR: DVec3 = DVec3::new(448_291.537, 5_411_932.18, 113.06);
 fn gltf_reads_back_what_was_written() {
     for vertices in [4, 65_532, 65_536] {
         let mesh = mesh(vertices);
-        let bytes = glb::write(&mesh, ORIGIN, &glb::Options { normals: true, up: Some([0.0, 0.0, 1.0]) });
+        let bytes = glb::write(&mesh, ORIGIN, &glb::Options { up: Some([0.0, 0.0, 1.0]), ..Default::default() });
         let gltf::Gltf { document, blob } = gltf::Gltf::from_slice(&bytes).unwrap();
         let primitive = document.meshes().next().unwrap().primitives().next().unwrap();
         assert!(primitive.material().unlit());
@@ -82,7 +82,7 @@ fn colours_are_linear_and_come_back_as_the_same_srgb() {
 #[test]
 fn a_mesh_without_colours_or_faces_is_a_valid_file_too() {
     let plain = Mesh { colours: Vec::new(), ..mesh(4) };
-    let bytes = glb::write(&plain, DVec3::ZERO, &glb::Options { normals: false, up: None });
+    let bytes = glb::write(&plain, DVec3::ZERO, &glb::Options { normals: false, ..Default::default() });
     let document = gltf::Gltf::from_slice(&bytes).unwrap().document;
     let primitive = document.meshes().next().unwrap().primitives().next().unwrap();
     assert_eq!(primitive.attributes().count(), 1);

@@ -56,6 +56,12 @@ pub enum Error {
         /// Views needed.
         needed: u32,
     },
+    /// A form of the mesh cannot be made as it was asked for.
+    #[error("{problem}")]
+    Form {
+        /// What is wrong and what to do.
+        problem: String,
+    },
     /// The number of pictures differs from the number of cameras.
     #[error("{given} pictures given for {cameras} cameras: give one per camera, in the same order")]
     ViewCount {
@@ -125,7 +131,7 @@ pub enum ErrorCode {
     Silhouette,
     /// [`Error::TooFewViews`].
     TooFewViews,
-    /// Lists of different lengths, or a camera that does not exist.
+    /// [`Error::Form`], lists of different lengths, or a camera that does not exist.
     InvalidArgument,
     /// [`Error::EmptyHull`].
     EmptyHull,
@@ -165,7 +171,9 @@ impl Error {
             Self::Image { .. } => ErrorCode::Image,
             Self::Silhouette { .. } | Self::MasksInverted { .. } => ErrorCode::Silhouette,
             Self::TooFewViews { .. } => ErrorCode::TooFewViews,
-            Self::ViewCount { .. } | Self::GainCount { .. } | Self::NoSuchCamera { .. } => ErrorCode::InvalidArgument,
+            Self::Form { .. } | Self::ViewCount { .. } | Self::GainCount { .. } | Self::NoSuchCamera { .. } => {
+                ErrorCode::InvalidArgument
+            }
             Self::EmptyHull => ErrorCode::EmptyHull,
             Self::NoSurface => ErrorCode::NoSurface,
             Self::OutOfMemory { .. } => ErrorCode::OutOfMemory,

@@ -23,6 +23,9 @@ pub enum Stage {
     Mesh = 6,
     /// Colours (§7).
     Colour = 7,
+    /// Another form of the finished mesh ([`crate::Frame::form`]), with fewer triangles or a texture. It is not one of the
+    /// stages of a frame: [`crate::frame::ORDER`] does not have it.
+    Form = 8,
 }
 
 impl Stage {
@@ -42,6 +45,7 @@ impl Stage {
             Self::Merge => "merge",
             Self::Mesh => "mesh",
             Self::Colour => "colour",
+            Self::Form => "form",
         }
     }
 }

@@ -90,7 +90,11 @@ impl Work {
         let file = match options.format {
             0 => {
                 let up = (options.has_up == 1).then_some(options.up);
-                glb::write(mesh, self.frame.rig().origin(), &glb::Options { normals: options.normals == 1, up })
+                glb::write(
+                    mesh,
+                    self.frame.rig().origin(),
+                    &glb::Options { normals: options.normals == 1, up, ..Default::default() },
+                )
             }
             1 => ply::write_mesh(mesh, self.frame.rig().origin()),
             other => return refused(format!("file format {other} is not known")),

@@ -5,7 +5,7 @@ import { cpSync, readFileSync, rmSync, truncateSync, writeFileSync } from "node:
 import { basename, join } from "node:path";
 import { test } from "node:test";
 import { capture, colmap, folder, middlebury, opencv, transforms, zipped } from "./captures.mjs";
-import { download, drive, launch, openFolder, pcmvs, run, same, text } from "./site.mjs";
+import { download, drive, launch, openFolder, pcmvs, run, same, text, view } from "./site.mjs";
 
 const { open, openWith } = drive();
 
@@ -43,6 +43,52 @@ test("dropped folders, zips and GLBs open", async (t) => {
     await dropFiles(page, [glb, join(out, "frame_0001.glb")]);
     await page.waitForFunction(() => document.getElementById("status").textContent === "Clip opened");
     assert.match(await text(page, "counter"), /\/ 2$/);
+    assert.deepEqual(problems, []);
+});
+
+/** Share of pixels in which two PNG pictures differ by more than 40 of 255. */
+const difference = (page, pictures) =>
+    page.evaluate(async (pictures) => {
+        const [a, b] = await Promise.all(
+            pictures.map(async (png) => {
+                const bitmap = await createImageBitmap(await (await fetch(`data:image/png;base64,${png}`)).blob());
+                const context = new OffscreenCanvas(bitmap.width, bitmap.height).getContext("2d");
+                context.drawImage(bitmap, 0, 0);
+                return context.getImageData(0, 0, bitmap.width, bitmap.height).data;
+            }),
+        );
+        let differ = 0;
+        for (let i = 0; i < a.length; i += 4)
+            if ([0, 1, 2, 3].some((k) => Math.abs(a[i + k] - b[i + k]) > 40)) differ++;
+        return (4 * differ) / a.length;
+    }, pictures);
+
+test("every form of a mesh shows the same person", async (t) => {
+    const { page, problems, shot } = await open(t);
+    await page.waitForSelector("#cancel:enabled");
+    const source = capture([0]);
+    const pictures = {};
+    const forms = {
+        plain: [],
+        textured: ["--texture"],
+        compressed: ["--compress"],
+        web: ["--faces", "5000", "--texture=512", "--compress", "--upright"],
+    };
+    for (const [name, options] of Object.entries(forms)) {
+        const out = folder();
+        pcmvs("reconstruct", source, "-o", out, "--preset", "hull", ...options);
+        const glb = join(out, `${name}.glb`);
+        cpSync(join(out, "frame_0000.glb"), glb);
+        await page.evaluate(() => document.getElementById("status").replaceChildren());
+        await dropFiles(page, [glb]);
+        await page.waitForFunction(() => document.getElementById("status").textContent === "Clip opened");
+        pictures[name] = await view(page);
+        await shot(`form-${name}`);
+    }
+    for (const name of ["textured", "compressed", "web"]) {
+        const share = await difference(page, [pictures.plain, pictures[name]]);
+        assert.ok(share < 0.01, `${name}: ${share}`);
+    }
     assert.deepEqual(problems, []);
 });
 

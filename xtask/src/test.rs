@@ -110,19 +110,32 @@ fn pipeline() -> Result<String> {
             }
         }
     }
+    for (name, options) in FORMS {
+        let mut reconstruct = program(binary("pcmvs"), &format!("reconstruct --frames 0 {options} -o"));
+        run_program(reconstruct.arg(smoke().join(name)).arg(&scene))?;
+    }
     let sheet = smoke().join("look.png");
     let mesh = smoke().join("default/frame_0000.glb");
     run_program(program(binary("look"), "").arg(&scene).arg(mesh).args(["--cameras", "0,4,8", "-o"]).arg(sheet))?;
-    Ok(format!("{} presets, 2 frames", PRESETS.len()))
+    Ok(format!("{} presets, 2 frames, {} other forms", PRESETS.len(), FORMS.len()))
 }
 
 const PRESETS: [&str; 4] = ["hull", "paper", "default", "preview"];
+
+/// Forms of a mesh that the command writes, and the options that ask for them.
+const FORMS: [(&str, &str); 4] = [
+    ("textured", "--texture"),
+    ("compressed", "--compress"),
+    ("upright", "--upright"),
+    ("web", "--faces 2000 --texture=256 --compress --upright"),
+];
 
 fn validator() -> Result<String> {
     let folder = root().join("tests/gltf");
     VALIDATOR.install()?;
     let frames = PRESETS.iter().flat_map(|p| [0, 1].map(|i| smoke().join(format!("{p}/frame_{i:04}.glb"))));
-    let frames: Vec<PathBuf> = frames.collect();
+    let forms = FORMS.iter().map(|(name, _)| smoke().join(name).join("frame_0000.glb"));
+    let frames: Vec<PathBuf> = frames.chain(forms).collect();
     run_program(program("node", "validate.mjs").args(&frames).current_dir(&folder))?;
     Ok(format!("{} files", frames.len()))
 }

@@ -1,4 +1,4 @@
-//! The candidate that a view provides for the colour of a vertex (§7).
+//! The candidate that a view provides for the colour of a point of the surface (§7).
 
 use super::depth::DepthBuffer;
 use crate::{
@@ -19,7 +19,7 @@ const MIXED_PIXELS: f32 = 1.0;
 /// Smallest cleanness of a pixel, relative to a clean one. Such a pixel is used only if no camera has a better one.
 const MIN_CLEANNESS: f32 = 0.02;
 
-/// A view's candidate for the colour of a vertex.
+/// A view's candidate for the colour of a point.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Candidate {
     /// Cosine between normal and ray, times the cleanness of the pixel. Larger is better.
@@ -28,21 +28,21 @@ pub(super) struct Candidate {
     pub rgb: Vec3,
 }
 
-/// A view's candidate for a vertex, or `None` if the view does not see it.
+/// A view's candidate for a point of the surface, or `None` if the view does not see it. `pixel` is the point's projection:
+/// position in the picture, and depth.
 pub(super) fn sample_view(
     view: &View,
     index: u16,
     buffer: &DepthBuffer,
     position: Vec3,
     normal: Vec3,
-    vertex: usize,
+    pixel: Vec3,
 ) -> Option<Candidate> {
     let ray = position - view.camera.centre;
     let cosine = -ray.dot(normal) / sqrt(ray.length_squared() * normal.length_squared());
     if cosine.is_nan() || cosine < MIN_COSINE {
         return None;
     }
-    let pixel = buffer.projected(vertex);
     let footprint = view.camera.footprint(pixel.z);
     // The inverse depth of the tangent plane is linear in the image. Depth differences that follow from its slope are
     // not occlusions. The rest of the tolerance allows for curvature and slightly wrong normals.

@@ -66,6 +66,11 @@ impl DepthBuffer {
         self.measure_border(camera);
     }
 
+    /// Frees the memory of [`Self::projected`].
+    pub(super) fn forget_vertices(&mut self) {
+        self.projected = Vec::new();
+    }
+
     /// Pixel and depth of a vertex.
     pub(super) fn projected(&self, vertex: usize) -> Vec3 {
         self.projected[vertex]

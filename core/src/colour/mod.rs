@@ -5,6 +5,7 @@ mod candidate;
 mod depth;
 mod fill;
 mod gains;
+mod point;
 
 use crate::{
     error::Result,
@@ -20,6 +21,7 @@ use depth::DepthBuffer;
 use glam::Vec3;
 
 pub use gains::GainParams;
+pub(crate) use point::PointColours;
 
 /// Parameters of colouring (§7).
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -67,7 +69,10 @@ pub fn colour(
         if view.is_used() {
             buffer.render(mesh, &view.camera);
             for (v, (&position, &normal)) in mesh.positions.iter().zip(&mesh.normals).enumerate() {
-                let Some(candidate) = sample_view(view, i as u16, &buffer, position, normal, v) else { continue };
+                let Some(candidate) = sample_view(view, i as u16, &buffer, position, normal, buffer.projected(v))
+                else {
+                    continue;
+                };
                 if let Some(params) = &solved {
                     overlap.add(v, i, &candidate, params);
                 }
@@ -97,7 +102,7 @@ pub fn colour(
     Ok(gains)
 }
 
-/// The colour of a vertex, or `None` without candidates. The weight of the first view left out is subtracted from all
+/// The colour of a point, or `None` without candidates. The weight of the first view left out is subtracted from all
 /// weights, so that the colour does not jump where the order of the views changes.
 fn blend(candidates: &[Candidate], blended: usize, gains: &[Vec3]) -> Option<Vec3> {
     let seen = candidates.iter().take_while(|o| o.score > 0.0).count();

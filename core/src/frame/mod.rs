@@ -5,6 +5,7 @@ mod agreement;
 mod checks;
 mod diagnostics;
 mod findings;
+mod form;
 mod intermediates;
 mod memory;
 mod order;
@@ -15,6 +16,7 @@ mod state;
 mod warning;
 
 pub use diagnostics::ViewDiagnostics;
+pub use form::{Form, FormParams};
 pub use intermediates::Intermediates;
 pub use memory::Memory;
 pub use order::{ORDER, position};

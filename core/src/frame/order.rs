@@ -27,9 +27,9 @@ pub const ORDER: [Stage; 8] = [
     Stage::Colour,
 ];
 
-/// Place of a stage in [`ORDER`].
+/// Place of a stage in [`ORDER`]. [`Stage::Form`] comes after all of them.
 pub fn position(stage: Stage) -> usize {
-    ORDER.iter().position(|&s| s == stage).expect("every stage is in the order")
+    ORDER.iter().position(|&s| s == stage).unwrap_or(ORDER.len())
 }
 
 /// The stage that precedes another.
@@ -49,6 +49,10 @@ impl<R: Deref<Target = Rig> + Sync> Frame<R> {
             Stage::Merge => self.merge_points(progress),
             Stage::Mesh => self.mesh_points(progress),
             Stage::Colour => self.colour_mesh(progress),
+            Stage::Form => Err(Error::WrongOrder {
+                camera: None,
+                problem: "`form` is not a stage of a frame: a finished frame has any number of forms".into(),
+            }),
         }
     }
 
@@ -56,7 +60,7 @@ impl<R: Deref<Target = Rig> + Sync> Frame<R> {
     /// frame's parameters, nor of [`Stage::Views`], whose work is in [`Frame::view`].
     fn is_reported(&self, stage: Stage) -> bool {
         match stage {
-            Stage::Views => false,
+            Stage::Views | Stage::Form => false,
             Stage::Contours | Stage::Detect | Stage::Merge | Stage::Mesh => self.params.method == Method::Pcmvs,
             Stage::Coarse => self.params.method == Method::Pcmvs && self.params.coarse.is_some(),
             _ => true,
@@ -74,7 +78,7 @@ impl<R: Deref<Target = Rig> + Sync> Frame<R> {
             Stage::Detect => point_cloud::hash(of.detected.iter().flatten()),
             Stage::Merge => point_cloud::hash(&of.merged),
             Stage::Mesh => self.mesh.uncoloured_hash(),
-            Stage::Colour => self.mesh.hash(),
+            Stage::Colour | Stage::Form => self.mesh.hash(),
         }
     }
 

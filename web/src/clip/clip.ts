@@ -143,7 +143,10 @@ export class Clip {
         const geometry = this.geometries.get(frame);
         this.geometries.delete(frame);
         void geometry?.then(
-            (g) => g.dispose(),
+            (g) => {
+                g.userData.texture?.dispose();
+                g.dispose();
+            },
             () => {},
         );
     }

@@ -1,28 +1,45 @@
 // GLB files: a mesh as geometry, and the figures in a file's header.
 
-import type { BufferGeometry, Mesh } from "three";
+import { BufferAttribute, type BufferGeometry, type Mesh, type MeshBasicMaterial, Quaternion, Vector3 } from "three";
+import { MeshoptDecoder } from "three/addons/libs/meshopt_decoder.module.js";
 import { GLTFLoader } from "three/addons/loaders/GLTFLoader.js";
 
-const loader = new GLTFLoader();
+const loader = new GLTFLoader().setMeshoptDecoder(MeshoptDecoder);
 /** "glTF", little-endian. */
 const MAGIC = 0x46546c67;
 /** Bytes of the file's header and that of its first chunk, which is JSON. */
 const HEADERS = 20;
 
 /**
- * The first mesh of a GLB. Positions of an object far from the scene's origin are relative to `userData.offset`, because
- * single precision would spoil its shape.
+ * The first mesh of a GLB, in the scene's frame: a rotation that makes it upright in glTF's frame is taken back. Positions of
+ * an object far from the scene's origin are relative to `userData.offset`, because single precision would spoil its shape.
+ * `userData.texture` is its texture, if it has one.
  */
 export async function readGeometry(glb: Blob): Promise<BufferGeometry> {
     const { scene } = await loader.parseAsync(await glb.arrayBuffer(), "");
-    let found: BufferGeometry | null = null;
+    let found: Mesh<BufferGeometry> | null = null;
     scene.traverse((object) => {
-        if (!(object as Mesh).isMesh || found) return;
-        found = (object as Mesh).geometry;
-        found.userData.offset = object.position.toArray();
+        if ((object as Mesh).isMesh) found ??= object as Mesh<BufferGeometry>;
     });
     if (!found) throw new Error("this GLB contains no mesh");
-    return found;
+    const { geometry, material, position, quaternion, scale } = found as Mesh<BufferGeometry>;
+    geometry.userData.offset = position.clone().applyQuaternion(quaternion.clone().invert()).toArray();
+    geometry.userData.texture = (material as MeshBasicMaterial).map;
+    if (scale.x !== 1) scalePositions(geometry, scale.x);
+    return geometry;
+}
+
+/** Replaces the integers of a compact file by numbers in the scene's unit. */
+function scalePositions(geometry: BufferGeometry, scale: number) {
+    const stored = geometry.getAttribute("position");
+    const positions = new Float32Array(stored.count * 3);
+    for (let i = 0; i < stored.count; i++) {
+        positions[3 * i] = stored.getX(i) * scale;
+        positions[3 * i + 1] = stored.getY(i) * scale;
+        positions[3 * i + 2] = stored.getZ(i) * scale;
+    }
+    geometry.setAttribute("position", new BufferAttribute(positions, 3));
+    geometry.boundingBox = geometry.boundingSphere = null;
 }
 
 /** What must be added to the positions of a geometry. */
@@ -47,8 +64,9 @@ export async function inspectGlb(glb: Blob): Promise<GlbInfo> {
     const position = json.accessors?.[primitive?.attributes?.POSITION];
     if (!position) throw new Error("this GLB contains no mesh");
     const corners = json.accessors[primitive.indices]?.count ?? position.count;
-    const offset: number[] = json.nodes?.[0]?.translation ?? [0, 0, 0];
-    const moved = (corner: number[]) => corner.map((v, axis) => v + offset[axis]);
+    const { translation = [0, 0, 0], rotation = [0, 0, 0, 1], scale = [1, 1, 1] } = json.nodes?.[0] ?? {};
+    const turned = new Vector3(...translation).applyQuaternion(new Quaternion(...rotation).invert());
+    const moved = (corner: number[]) => corner.map((v, axis) => v * scale[axis] + turned.getComponent(axis));
     return {
         up: json.scenes?.[0]?.extras?.up,
         triangles: corners / 3,

@@ -2,7 +2,7 @@
 import { BufferAttribute, BufferGeometry, Group, LineSegments, type Material, Mesh, Points } from "three";
 import { offsetOf } from "../clip/glb";
 import type { StageCloud, StageMesh } from "../workers/protocol";
-import { POINTS, type Shading, SURFACE_MATERIALS, tagColours } from "./colours";
+import { POINTS, type Shading, SURFACE_MATERIALS, TEXTURED, tagColours } from "./colours";
 import { edges } from "./edges";
 
 export class Surface {
@@ -10,6 +10,7 @@ export class Surface {
     private readonly mesh = new Mesh<BufferGeometry, Material>(new BufferGeometry(), SURFACE_MATERIALS.colour);
     /** The mesh's edges, shown instead of it as a wireframe. */
     private readonly wires = new LineSegments<BufferGeometry, Material>(new BufferGeometry(), SURFACE_MATERIALS.colour);
+    private shading: Shading = "colour";
     private wireframe = false;
     private stage: Mesh | Points | null = null;
 
@@ -23,6 +24,7 @@ export class Surface {
         this.mesh.geometry = geometry;
         this.mesh.position.fromArray(offsetOf(geometry));
         this.wires.position.copy(this.mesh.position);
+        this.setShading(this.shading);
         this.choose();
     }
 
@@ -57,7 +59,14 @@ export class Surface {
     }
 
     setShading(shading: Shading) {
-        this.mesh.material = this.wires.material = SURFACE_MATERIALS[shading];
+        this.shading = shading;
+        const texture = this.mesh.geometry.userData.texture;
+        this.mesh.material = SURFACE_MATERIALS[shading];
+        if (texture && shading === "colour") {
+            TEXTURED.map = texture;
+            this.mesh.material = TEXTURED;
+        }
+        this.wires.material = texture ? SURFACE_MATERIALS.clay : SURFACE_MATERIALS[shading];
     }
 
     setWireframe(on: boolean) {

@@ -1,0 +1,212 @@
+//! The attributes of a mesh's vertices as a GLB file stores them: in single precision, or compact.
+//!
+//! A compact file (KHR_mesh_quantization) has positions with 14 bits, colours in linear light and texture coordinates with 16
+//! bits, and normals with 8 bits.
+
+use super::layout::{FLOAT, UNSIGNED_SHORT};
+use crate::{
+    export::{Frame, put},
+    point_cloud::Mesh,
+};
+use alloc::{collections::BTreeMap, format, string::String, vec::Vec};
+use glam::{DVec3, Vec3};
+
+/// Largest coordinate of a compact position.
+const POSITION_STEPS: f64 = 16383.0;
+const BYTE: u32 = 5120;
+
+/// An attribute of all vertices.
+pub(super) struct Attribute {
+    /// glTF's number of the component's type.
+    pub component: u32,
+    /// Whether integers stand for fractions of the type's largest value.
+    pub normalised: bool,
+    /// glTF's name of the type.
+    pub kind: &'static str,
+    /// Bytes from one vertex to the next, and how many of them are used.
+    pub stride: usize,
+    pub used: usize,
+    pub bytes: Vec<u8>,
+    /// The JSON members of the smallest and largest values, if they are stated.
+    pub range: String,
+}
+
+impl Attribute {
+    fn floats<const N: usize>(kind: &'static str, values: impl Iterator<Item = [f32; N]>) -> Self {
+        let mut bytes = Vec::new();
+        values.for_each(|v| put(&mut bytes, &v));
+        Self { component: FLOAT, normalised: false, kind, stride: 4 * N, used: 4 * N, bytes, range: String::new() }
+    }
+
+    /// Unsigned numbers of 16 bits. Vertices are padded to a multiple of four bytes.
+    fn shorts<const N: usize>(kind: &'static str, normalised: bool, values: impl Iterator<Item = [u16; N]>) -> Self {
+        let (used, stride) = (2 * N, (2 * N).next_multiple_of(4));
+        let mut bytes = Vec::new();
+        for value in values {
+            value.iter().for_each(|v| bytes.extend_from_slice(&v.to_le_bytes()));
+            bytes.resize(bytes.len() + stride - used, 0);
+        }
+        Self { component: UNSIGNED_SHORT, normalised, kind, stride, used, bytes, range: String::new() }
+    }
+}
+
+/// Positions in single precision, in a file's frame.
+pub(super) fn positions(mesh: &Mesh, frame: Frame, [low, high]: [[f32; 3]; 2]) -> Attribute {
+    let range = format!(r#","min":{},"max":{}"#, numbers(low), numbers(high));
+    Attribute { range, ..Attribute::floats("VEC3", mesh.positions.iter().map(|&p| frame.position(p))) }
+}
+
+/// Compact positions, and what takes them to a file's frame: a factor and an offset.
+pub(super) fn compact_positions(mesh: &Mesh, frame: Frame, [low, high]: [[f32; 3]; 2]) -> (Attribute, f64, DVec3) {
+    let [low, high] = [low, high].map(|corner| DVec3::from_array(corner.map(f64::from)));
+    // One factor for all axes, because normals must stay perpendicular.
+    let extent = (high - low).max_element();
+    let scale = if extent > 0.0 { extent / POSITION_STEPS } else { 1.0 };
+    let mut places = Places::default();
+    let stored = mesh.positions.iter().map(|&p| {
+        let local = DVec3::from_array(frame.position(p).map(f64::from)) - low;
+        places.place((local / scale).to_array().map(|v| libm::round(v) as u16), p)
+    });
+    let stored: Vec<[u16; 3]> = stored.collect();
+    let [mut least, mut most] = [[u16::MAX; 3], [0; 3]];
+    for value in &stored {
+        for axis in 0..3 {
+            least[axis] = least[axis].min(value[axis]);
+            most[axis] = most[axis].max(value[axis]);
+        }
+    }
+    let range = format!(r#","min":{least:?},"max":{most:?}"#);
+    (Attribute { range, ..Attribute::shorts("VEC3", false, stored.into_iter()) }, scale, low)
+}
+
+/// The places of compact positions. Vertices at different positions get different places, so that readers which join vertices
+/// at the same place find the same surface.
+#[derive(Default)]
+struct Places(BTreeMap<[u16; 3], [u32; 3]>);
+
+impl Places {
+    /// The place of a vertex, or the first free one next to it.
+    fn place(&mut self, place: [u16; 3], position: Vec3) -> [u16; 3] {
+        let own = position.to_array().map(f32::to_bits);
+        let steps = [0, 1, -1].into_iter();
+        let around = steps.clone().flat_map(|z| steps.clone().flat_map(move |y| [0, 1, -1].map(|x| [x, y, z])));
+        let near =
+            around.map(|step| [0, 1, 2].map(|k| place[k].saturating_add_signed(step[k]).min(POSITION_STEPS as u16)));
+        for near in near {
+            if *self.0.entry(near).or_insert(own) == own {
+                return near;
+            }
+        }
+        place
+    }
+}
+
+/// Normals in single precision.
+pub(super) fn normals(mesh: &Mesh) -> Attribute {
+    Attribute::floats("VEC3", mesh.normals.iter().map(|&n| unit(n)))
+}
+
+/// Normals with 8 bits.
+pub(super) fn compact_normals(mesh: &Mesh) -> Attribute {
+    let stored = mesh.normals.iter().flat_map(|&n| {
+        let [x, y, z] = unit(n).map(|v| libm::roundf(v * 127.0) as i8 as u8);
+        [x, y, z, 0]
+    });
+    let bytes = stored.collect();
+    Attribute { component: BYTE, normalised: true, kind: "VEC3", stride: 4, used: 3, bytes, range: String::new() }
+}
+
+/// Linear colours in single precision. 16-bit colours would be smaller, but some readers mistake them for 8-bit colours.
+/// Linear 8-bit colours lose detail in dark regions.
+pub(super) fn colours(mesh: &Mesh) -> Attribute {
+    let table = linear_from_srgb();
+    Attribute::floats("VEC3", mesh.colours.iter().map(|c| c.map(|v| table[usize::from(v)])))
+}
+
+/// Linear colours with 16 bits, which are within half an sRGB code. Among the numbers of a code the roundest is taken, because
+/// compression works on bytes: in bright colours the lower byte is the same almost everywhere.
+pub(super) fn compact_colours(mesh: &Mesh) -> Attribute {
+    let table: [u16; 256] = core::array::from_fn(|code| {
+        let at = |code: f64| libm::round(linear(code.clamp(0.0, 255.0)) * f64::from(u16::MAX)) as u16;
+        roundest(at(code as f64 - WITHIN), at(code as f64 + WITHIN))
+    });
+    Attribute::shorts("VEC3", true, mesh.colours.iter().map(|c| c.map(|v| table[usize::from(v)])))
+}
+
+/// Largest deviation of a compact colour in sRGB codes.
+const WITHIN: f64 = 0.4;
+
+/// The number from `low` to `high` with the most zeros at its end.
+fn roundest(low: u16, high: u16) -> u16 {
+    let mut best = low;
+    for zeros in 0..16 {
+        let step = 1u32 << zeros;
+        let multiple = u32::from(low).next_multiple_of(step);
+        if multiple > u32::from(high) {
+            break;
+        }
+        best = multiple as u16;
+    }
+    best
+}
+
+/// Texture coordinates in single precision.
+pub(super) fn uvs(uvs: &[[f32; 2]]) -> Attribute {
+    Attribute::floats("VEC2", uvs.iter().copied())
+}
+
+/// Texture coordinates with 16 bits: fractions of a texel.
+pub(super) fn compact_uvs(uvs: &[[f32; 2]]) -> Attribute {
+    let step = |v: f32| libm::roundf(v.clamp(0.0, 1.0) * f32::from(u16::MAX)) as u16;
+    Attribute::shorts("VEC2", true, uvs.iter().map(|uv| uv.map(step)))
+}
+
+/// JSON of three numbers, with all digits of their double-precision values, so that readers get the same values.
+fn numbers(v: [f32; 3]) -> String {
+    let [x, y, z] = v.map(f64::from);
+    format!("[{x},{y},{z}]")
+}
+
+/// Normalises a normal once more, because glTF requires unit length. The input differs only by rounding errors.
+fn unit(n: Vec3) -> [f32; 3] {
+    let length = libm::sqrtf(n.length_squared());
+    if length > 0.0 { (n / length).to_array().map(|v| v + 0.0) } else { [0.0, 0.0, 1.0] }
+}
+
+/// Table from sRGB bytes to linear light in 0..=1 (IEC 61966-2-1).
+fn linear_from_srgb() -> [f32; 256] {
+    core::array::from_fn(|code| linear(code as f64) as f32)
+}
+
+/// Linear light of an sRGB code.
+fn linear(code: f64) -> f64 {
+    let v = code / 255.0;
+    if v <= 0.04045 { v / 12.92 } else { libm::pow((v + 0.055) / 1.055, 2.4) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn compact_colours_keep_their_code() {
+        let colours: Vec<[u8; 3]> = (0..=255).map(|code| [code; 3]).collect();
+        let attribute = compact_colours(&Mesh { colours, ..Mesh::default() });
+        for (code, bytes) in attribute.bytes.chunks(attribute.stride).enumerate() {
+            let stored = f64::from(u16::from_le_bytes([bytes[0], bytes[1]])) / 65535.0;
+            let srgb =
+                if stored <= 0.003_130_8 { 12.92 * stored } else { 1.055 * libm::pow(stored, 1.0 / 2.4) - 0.055 };
+            assert!((srgb * 255.0 - code as f64).abs() < 0.45, "{code}: {}", srgb * 255.0);
+        }
+    }
+
+    #[test]
+    fn different_positions_have_different_places() {
+        let mut places = Places::default();
+        let at = |x: f32| Vec3::new(x, 0.0, 0.0);
+        assert_eq!(places.place([5, 5, 0], at(1.0)), [5, 5, 0]);
+        assert_eq!(places.place([5, 5, 0], at(1.0)), [5, 5, 0], "a copy at the border of a chart");
+        let next = places.place([5, 5, 0], at(1.1));
+        assert!(next != [5, 5, 0] && next.iter().zip([5, 5, 0]).all(|(a, b)| a.abs_diff(b) <= 1), "{next:?}");
+    }
+}

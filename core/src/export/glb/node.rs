@@ -1,0 +1,78 @@
+//! Where the node of a GLB file puts its mesh.
+
+use alloc::{format, string::String};
+use glam::{DQuat, DVec3};
+
+/// What takes the positions in a file to the scene's frame.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Placement {
+    /// A factor. Compact positions are integers.
+    pub scale: f64,
+    /// What is added to the scaled positions.
+    pub offset: DVec3,
+}
+
+/// The JSON members of a node that places a mesh and turns the upward direction, if one is given, to +y.
+pub(super) fn json(placement: Placement, up: Option<[f64; 3]>) -> String {
+    let rotation = up.and_then(|up| upright(DVec3::from_array(up)));
+    let translation = rotation.map_or(placement.offset, |rotation| rotation * placement.offset);
+    let mut json = String::new();
+    if translation != DVec3::ZERO {
+        let DVec3 { x, y, z } = translation + 0.0;
+        json += &format!(r#","translation":[{x},{y},{z}]"#);
+    }
+    if let Some(rotation) = rotation {
+        let [x, y, z, w] = rotation.to_array().map(|v| v + 0.0);
+        json += &format!(r#","rotation":[{x},{y},{z},{w}]"#);
+    }
+    if placement.scale != 1.0 {
+        let scale = placement.scale;
+        json += &format!(r#","scale":[{scale},{scale},{scale}]"#);
+    }
+    json
+}
+
+/// The shortest rotation that turns a direction to +y, or `None` if it is +y or no direction.
+fn upright(up: DVec3) -> Option<DQuat> {
+    let length = libm::sqrt(up.length_squared());
+    if !(length > 0.0 && length.is_finite()) || up == DVec3::Y * length {
+        return None;
+    }
+    let up = up / length;
+    // With the sum of both directions as the half-way direction. Opposite directions turn about any axis across.
+    let (axis, w) = (up.cross(DVec3::Y), 1.0 + up.y);
+    if w < 1e-12 {
+        return Some(DQuat::from_xyzw(1.0, 0.0, 0.0, 0.0));
+    }
+    let scale = 1.0 / libm::sqrt(axis.length_squared() + w * w);
+    Some(DQuat::from_xyzw(axis.x * scale, axis.y * scale, axis.z * scale, w * scale))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use alloc::vec::Vec;
+
+    #[test]
+    fn the_upward_direction_becomes_plus_y() {
+        let cases = [[0.0, 0.0, 1.0], [1.0, 0.0, 0.0], [0.0, -1.0, 0.0], [3.0, -4.0, 0.5], [0.0, 2.0, 1e-9]];
+        for up in cases {
+            let up = DVec3::from_array(up);
+            let turned = upright(up).expect("it is not +y") * (up / libm::sqrt(up.length_squared()));
+            assert!((turned - DVec3::Y).abs().max_element() < 1e-12, "{up}: {turned}");
+        }
+        for none in [[0.0, 2.0, 0.0], [0.0; 3], [f64::NAN, 0.0, 1.0], [f64::INFINITY, 0.0, 0.0]] {
+            assert_eq!(upright(DVec3::from_array(none)), None, "{none:?}");
+        }
+    }
+
+    #[test]
+    fn what_is_turned_is_where_it_was() {
+        let placement = Placement { scale: 0.5, offset: DVec3::new(1.0, 2.0, 3.0) };
+        assert_eq!(json(placement, None), r#","translation":[1,2,3],"scale":[0.5,0.5,0.5]"#);
+        // z up: x stays, y becomes -z, z becomes y.
+        let json = json(placement, Some([0.0, 0.0, 1.0]));
+        let numbers: Vec<f64> = json[16..].split(']').next().unwrap().split(',').map(|v| v.parse().unwrap()).collect();
+        assert!(numbers.iter().zip([1.0, 3.0, -2.0]).all(|(a, b)| (a - b).abs() < 1e-12), "{json}");
+    }
+}

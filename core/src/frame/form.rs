@@ -1,0 +1,75 @@
+//! Forms of a finished frame: the mesh as it is, with fewer triangles, or with a texture.
+
+use super::state::{Frame, no_hull};
+use crate::{
+    error::Result,
+    executor::Executor,
+    point_cloud::Mesh,
+    progress::{Part, Progress},
+    rig::Rig,
+    simplify::{SimplifyParams, simplify},
+    stage::Stage,
+    texture::{Texture, TextureParams, texture},
+};
+use alloc::{borrow::Cow, vec::Vec};
+use core::ops::Deref;
+use glam::Vec3;
+
+/// Which form of a mesh is made. The default is the mesh as it is.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct FormParams {
+    /// Largest number of triangles. More remain if fewer would move the surface by more than
+    /// [`SimplifyParams::error_pixels`], or change its topology.
+    pub faces: Option<u32>,
+    /// Makes a texture, which replaces the colours of vertices.
+    pub texture: Option<TextureParams>,
+}
+
+/// A form of a mesh.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Form {
+    /// The surface. It is closed if vertices at the same position are taken as one: with a texture, vertices at a border of
+    /// charts are there once per chart.
+    pub mesh: Mesh,
+    /// The texture, if one was asked for.
+    pub texture: Option<Texture>,
+}
+
+impl<R: Deref<Target = Rig> + Sync> Frame<R> {
+    /// Makes a form of the finished mesh. The frame stays as it is, so that any number of forms can be made of it.
+    ///
+    /// # Errors
+    /// [`crate::Error::WrongOrder`] if [`Stage::Colour`] is not complete, [`crate::Error::Form`], and
+    /// [`crate::Error::Cancelled`].
+    pub fn form(&self, params: &FormParams, executor: &impl Executor, progress: &dyn Progress) -> Result<Form> {
+        self.require(Stage::Colour)?;
+        progress.on_stage_start(Stage::Form);
+        let form = self.make_form(params, executor, progress);
+        progress.on_stage_end(Stage::Form);
+        form
+    }
+
+    fn make_form(&self, params: &FormParams, executor: &impl Executor, progress: &dyn Progress) -> Result<Form> {
+        let footprint = self.hull.as_ref().ok_or_else(no_hull)?.footprint();
+        let steps = u32::from(params.faces.is_some()) + u32::from(params.texture.is_some());
+        let part = |part| Part { of: progress, stage: Stage::Form, part, parts: steps };
+        let mesh = match params.faces {
+            None => Cow::Borrowed(&self.mesh),
+            Some(faces) => {
+                let defaults = SimplifyParams::new(faces, footprint);
+                // A texture has its own colours, so that those of the vertices need not be kept.
+                let colour_pixels = if params.texture.is_some() { 0.0 } else { defaults.colour_pixels };
+                let params = SimplifyParams { colour_pixels, ..defaults };
+                Cow::Owned(simplify(&self.mesh, &params, &part(0))?)
+            }
+        };
+        let Some(params) = &params.texture else {
+            return Ok(Form { mesh: mesh.into_owned(), texture: None });
+        };
+        // The frame keeps its gains in the order in which the cameras were given.
+        let gains: Vec<Vec3> = self.rig.order().iter().map(|&camera| self.gains[camera as usize].into()).collect();
+        let progress = part(steps - 1);
+        let (mesh, texture) = texture(&mesh, &self.views, &gains, footprint, params, executor, &progress)?;
+        Ok(Form { mesh, texture: Some(texture) })
+    }
+}
