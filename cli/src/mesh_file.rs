@@ -62,6 +62,16 @@ impl MeshFile {
         self.format.extension()
     }
 
+    /// The upward direction in the files' frame.
+    pub fn up(&self) -> Option<[f64; 3]> {
+        self.options.up.map(|up| if self.options.upright { [0.0, 1.0, 0.0] } else { up })
+    }
+
+    /// The rotation that turns the scene's frame to that of the files.
+    pub fn rotation(&self) -> Option<[f64; 4]> {
+        self.options.up.filter(|_| self.options.upright).and_then(glb::upright)
+    }
+
     /// The bytes of a finished frame's file, and what to warn of.
     pub fn bytes(
         &self,

@@ -106,7 +106,7 @@ pub fn run(options: &Reconstruct, cancelled: &AtomicBool) -> Result<(), Failure>
     }
     // Written once more, because frames may have failed after the last good one.
     output::write_json(&options.output.join(report::FILE_NAME), &report)?;
-    output::write_manifest(&options.output, &scene, first_index, mesh_file.extension(), &report)?;
+    output::write_manifest(&options.output, &scene, first_index, &mesh_file, &report)?;
     match worst {
         Some(failure) => Err(failure),
         None => {

@@ -162,9 +162,21 @@ fn upright_files_turn_the_scenes_upward_direction_to_plus_y() {
     assert!(json["nodes"][0]["rotation"].is_null());
     let bytes = made(&capture, &["--upright"]);
     let (json, _) = parts(&bytes);
+    assert_eq!(json["scenes"][0]["extras"]["up"], serde_json::json!([0, 1, 0]));
     let rotation: [f64; 4] = serde_json::from_value(json["nodes"][0]["rotation"].clone()).unwrap();
     let up = DQuat::from_array(rotation) * DVec3::Z;
     assert!((up - DVec3::Y).abs().max_element() < 1e-12, "{up}");
+
+    // The manifest has both frames, and bounds in that of the files.
+    let manifest: Value = serde_json::from_slice(&fs::read(capture.path("out/sequence.json")).unwrap()).unwrap();
+    let numbers = |v: &Value| -> Vec<f64> { serde_json::from_value(v.clone()).unwrap() };
+    assert_eq!(numbers(&manifest["up"]), [0.0, 1.0, 0.0]);
+    assert_eq!(numbers(&manifest["rotation"]), rotation);
+    let corner = |end: usize| -> [f64; 3] { serde_json::from_value(manifest["bounds"][end].clone()).unwrap() };
+    for (p, _) in plain_corners(&bytes) {
+        let turned = DQuat::from_array(rotation) * p.as_dvec3();
+        assert!((0..3).all(|k| turned[k] > corner(0)[k] - 1e-6 && turned[k] < corner(1)[k] + 1e-6), "{turned}");
+    }
 
     capture.scene["up"] = Value::Null;
     let output = capture.run(&["--upright"]);

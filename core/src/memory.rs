@@ -11,6 +11,9 @@
 //! `point` is 140, or 200 if the clouds are downsampled or cleaned of conflicts (§5). These and M are 0 for the hull alone. The
 //! factors were measured.
 //!
+//! A form of the finished mesh ([`crate::Frame::form`]) needs at most `500 V + 5 P + 24 X` bytes besides, for a texture of X
+//! texels.
+//!
 //! 96 L is for reading views. Of a figure with a clean contour this takes 30 bytes per pixel, or 35 where the lens distorts.
 //! A matte with nearly as much contour as is still refined takes 83 to 88, or 86 to 90 if it comes from a clean plate. On
 //! several threads, each thread takes this much while it reads views.
@@ -36,6 +39,12 @@ const READING: u64 = 96;
 const PER_VERTEX: f64 = 640.0;
 /// Bytes per block of the bounding box of the Poisson solver's grid: the tables of its levels and of the blocks to come.
 const PER_MESHING_BLOCK: u64 = 10;
+/// Bytes per vertex of a mesh for a form of it: reducing it, or cutting it into charts.
+const PER_FORM_VERTEX: u64 = 500;
+/// Bytes per pixel of all views for what each sees of a mesh that gets a texture.
+const PER_SEEN_PIXEL: u64 = 5;
+/// Bytes per texel of a texture: the triangle that it shows, its colour, and the pictures that gaps are filled from.
+const PER_TEXEL: u64 = 24;
 /// Share of a picture that an object is expected to cover.
 const EXPECTED_INSIDE: f64 = 0.25;
 /// Vertices of a mesh per pixel inside a silhouette, with voxels of one pixel: an upright figure's surface is about three
@@ -114,6 +123,27 @@ pub fn check_hull(views: &[View], hull: &VisualHull, limit: Option<u64>) -> Resu
 /// [`crate::Error::OutOfMemory`].
 pub fn check(views: &[View], hull: &VisualHull, hull_mesh: &Mesh, params: &Params, limit: Option<u64>) -> Result<()> {
     within(|| needed(views, hull, hull_mesh, params), limit)
+}
+
+/// Refuses a form of a mesh if it needs more than `limit` bytes besides the frame, which needs `frame`. `size` is the number of
+/// texels along a side of its texture, 0 without one.
+///
+/// # Errors
+/// [`crate::Error::OutOfMemory`].
+pub(crate) fn check_form(
+    frame: impl FnOnce() -> u64,
+    views: &[View],
+    mesh: &Mesh,
+    size: u32,
+    limit: Option<u64>,
+) -> Result<()> {
+    within(|| frame() + form(views, mesh, size), limit)
+}
+
+/// The largest number of bytes that a form of a mesh needs besides the frame.
+pub fn form(views: &[View], mesh: &Mesh, size: u32) -> u64 {
+    let seen = if size > 0 { PER_SEEN_PIXEL * pixels(views) } else { 0 };
+    PER_FORM_VERTEX * mesh.positions.len() as u64 + seen + PER_TEXEL * u64::from(size) * u64::from(size)
 }
 
 /// Refuses all frames of a rig if the views alone need more than `limit` bytes.

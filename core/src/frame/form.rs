@@ -4,12 +4,13 @@ use super::state::{Frame, no_hull};
 use crate::{
     error::Result,
     executor::Executor,
+    memory,
     point_cloud::Mesh,
     progress::{Part, Progress},
     rig::Rig,
     simplify::{SimplifyParams, simplify},
     stage::Stage,
-    texture::{Texture, TextureParams, texture},
+    texture::{self, Texture, TextureParams, texture},
 };
 use alloc::{borrow::Cow, vec::Vec};
 use core::ops::Deref;
@@ -39,8 +40,8 @@ impl<R: Deref<Target = Rig> + Sync> Frame<R> {
     /// Makes a form of the finished mesh. The frame stays as it is, so that any number of forms can be made of it.
     ///
     /// # Errors
-    /// [`crate::Error::WrongOrder`] if [`Stage::Colour`] is not complete, [`crate::Error::Form`], and
-    /// [`crate::Error::Cancelled`].
+    /// [`crate::Error::WrongOrder`] if [`Stage::Colour`] is not complete, [`crate::Error::Form`],
+    /// [`crate::Error::OutOfMemory`], and [`crate::Error::Cancelled`].
     pub fn form(&self, params: &FormParams, executor: &impl Executor, progress: &dyn Progress) -> Result<Form> {
         self.require(Stage::Colour)?;
         progress.on_stage_start(Stage::Form);
@@ -50,12 +51,18 @@ impl<R: Deref<Target = Rig> + Sync> Frame<R> {
     }
 
     fn make_form(&self, params: &FormParams, executor: &impl Executor, progress: &dyn Progress) -> Result<Form> {
-        let footprint = self.hull.as_ref().ok_or_else(no_hull)?.footprint();
+        let hull = self.hull.as_ref().ok_or_else(no_hull)?;
+        let footprint = hull.footprint();
+        let within_memory = |mesh: &Mesh, size: u32| {
+            let frame = || memory::needed(&self.views, hull, &self.intermediates.hull, &self.params);
+            memory::check_form(frame, &self.views, mesh, size, self.memory.limit())
+        };
         let steps = u32::from(params.faces.is_some()) + u32::from(params.texture.is_some());
         let part = |part| Part { of: progress, stage: Stage::Form, part, parts: steps };
         let mesh = match params.faces {
             None => Cow::Borrowed(&self.mesh),
             Some(faces) => {
+                within_memory(&self.mesh, 0)?;
                 let defaults = SimplifyParams::new(faces, footprint);
                 // A texture has its own colours, so that those of the vertices need not be kept.
                 let colour_pixels = if params.texture.is_some() { 0.0 } else { defaults.colour_pixels };
@@ -69,7 +76,9 @@ impl<R: Deref<Target = Rig> + Sync> Frame<R> {
         // The frame keeps its gains in the order in which the cameras were given.
         let gains: Vec<Vec3> = self.rig.order().iter().map(|&camera| self.gains[camera as usize].into()).collect();
         let progress = part(steps - 1);
-        let (mesh, texture) = texture(&mesh, &self.views, &gains, footprint, params, executor, &progress)?;
+        let size = texture::size(&mesh, footprint, params)?;
+        within_memory(&mesh, size)?;
+        let (mesh, texture) = texture(&mesh, &self.views, &gains, size, params.blended_views, executor, &progress)?;
         Ok(Form { mesh, texture: Some(texture) })
     }
 }

@@ -4,8 +4,8 @@ use alloc::{vec, vec::Vec};
 use glam::{DVec3, Vec3};
 
 use super::{
-    SimplifyParams,
     deviation::Deviation,
+    params::SimplifyParams,
     quadric::{Quadric, Stored},
     topology::{Topology, next},
 };

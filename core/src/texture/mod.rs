@@ -63,40 +63,61 @@ pub struct Texture {
 /// surface without colours of vertices. A vertex at a border of charts is there once per chart, at the same position and
 /// with the same normal.
 ///
-/// `gains` has one factor per view. `footprint` is the size of a pixel at the object, in the unit of the scene.
+/// `gains` has one factor per view, and `size` comes from [`size()`].
 ///
 /// # Errors
-/// [`Error::Form`] if the texture is too small for the mesh or its size is out of range, and [`Error::Cancelled`].
+/// [`Error::Form`] if the texture is too small for the mesh, and [`Error::Cancelled`].
 pub(crate) fn texture(
     mesh: &Mesh,
     views: &[View],
     gains: &[Vec3],
-    footprint: f32,
-    params: &TextureParams,
+    size: u32,
+    blended_views: u32,
     executor: &impl Executor,
     progress: &dyn Progress,
 ) -> Result<(Mesh, Texture)> {
-    let normals: Vec<Vec3> = mesh.triangles.iter().map(|t| area(t.map(|v| mesh.positions[v as usize]))).collect();
-    let total: f32 = normals.iter().map(|n| libm::sqrtf(n.length_squared())).sum();
-    let [smallest, largest] = SIZES;
-    let size = params.size.unwrap_or_else(|| chosen_size(total, footprint));
-    if size < smallest || size > largest {
-        let problem = format!("a texture of {size} x {size} texels is not possible: choose {smallest} to {largest}");
-        return Err(Error::Form { problem });
-    }
+    let normals: Vec<Vec3> = normals(mesh).collect();
     let neighbours = adjacency::adjacency(mesh);
     let charts = charts::charts(&normals, &neighbours);
-    let charts = unfold::unfold(mesh, charts, &neighbours, 1.0 / pack::expected_scale(total, size));
+    let charts = unfold::unfold(mesh, charts, &neighbours, 1.0 / pack::expected_scale(area_of(&normals), size));
     let Some(packed) = pack::pack(&charts, size) else {
         let problem = format!(
             "a texture of {size} x {size} texels is too small for this mesh: choose a larger one, or fewer triangles"
         );
         return Err(Error::Form { problem });
     };
-    let colours = PointColours::new(mesh, views, gains, params.blended_views, executor);
+    let colours = PointColours::new(mesh, views, gains, blended_views, executor);
     let texels = bake::bake(mesh, &charts, &packed, size, &colours, executor, progress)?;
     let (mesh, uvs) = cut(mesh, &charts, &packed, size);
     Ok((mesh, Texture { uvs, size, texels: spread::spread(&texels, size) }))
+}
+
+/// Texels along a side of the texture for a mesh: the size that was asked for, or a chosen one. `footprint` is the size of a
+/// pixel at the object, in the unit of the scene.
+///
+/// # Errors
+/// [`Error::Form`] if the size is out of range.
+pub(crate) fn size(mesh: &Mesh, footprint: f32, params: &TextureParams) -> Result<u32> {
+    let [smallest, largest] = SIZES;
+    let size = params.size.unwrap_or_else(|| chosen_size(normals(mesh).map(length).sum(), footprint));
+    if size < smallest || size > largest {
+        let problem = format!("a texture of {size} x {size} texels is not possible: choose {smallest} to {largest}");
+        return Err(Error::Form { problem });
+    }
+    Ok(size)
+}
+
+/// The normals of the triangles, with the length of their areas.
+fn normals(mesh: &Mesh) -> impl Iterator<Item = Vec3> + '_ {
+    mesh.triangles.iter().map(|t| area(t.map(|v| mesh.positions[v as usize])))
+}
+
+fn length(v: Vec3) -> f32 {
+    libm::sqrtf(v.length_squared())
+}
+
+fn area_of(normals: &[Vec3]) -> f32 {
+    normals.iter().copied().map(length).sum()
 }
 
 /// The normal of a triangle, with the length of its area.

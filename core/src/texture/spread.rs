@@ -18,8 +18,8 @@ pub(super) fn spread(texels: &[Option<[u8; 3]>], size: u32) -> Vec<u8> {
     finest.texels.iter().flat_map(|&[r, g, b, _]| [r as u8, g as u8, b as u8]).collect()
 }
 
-/// Red, green and blue, and the number of texels that they are the sum of.
-type Sum = [u32; 4];
+/// Red, green and blue, and the number of texels that they are the sum of: at most nine.
+type Sum = [u16; 4];
 
 const NONE: Sum = [0; 4];
 
@@ -34,7 +34,7 @@ fn is_known(sum: Sum) -> bool {
 /// The rounded mean of some texels that are known, as a known texel, or [`NONE`].
 fn mean(texels: impl Iterator<Item = Sum>) -> Sum {
     let [r, g, b, n] = texels.fold(NONE, |a, b| core::array::from_fn(|k| a[k] + b[k]));
-    let rounded = |sum: u32| (sum + n / 2).checked_div(n);
+    let rounded = |sum: u16| (sum + n / 2).checked_div(n);
     match [r, g, b].map(rounded) {
         [Some(r), Some(g), Some(b)] => [r, g, b, 1],
         _ => NONE,

@@ -1,9 +1,9 @@
 use super::{
     adjacency::{NONE, adjacency},
-    area, bake,
+    area, area_of, bake,
     cells::Cells,
     charts::{LEAST_FACING, charts},
-    pack, spread, unfold,
+    normals, pack, spread, unfold,
     unfold::Unfolded,
 };
 use crate::{
@@ -22,10 +22,9 @@ struct Atlas {
 }
 
 fn atlas(mesh: &Mesh) -> Atlas {
-    let normals: Vec<Vec3> = mesh.triangles.iter().map(|t| area(t.map(|v| mesh.positions[v as usize]))).collect();
-    let total = normals.iter().map(|n| n.length()).sum();
+    let normals: Vec<Vec3> = normals(mesh).collect();
     let neighbours = adjacency(mesh);
-    let texel = 1.0 / pack::expected_scale(total, SIZE);
+    let texel = 1.0 / pack::expected_scale(area_of(&normals), SIZE);
     let charts = unfold::unfold(mesh, charts(&normals, &neighbours), &neighbours, texel);
     let packed = pack::pack(&charts, SIZE).expect("the charts fit");
     Atlas { charts, packed }

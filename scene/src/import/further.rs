@@ -1,6 +1,6 @@
 //! Recognises the formats of the feature `formats`.
 
-use super::{Source, bundler, json, kalibr, mvsnet, neus, panoptic, realitycapture, source::read_text};
+use super::{bundler, formats::Source, json, kalibr, mvsnet, neus, panoptic, realitycapture, source::read_text};
 use crate::{failure::Failure, files::Files};
 use std::path::{Path, PathBuf};
 

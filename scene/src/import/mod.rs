@@ -8,6 +8,7 @@ mod bundler;
 mod clip;
 mod colmap;
 mod easymocap;
+mod formats;
 mod found;
 #[cfg(feature = "formats")]
 mod further;
@@ -45,6 +46,7 @@ use crate::{
     scene::{Scene, SceneCamera, SceneFrame, SilhouetteFiles, VERSION},
 };
 use clip::Clip;
+pub use formats::Source;
 use notes::Notes;
 use pcmvs_core::Camera;
 pub use recognise::{KNOWN, of_folder, recognise};
@@ -54,74 +56,6 @@ use std::{
     path::{Path, PathBuf},
 };
 use view::ImportedView;
-
-/// Programs whose calibrations can be read.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Source {
-    /// A folder with `*_par.txt`, or that file.
-    Middlebury,
-    /// A folder with a model: cameras and images, as text or binary.
-    Colmap,
-    /// A YAML or JSON file of OpenCV's FileStorage, or a folder with one such file per camera.
-    Opencv,
-    /// transforms.json or its folder.
-    Transforms,
-    /// A folder with intri.yml and extri.yml.
-    Easymocap,
-    /// bundle.out with list.txt, or a folder with them.
-    #[cfg(feature = "formats")]
-    Bundler,
-    /// An XML file with cameras of Agisoft Metashape.
-    #[cfg(feature = "formats")]
-    Metashape,
-    /// cameras_sphere.npz, or a folder with it.
-    #[cfg(feature = "formats")]
-    Neus,
-    /// A TOML file of anipose, FreeMoCap or Caliscope.
-    #[cfg(feature = "formats")]
-    Anipose,
-    /// A JSON file of CMU Panoptic.
-    #[cfg(feature = "formats")]
-    Panoptic,
-    /// A folder with files *_cam.txt, or with such a folder `cams`.
-    #[cfg(feature = "formats")]
-    Mvsnet,
-    /// Kalibr's camchain.yaml.
-    #[cfg(feature = "formats")]
-    Kalibr,
-    /// A folder with pictures and the XMP files of RealityCapture or RealityScan.
-    #[cfg(feature = "formats")]
-    Realitycapture,
-}
-
-impl Source {
-    /// Its name on the command line.
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Middlebury => "middlebury",
-            Self::Colmap => "colmap",
-            Self::Opencv => "opencv",
-            Self::Transforms => "transforms",
-            Self::Easymocap => "easymocap",
-            #[cfg(feature = "formats")]
-            Self::Bundler => "bundler",
-            #[cfg(feature = "formats")]
-            Self::Metashape => "metashape",
-            #[cfg(feature = "formats")]
-            Self::Neus => "neus",
-            #[cfg(feature = "formats")]
-            Self::Anipose => "anipose",
-            #[cfg(feature = "formats")]
-            Self::Panoptic => "panoptic",
-            #[cfg(feature = "formats")]
-            Self::Mvsnet => "mvsnet",
-            #[cfg(feature = "formats")]
-            Self::Kalibr => "kalibr",
-            #[cfg(feature = "formats")]
-            Self::Realitycapture => "realitycapture",
-        }
-    }
-}
 
 /// A scene that was made from another program's calibration.
 #[derive(Debug)]

@@ -2,7 +2,7 @@
 
 #[cfg(feature = "formats")]
 use super::further;
-use super::{Source, colmap, easymocap, json, source, transforms};
+use super::{colmap, easymocap, formats::Source, json, source, transforms};
 use crate::{failure::Failure, files::Files};
 use std::path::{Path, PathBuf};
 

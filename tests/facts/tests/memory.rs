@@ -3,8 +3,8 @@
 
 use facts::Shot;
 use pcmvs_core::{
-    Error, Frame, ImageRef, Lens, Mask, Memory, Mesh, Params, PixelFormat, Preset, Progress, Serial, Silent, Stage,
-    View, ViewInput, hull::VisualHull, memory,
+    Error, FormParams, Frame, ImageRef, Lens, Mask, Memory, Mesh, Params, PixelFormat, Preset, Progress, Serial,
+    Silent, Stage, TextureParams, View, ViewInput, hull::VisualHull, memory,
 };
 use std::{
     alloc::{GlobalAlloc, Layout, System},
@@ -99,6 +99,36 @@ fn a_frame_takes_what_the_formula_says() {
             assert!(taken < 1 << 20, "{taken} bytes allocated before the refusal");
         }
     }
+}
+
+/// A form takes at most what the formula says besides its frame, and is refused with a limit that is too small.
+#[test]
+fn a_form_takes_what_the_formula_says() {
+    let _alone = ALONE.lock();
+    let cameras = Ring { count: 8, ..Ring::default() }.sized(480, 360).cameras();
+    let shot = Shot::new(Subject::Figure, &cameras, &Faults::default());
+    let rig = shot.rig();
+    let params = Params::preset(Preset::Hull);
+    let finished = |memory: Memory| {
+        let mut frame = Frame::new(&rig, params, memory);
+        frame.run_all(&shot.inputs(), &Serial, &Silent).expect("nothing is wrong");
+        frame
+    };
+    let frame = finished(Memory::default());
+    for (faces, size) in [(Some(2000), 0), (None, 512), (None, 2048), (Some(2000), 1024)] {
+        let texture = (size > 0).then_some(TextureParams { size: Some(size), ..TextureParams::default() });
+        let form = FormParams { faces, texture };
+        let taken = most(|| drop(frame.form(&form, &Serial, &Silent).expect("nothing is wrong")));
+        let needed = memory::form(frame.views(), frame.mesh(), size);
+        println!("{faces:?}, {size}: {taken} bytes allocated, {needed} predicted");
+        assert!(taken <= needed, "{faces:?}, {size}: {taken} bytes allocated, {needed} predicted");
+    }
+    let hull = frame.hull().expect("it is carved");
+    let needed = memory::needed(frame.views(), hull, &frame.intermediates().hull, &params);
+    let limited = finished(Memory::limited(needed));
+    let form = FormParams { texture: Some(TextureParams::default()), ..FormParams::default() };
+    let refused = limited.form(&form, &Serial, &Silent).map(drop);
+    assert!(matches!(refused, Err(Error::OutOfMemory { limit, .. }) if limit == needed), "{refused:?}");
 }
 
 /// A frame of 20 views of 1024 x 768 stays below 400 MiB.

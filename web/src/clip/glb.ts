@@ -47,10 +47,10 @@ export const offsetOf = (geometry: BufferGeometry): Triple => geometry.userData.
 
 type Triple = [number, number, number];
 
+/** Directions and positions are in the scene's frame. */
 export interface GlbInfo {
     up?: Triple;
     triangles: number;
-    /** In the scene's frame. */
     min: number[];
     max: number[];
 }
@@ -65,10 +65,12 @@ export async function inspectGlb(glb: Blob): Promise<GlbInfo> {
     if (!position) throw new Error("this GLB contains no mesh");
     const corners = json.accessors[primitive.indices]?.count ?? position.count;
     const { translation = [0, 0, 0], rotation = [0, 0, 0, 1], scale = [1, 1, 1] } = json.nodes?.[0] ?? {};
-    const turned = new Vector3(...translation).applyQuaternion(new Quaternion(...rotation).invert());
+    const back = new Quaternion(...rotation).invert();
+    const turned = new Vector3(...translation).applyQuaternion(back);
+    const up: Triple | undefined = json.scenes?.[0]?.extras?.up;
     const moved = (corner: number[]) => corner.map((v, axis) => v * scale[axis] + turned.getComponent(axis));
     return {
-        up: json.scenes?.[0]?.extras?.up,
+        up: up && new Vector3(...up).applyQuaternion(back).toArray(),
         triangles: corners / 3,
         min: moved(position.min),
         max: moved(position.max),

@@ -59,7 +59,7 @@ async function openClip(name: string, entries: Entries, turn: number) {
     setCapture({ name, source: null, clip });
     $("cameras-section").hidden = true;
     button("run").disabled = button("check").disabled = true;
-    viewer.setUp(manifest.up ?? infos[0].up);
+    viewer.setUp(infos[0].up ?? manifest.up);
     const meshes = `${blobs.length} ${blobs.length === 1 ? "mesh" : "meshes"}`;
     $("summary").textContent = `A clip of ${meshes}: there is nothing to reconstruct.`;
     for (const [i, glb] of blobs.entries()) {

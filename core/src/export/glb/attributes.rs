@@ -3,52 +3,13 @@
 //! A compact file (KHR_mesh_quantization) has positions with 14 bits, colours in linear light and texture coordinates with 16
 //! bits, and normals with 8 bits.
 
-use super::layout::{FLOAT, UNSIGNED_SHORT};
-use crate::{
-    export::{Frame, put},
-    point_cloud::Mesh,
-};
+use super::attribute::{self, Attribute};
+use crate::{export::Frame, point_cloud::Mesh};
 use alloc::{collections::BTreeMap, format, string::String, vec::Vec};
 use glam::{DVec3, Vec3};
 
 /// Largest coordinate of a compact position.
 const POSITION_STEPS: f64 = 16383.0;
-const BYTE: u32 = 5120;
-
-/// An attribute of all vertices.
-pub(super) struct Attribute {
-    /// glTF's number of the component's type.
-    pub component: u32,
-    /// Whether integers stand for fractions of the type's largest value.
-    pub normalised: bool,
-    /// glTF's name of the type.
-    pub kind: &'static str,
-    /// Bytes from one vertex to the next, and how many of them are used.
-    pub stride: usize,
-    pub used: usize,
-    pub bytes: Vec<u8>,
-    /// The JSON members of the smallest and largest values, if they are stated.
-    pub range: String,
-}
-
-impl Attribute {
-    fn floats<const N: usize>(kind: &'static str, values: impl Iterator<Item = [f32; N]>) -> Self {
-        let mut bytes = Vec::new();
-        values.for_each(|v| put(&mut bytes, &v));
-        Self { component: FLOAT, normalised: false, kind, stride: 4 * N, used: 4 * N, bytes, range: String::new() }
-    }
-
-    /// Unsigned numbers of 16 bits. Vertices are padded to a multiple of four bytes.
-    fn shorts<const N: usize>(kind: &'static str, normalised: bool, values: impl Iterator<Item = [u16; N]>) -> Self {
-        let (used, stride) = (2 * N, (2 * N).next_multiple_of(4));
-        let mut bytes = Vec::new();
-        for value in values {
-            value.iter().for_each(|v| bytes.extend_from_slice(&v.to_le_bytes()));
-            bytes.resize(bytes.len() + stride - used, 0);
-        }
-        Self { component: UNSIGNED_SHORT, normalised, kind, stride, used, bytes, range: String::new() }
-    }
-}
 
 /// Positions in single precision, in a file's frame.
 pub(super) fn positions(mesh: &Mesh, frame: Frame, [low, high]: [[f32; 3]; 2]) -> Attribute {
@@ -113,7 +74,15 @@ pub(super) fn compact_normals(mesh: &Mesh) -> Attribute {
         [x, y, z, 0]
     });
     let bytes = stored.collect();
-    Attribute { component: BYTE, normalised: true, kind: "VEC3", stride: 4, used: 3, bytes, range: String::new() }
+    Attribute {
+        component: attribute::BYTE,
+        normalised: true,
+        kind: "VEC3",
+        stride: 4,
+        used: 3,
+        bytes,
+        range: String::new(),
+    }
 }
 
 /// Linear colours in single precision. 16-bit colours would be smaller, but some readers mistake them for 8-bit colours.

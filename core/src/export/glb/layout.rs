@@ -1,12 +1,12 @@
 //! The binary chunk of a GLB file, and the parts of its JSON that describe it.
 
-use super::{Compress, attributes::Attribute};
+use super::{
+    attribute::{Attribute, UNSIGNED_INT, UNSIGNED_SHORT},
+    compress::Compress,
+};
 use alloc::{format, string::String, vec::Vec};
 use core::fmt::Write;
 
-pub(super) const UNSIGNED_SHORT: u32 = 5123;
-pub(super) const UNSIGNED_INT: u32 = 5125;
-pub(super) const FLOAT: u32 = 5126;
 const ARRAY_BUFFER: u32 = 34962;
 const ELEMENT_ARRAY_BUFFER: u32 = 34963;
 

@@ -1,6 +1,8 @@
 //! Binary glTF 2.0 (GLB) with one unlit mesh, with the colours of its vertices or with a texture.
 
+mod attribute;
 mod attributes;
+mod compress;
 mod container;
 mod layout;
 mod node;
@@ -9,7 +11,8 @@ mod picture;
 use super::{Frame, local_bounds};
 use crate::{frame::Form, point_cloud::Mesh};
 use alloc::{format, string::String, vec, vec::Vec};
-use attributes::Attribute;
+use attribute::Attribute;
+pub use compress::Compress;
 use container::container;
 use glam::DVec3;
 use layout::Layout;
@@ -21,10 +24,10 @@ use picture::Picture;
 pub struct Options {
     /// Whether to write normals. The unlit material does not need them, but hosts that light the mesh do.
     pub normals: bool,
-    /// The scene's upward direction. It is written as `scenes[0].extras.up`.
+    /// The scene's upward direction. The file states it as `scenes[0].extras.up`, in its own frame.
     pub up: Option<[f64; 3]>,
-    /// Turns the mesh's node so that `up` becomes +y, which is upwards in glTF: the object then stands upright in every
-    /// player. Without it the file is in the scene's frame, for tools that work there.
+    /// Turns the mesh's node by [`upright()`], so that the object stands upright in every player. Without it the file is in the
+    /// scene's frame, for tools that work there.
     pub upright: bool,
     /// Writes integers of few bits instead of single-precision numbers (KHR_mesh_quantization). Positions are within 1/32,000
     /// of the object's size, colours within one sRGB code.
@@ -39,13 +42,10 @@ impl Default for Options {
     }
 }
 
-/// Compresses the vertices and triangles of a file by the algorithms of meshoptimizer, which the core does not have.
-pub trait Compress {
-    /// The bytes of the mode `ATTRIBUTES` of EXT_meshopt_compression. `bytes` has `stride` bytes per vertex, a multiple of
-    /// four.
-    fn attributes(&self, bytes: &[u8], stride: usize) -> Vec<u8>;
-    /// The bytes of the mode `TRIANGLES` of EXT_meshopt_compression.
-    fn triangles(&self, triangles: &[[u32; 3]], vertices: usize) -> Vec<u8>;
+/// The rotation, as a quaternion x, y, z, w, that turns an upward direction to +y, which is upwards in glTF. `None` if it is +y
+/// already, or no direction.
+pub fn upright(up: [f64; 3]) -> Option<[f64; 4]> {
+    node::upright(DVec3::from_array(up)).map(|rotation| rotation.to_array().map(|v| v + 0.0))
 }
 
 /// Writes a mesh as the bytes of a GLB file.
@@ -86,7 +86,8 @@ fn file(
         }
         None => ("", String::new()),
     };
-    let extras = options.up.map_or_else(String::new, |[x, y, z]| format!(r#","extras":{{"up":[{x},{y},{z}]}}"#));
+    let up = options.up.map(|up| if options.upright { [0.0, 1.0, 0.0] } else { up });
+    let extras = up.map_or_else(String::new, |[x, y, z]| format!(r#","extras":{{"up":[{x},{y},{z}]}}"#));
     let json = format!(
         concat!(
             r#"{{{asset},{extensions},"#,

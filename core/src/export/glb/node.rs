@@ -33,7 +33,7 @@ pub(super) fn json(placement: Placement, up: Option<[f64; 3]>) -> String {
 }
 
 /// The shortest rotation that turns a direction to +y, or `None` if it is +y or no direction.
-fn upright(up: DVec3) -> Option<DQuat> {
+pub(super) fn upright(up: DVec3) -> Option<DQuat> {
     let length = libm::sqrt(up.length_squared());
     if !(length > 0.0 && length.is_finite()) || up == DVec3::Y * length {
         return None;
