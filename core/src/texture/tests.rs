@@ -30,22 +30,21 @@ fn atlas(mesh: &Mesh) -> Atlas {
     Atlas { charts, packed }
 }
 
-/// A spiral strip with some thickness, one and a half turns about the z axis: seen along x, y it covers itself.
-fn spiral() -> Mesh {
+/// A bar that winds upwards around the z axis one and a half times: seen from above it covers itself.
+fn helix() -> Mesh {
     let mut mesh = Mesh::default();
     let steps = 90u32;
     for i in 0..=steps {
         let turn = i as f32 / steps as f32 * 1.5 * core::f32::consts::TAU;
-        let (sin, cos) = (libm::sinf(turn), libm::cosf(turn));
-        let radius = 1.0 + 0.1 * turn;
-        for (r, z) in [(radius - 0.1, 0.0), (radius + 0.1, 0.0), (radius + 0.1, 0.5), (radius - 0.1, 0.5)] {
+        let (sin, cos, low) = (libm::sinf(turn), libm::cosf(turn), 0.15 * turn);
+        for (r, z) in [(0.9, low), (1.1, low), (1.1, low + 0.3), (0.9, low + 0.3)] {
             mesh.positions.push(Vec3::new(r * cos, r * sin, z));
         }
     }
     for i in 0..steps {
         for k in 0..4 {
             let (a, b) = (4 * i + k, 4 * i + (k + 1) % 4);
-            mesh.triangles.extend([[a, b, b + 4], [a, b + 4, a + 4]].map(|[a, b, c]| [a, c, b]));
+            mesh.triangles.extend([[a, b + 4, b], [a, a + 4, b + 4]]);
         }
     }
     let last = 4 * steps;
@@ -60,7 +59,7 @@ fn bodies() -> Vec<(&'static str, Mesh)> {
         ("torus", torus(1.0, 0.4)),
         ("box", cuboid(Vec3::ZERO, Vec3::new(1.0, 2.0, 0.05))),
         ("two spheres", both(sphere(Vec3::ZERO, 1.0), &sphere(Vec3::new(3.0, 0.0, 0.0), 0.3))),
-        ("spiral", spiral()),
+        ("helix", helix()),
     ]
 }
 
@@ -114,6 +113,20 @@ fn charts_stretch_little_and_keep_their_side() {
 }
 
 #[test]
+fn a_steep_triangle_does_not_take_the_label_of_its_neighbours() {
+    let chart_count = |x: f32| {
+        let z = libm::sqrtf(1.0 - x * x);
+        let normals = [Vec3::new(x, 0.0, z), Vec3::Z, Vec3::Z, Vec3::Z];
+        let neighbours = [[1, 2, 3], [0, NONE, NONE], [0, NONE, NONE], [0, NONE, NONE]];
+        charts(&normals, &neighbours).len()
+    };
+    // All neighbours face upwards. The triangle joins them if that stretches it by less than the bound.
+    assert_eq!(chart_count(0.9), 1);
+    // It leaves them, and then they touch no longer.
+    assert_eq!(chart_count(0.95), 4);
+}
+
+#[test]
 fn a_square_texture_is_filled_well() {
     let Atlas { charts, packed } = atlas(&sphere(Vec3::ZERO, 1.0));
     let covered: f32 = charts.iter().flat_map(|c| &c.corners).map(|[a, b, c]| (*b - *a).perp_dot(*c - *a) * 0.5).sum();
@@ -150,6 +163,14 @@ fn spreading_keeps_what_is_known_and_leaves_no_gap() {
     assert!(filled.chunks(3).all(|c| (10..=90).contains(&c[0]) && c[1] <= 200 && c[2] == 30));
     assert_eq!(filled[(5 * 33 + 8) * 3..][..3], [10, 200, 30]);
     assert!(spread::spread(&[None; 16], 4).iter().all(|&v| v == 0));
+    // Two charts with a gap between them: each texel takes the colour of the chart that it is next to.
+    let row = |i: usize| match i % 8 {
+        0..=3 => Some([200, 0, 0]),
+        6.. => Some([0, 0, 200]),
+        _ => None,
+    };
+    let filled = spread::spread(&(0..64).map(row).collect::<Vec<_>>(), 8);
+    assert_eq!((&filled[4 * 3..][..3], &filled[5 * 3..][..3]), (&[200, 0, 0][..], &[0, 0, 200][..]));
 }
 
 proptest! {
