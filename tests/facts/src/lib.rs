@@ -1,5 +1,6 @@
 //! Shared code of the tests that check the whole method on solids with known ground truth.
 
+pub mod counting;
 pub mod errors;
 pub mod outline;
 pub mod shot;

@@ -1,42 +1,19 @@
 //! Cameras, masks and limits out of the ordinary give an error or a closed mesh, in bounded time and within the limit of memory.
-#![allow(unsafe_code)]
 
-use facts::{Shot, topology::assert_sound};
+use facts::{
+    Shot,
+    counting::{Counting, alone, peak_of},
+    topology::assert_sound,
+};
 use pcmvs_core::{
     Camera, Error, Frame, ImageRef, Lens, Mask, Memory, Params, PixelFormat, Preset, Progress, Rig, Serial, Stage,
     ViewInput,
 };
 use std::{
-    alloc::{GlobalAlloc, Layout, System},
-    sync::{
-        Mutex,
-        atomic::{AtomicUsize, Ordering},
-    },
+    sync::Mutex,
     time::{Duration, Instant},
 };
 use studio::{Faults, Ring, Subject, noise::Random};
-
-/// Counts allocated bytes and their peak.
-struct Counting;
-
-/// Serialises the tests, because they share the counters.
-static ALONE: Mutex<()> = Mutex::new(());
-static TAKEN: AtomicUsize = AtomicUsize::new(0);
-static PEAK: AtomicUsize = AtomicUsize::new(0);
-
-// SAFETY: all calls are forwarded to the system allocator.
-unsafe impl GlobalAlloc for Counting {
-    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
-        let taken = TAKEN.fetch_add(layout.size(), Ordering::Relaxed) + layout.size();
-        PEAK.fetch_max(taken, Ordering::Relaxed);
-        unsafe { System.alloc(layout) }
-    }
-
-    unsafe fn dealloc(&self, pointer: *mut u8, layout: Layout) {
-        TAKEN.fetch_sub(layout.size(), Ordering::Relaxed);
-        unsafe { System.dealloc(pointer, layout) }
-    }
-}
 
 #[global_allocator]
 static ALLOCATOR: Counting = Counting;
@@ -163,10 +140,7 @@ fn try_one(seed: u64) -> Result<(), Error> {
     let mut draw = Draw(Random::new(seed, 3));
     let cameras = draw.cameras();
     let begun = Instant::now();
-    let before = TAKEN.load(Ordering::Relaxed);
-    PEAK.store(before, Ordering::Relaxed);
-    let rig = Rig::new(&cameras);
-    let taken = PEAK.load(Ordering::Relaxed) - before;
+    let (rig, taken) = peak_of(|| Rig::new(&cameras));
     assert!(taken < 4 << 20 && begun.elapsed() < Duration::from_secs(3), "seed {seed}: {taken} bytes for the rig");
     let rig = rig?;
     let pictures: Vec<Vec<u8>> =
@@ -182,16 +156,14 @@ fn try_one(seed: u64) -> Result<(), Error> {
     let preset = [Preset::Default, Preset::Paper, Preset::Hull, Preset::Preview][draw.below(4)];
     let limit = 1 << (22 + draw.below(8));
     let memory = if draw.below(2) == 0 { Memory::limited(limit) } else { Memory::default() };
-    let limited = TAKEN.load(Ordering::Relaxed);
-    PEAK.store(limited, Ordering::Relaxed);
     let gap = Gap::new();
     let mut frame = Frame::new(&rig, Params::preset(preset), memory);
-    let result = frame.run_all(&inputs, &Serial, &gap);
-    let (gap, taken) = (gap.longest(), PEAK.load(Ordering::Relaxed) - limited);
+    let (result, taken) = peak_of(|| frame.run_all(&inputs, &Serial, &gap));
+    let gap = gap.longest();
     assert!(gap < Duration::from_secs(10), "seed {seed}: no progress for {gap:?}");
     assert!(begun.elapsed() < Duration::from_secs(60), "seed {seed} took {:?}", begun.elapsed());
     if let Err(Error::OutOfMemory { needed, limit }) = result {
-        assert!(needed > limit && taken as u64 <= limit, "seed {seed}: {taken} bytes allocated within {limit}");
+        assert!(needed > limit && taken <= limit, "seed {seed}: {taken} bytes allocated within {limit}");
     }
     // Without a limit, too: pictures of this size never take more.
     assert!(taken < 400 << 20, "seed {seed}: {taken} bytes allocated");
@@ -203,7 +175,7 @@ fn try_one(seed: u64) -> Result<(), Error> {
 /// A ring of long lenses far away sees the same as one nearby, and takes as long.
 #[test]
 fn cameras_six_hundred_metres_away_make_the_same_body() {
-    let _alone = ALONE.lock();
+    let _alone = alone();
     let mut cameras = Ring { count: 8, ..Ring::default() }.sized(160, 120).cameras();
     let near = Shot::new(Subject::Sphere, &cameras, &Faults::default());
     let origin = near.rig().origin();
@@ -227,7 +199,7 @@ fn cameras_six_hundred_metres_away_make_the_same_body() {
 
 #[test]
 fn any_calibration_gives_an_error_or_a_closed_mesh() {
-    let _alone = ALONE.lock();
+    let _alone = alone();
     let (mut meshes, mut errors) = (0, 0);
     for seed in 0..150 {
         match try_one(seed) {

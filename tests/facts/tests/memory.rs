@@ -1,41 +1,15 @@
 //! The memory need of a frame is known before the memory is allocated.
-#![allow(unsafe_code)]
 
-use facts::Shot;
+use facts::{
+    Shot,
+    counting::{Counting, alone, peak_of},
+};
 use pcmvs_core::{
     Error, FormParams, Frame, ImageRef, Lens, Mask, Memory, Mesh, Params, PixelFormat, Preset, Progress, Serial,
     Silent, Stage, TextureParams, View, ViewInput, hull::VisualHull, memory,
 };
-use std::{
-    alloc::{GlobalAlloc, Layout, System},
-    sync::{
-        Mutex,
-        atomic::{AtomicUsize, Ordering},
-    },
-};
+use std::sync::Mutex;
 use studio::{Faults, Ring, Subject};
-
-/// Counts allocated bytes and their peak.
-struct Counting;
-
-/// Serialises the tests, because they share the counters.
-static ALONE: Mutex<()> = Mutex::new(());
-static TAKEN: AtomicUsize = AtomicUsize::new(0);
-static PEAK: AtomicUsize = AtomicUsize::new(0);
-
-// SAFETY: all calls are forwarded to the system allocator.
-unsafe impl GlobalAlloc for Counting {
-    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
-        let taken = TAKEN.fetch_add(layout.size(), Ordering::Relaxed) + layout.size();
-        PEAK.fetch_max(taken, Ordering::Relaxed);
-        unsafe { System.alloc(layout) }
-    }
-
-    unsafe fn dealloc(&self, pointer: *mut u8, layout: Layout) {
-        TAKEN.fetch_sub(layout.size(), Ordering::Relaxed);
-        unsafe { System.dealloc(pointer, layout) }
-    }
-}
 
 #[global_allocator]
 static ALLOCATOR: Counting = Counting;
@@ -54,19 +28,11 @@ impl Progress for Last {
     }
 }
 
-/// Reconstructs and returns the peak of allocated bytes.
-fn most(work: impl FnOnce()) -> u64 {
-    let before = TAKEN.load(Ordering::Relaxed);
-    PEAK.store(before, Ordering::Relaxed);
-    work();
-    (PEAK.load(Ordering::Relaxed) - before) as u64
-}
-
 /// The formula is an upper bound, and less than twice the peak where pictures take more memory than the search for the
 /// hull. With exactly the needed limit a frame succeeds; with one byte less it is refused before detection starts.
 #[test]
 fn a_frame_takes_what_the_formula_says() {
-    let _alone = ALONE.lock();
+    let _alone = alone();
     for (count, width, height) in [(8, 160, 120), (40, 320, 240), (5, 640, 480), (10, 640, 480)] {
         let cameras = Ring { count, ..Ring::default() }.sized(width, height).cameras();
         let shot = Shot::new(Subject::Figure, &cameras, &Faults::default());
@@ -75,7 +41,7 @@ fn a_frame_takes_what_the_formula_says() {
         for preset in [Preset::Default, Preset::Paper, Preset::Hull, Preset::Preview] {
             let params = Params::preset(preset);
             let mut hull = Mesh::default();
-            let taken = most(|| hull = shot.reconstruct(&params).expect("nothing is wrong").intermediates.hull);
+            let (_, taken) = peak_of(|| hull = shot.reconstruct(&params).expect("nothing is wrong").intermediates.hull);
             let view = |i: usize| View::new(&rig, i, &inputs[i], params.contour.as_ref()).expect("nothing is wrong");
             let views: Vec<View> = (0..inputs.len()).map(view).collect();
             let carved = VisualHull::new(&views, &params.hull, &Silent).expect("there is a hull");
@@ -94,7 +60,7 @@ fn a_frame_takes_what_the_formula_says() {
             assert_eq!(last.0.into_inner().unwrap(), begun, "{preset:?}, {count} x {width}");
             assert!(within(needed, &Silent).is_ok());
             let mut refused = None;
-            let taken = most(|| refused = within(memory::smallest(&rig) - 1, &Silent).err());
+            let (_, taken) = peak_of(|| refused = within(memory::smallest(&rig) - 1, &Silent).err());
             assert!(matches!(refused, Some(Error::OutOfMemory { .. })));
             assert!(taken < 1 << 20, "{taken} bytes allocated before the refusal");
         }
@@ -104,7 +70,7 @@ fn a_frame_takes_what_the_formula_says() {
 /// A form takes at most what the formula says besides its frame, and is refused with a limit that is too small.
 #[test]
 fn a_form_takes_what_the_formula_says() {
-    let _alone = ALONE.lock();
+    let _alone = alone();
     let cameras = Ring { count: 8, ..Ring::default() }.sized(480, 360).cameras();
     let shot = Shot::new(Subject::Figure, &cameras, &Faults::default());
     let rig = shot.rig();
@@ -118,7 +84,7 @@ fn a_form_takes_what_the_formula_says() {
     for (faces, size) in [(Some(2000), 0), (None, 512), (None, 2048), (Some(2000), 1024)] {
         let texture = (size > 0).then_some(TextureParams { size: Some(size), ..TextureParams::default() });
         let form = FormParams { faces, texture };
-        let taken = most(|| drop(frame.form(&form, &Serial, &Silent).expect("nothing is wrong")));
+        let (_, taken) = peak_of(|| drop(frame.form(&form, &Serial, &Silent).expect("nothing is wrong")));
         let needed = memory::form(frame.views(), frame.mesh(), size);
         println!("{faces:?}, {size}: {taken} bytes allocated, {needed} predicted");
         assert!(taken <= needed, "{faces:?}, {size}: {taken} bytes allocated, {needed} predicted");
@@ -134,10 +100,10 @@ fn a_form_takes_what_the_formula_says() {
 /// A frame of 20 views of 1024 x 768 stays below 400 MiB.
 #[test]
 fn a_usual_frame_takes_less_than_400_mib() {
-    let _alone = ALONE.lock();
+    let _alone = alone();
     let cameras = Ring::default().sized(1024, 768).cameras();
     let shot = Shot::new(Subject::Figure, &cameras, &Faults::default());
-    let taken = most(|| drop(shot.reconstruct(&Params::preset(Preset::Default)).expect("nothing is wrong")));
+    let (_, taken) = peak_of(|| drop(shot.reconstruct(&Params::preset(Preset::Default)).expect("nothing is wrong")));
     println!("{} MiB", taken >> 20);
     assert!(taken < 400 << 20);
 }
@@ -146,7 +112,7 @@ fn a_usual_frame_takes_less_than_400_mib() {
 /// as much contour as is still refined.
 #[test]
 fn reading_views_takes_no_more_than_the_smallest_frame() {
-    let _alone = ALONE.lock();
+    let _alone = alone();
     let (width, height) = (1024, 768);
     let cameras = Ring { count: 3, ..Ring::default() }.sized(width, height).cameras();
     let stripes: Vec<u8> = (0..width * height).map(|i| if i % width / 7 % 2 == 0 { 255 } else { 90 }).collect();
@@ -166,7 +132,7 @@ fn reading_views_takes_no_more_than_the_smallest_frame() {
             let silhouette = view.silhouette.expect("there is a mask");
             let refined = (0..width).any(|x| silhouette.contour_sigma(x as f32, 400.0).is_some());
             assert!(refined, "the matte was taken for noise");
-            let taken = most(|| {
+            let (_, taken) = peak_of(|| {
                 let frame = Frame::new(&rig, params, Memory::default());
                 for (i, input) in inputs.iter().enumerate() {
                     frame.view(i, input, &Silent).expect("nothing is wrong");

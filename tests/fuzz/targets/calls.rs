@@ -16,24 +16,14 @@ use pcmvs::{
     view::{pcmvs_view, pcmvs_view_init},
     warning::{pcmvs_frame_get_warning, pcmvs_frame_warning_count},
 };
-use pcmvs_fuzz::{Bytes, ring};
+use pcmvs_fuzz::{Bytes, camera, init, ring};
 use std::{
     ffi::{c_int, c_void},
-    mem::{MaybeUninit, size_of},
     ptr::{null, null_mut},
 };
 
 const SIZE: u32 = 16;
 const CAMERAS: usize = 3;
-
-fn init<T>(init: unsafe extern "C" fn(*mut T, usize) -> pcmvs_status) -> T {
-    let mut value = MaybeUninit::<T>::zeroed();
-    // SAFETY: the function writes the struct.
-    unsafe {
-        assert_eq!(init(value.as_mut_ptr(), size_of::<T>()), pcmvs_status::Ok);
-        value.assume_init()
-    }
-}
 
 /// Cancels when it has been asked so many times.
 unsafe extern "C" fn progress(left: *mut c_void, _: u32, _: u32, _: u32) -> c_int {
@@ -75,17 +65,6 @@ fuzz_target!(|bytes: &[u8]| {
         view
     };
     let views: Vec<pcmvs_view> = images.iter().map(view).collect();
-    let camera = |c: &pcmvs_core::Camera| pcmvs_camera {
-        struct_size: size_of::<pcmvs_camera>() as u32,
-        width: c.width,
-        height: c.height,
-        reserved: 0,
-        k: c.k.as_flattened().try_into().unwrap(),
-        distortion: [0.0; 5],
-        r: c.r.as_flattened().try_into().unwrap(),
-        t: c.t,
-        ..init(pcmvs_camera_init)
-    };
     let cameras: Vec<pcmvs_camera> = ring(CAMERAS as u32, SIZE).iter().map(camera).collect();
     let (mut rig, mut frames, mut stale) = (null_mut(), [null_mut(); 2], null_mut());
     let mut left = 0i32;

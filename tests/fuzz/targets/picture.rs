@@ -10,25 +10,13 @@ use pcmvs::{
     status::pcmvs_status,
     view::{pcmvs_chroma_key, pcmvs_chroma_key_init, pcmvs_view, pcmvs_view_init},
 };
-use pcmvs_fuzz::{Bytes, ring};
+use pcmvs_fuzz::{Bytes, camera, init, ring};
 use pcmvs_scene::Picture;
-use std::{
-    mem::{MaybeUninit, size_of},
-    ptr::{null, null_mut},
-};
+use std::ptr::{null, null_mut};
 
 const SIZE: u32 = 16;
 /// Bytes of every plane, of which descriptions begin in the middle: enough for any stride that is tried.
 const PLANE: usize = 1 << 16;
-
-fn init<T>(init: unsafe extern "C" fn(*mut T, usize) -> pcmvs_status) -> T {
-    let mut value = MaybeUninit::<T>::zeroed();
-    // SAFETY: the function writes the struct.
-    unsafe {
-        assert_eq!(init(value.as_mut_ptr(), size_of::<T>()), pcmvs_status::Ok);
-        value.assume_init()
-    }
-}
 
 fn image(bytes: &mut Bytes, plane: &[u8]) -> pcmvs_image {
     let mut image = init(pcmvs_image_init);
@@ -68,18 +56,6 @@ fn description(bytes: &mut Bytes) {
         _ => view.mask = &images[1],
     }
     view.reserved = u32::from(bytes.below(32) == 31);
-    let size = size_of::<pcmvs_camera>() as u32;
-    let camera = |c: &pcmvs_core::Camera| pcmvs_camera {
-        struct_size: size,
-        width: c.width,
-        height: c.height,
-        reserved: 0,
-        k: c.k.as_flattened().try_into().unwrap(),
-        distortion: [0.0; 5],
-        r: c.r.as_flattened().try_into().unwrap(),
-        t: c.t,
-        ..init(pcmvs_camera_init)
-    };
     let mut cameras: Vec<pcmvs_camera> = ring(3, SIZE).iter().map(camera).collect();
     cameras[0].distortion[0] = 0.1;
     let (mut rig, mut frame) = (null_mut(), null_mut());

@@ -28,10 +28,10 @@ fuzz_target!(|bytes: &[u8]| {
             3 => camera.t[axis] += number,
             4 => camera.t = camera.t.map(|v| v * number),
             5 => {
-                        let mut coefficients = [0.0; 5];
-                        coefficients[axis] = number;
-                        camera.lens = Lens::brown(coefficients);
-                    }
+                let mut coefficients = [0.0; 5];
+                coefficients[axis] = number;
+                camera.lens = Lens::brown(coefficients);
+            }
             _ => camera.r.swap(axis, (axis + 1) % 3),
         }
     }

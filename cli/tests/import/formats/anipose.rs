@@ -1,0 +1,51 @@
+//! The TOML of anipose, FreeMoCap and Caliscope.
+
+use super::super::{HEIGHT, WIDTH, import_with_notes, refused};
+use super::{BROWN, COUNT, FISHEYE, brown, check, fisheye, folder, images, k, list, opencv, poses, rodrigues};
+use std::fmt::Write as _;
+
+fn anipose(table: impl Fn(usize) -> String, lens: &str) -> String {
+    let mut text = String::from("[metadata]\nadjusted = false\nerror = 0.3\n\n");
+    for (i, pose) in poses().iter().enumerate() {
+        let rows = k().chunks(3).map(|row| format!("[ {},]", list(row.iter().copied()))).collect::<Vec<_>>().join(", ");
+        let _ = write!(
+            text,
+            "[{}]\nname = \"c{i}\"\nsize = [ {WIDTH}, {HEIGHT},]\nmatrix = [ {rows},]\n{lens}\nrotation = [ {},]\n\
+             translation = [ {},]\nworld_position = [ 1.0, 2.0, 3.0,]\n\n",
+            table(i),
+            list(rodrigues(&pose.r).to_array()),
+            list(pose.t.to_array())
+        );
+    }
+    text
+}
+
+#[test]
+fn anipose_is_opencv_in_toml() {
+    let pictures = images(|i| format!("c{i}"));
+    let of = |text: &str| folder(&pictures, &[("calibration.toml", text)]);
+    let lens = format!("distortions = [ {},]", list(BROWN));
+    for text in [anipose(|i| format!("cam_{i}"), &lens), anipose(|i| format!("cameras.{i}"), &lens)] {
+        check("anipose", of(&text).path(), &["calibration.toml"], |pose, point| {
+            opencv(pose, point, |p| brown(p, BROWN))
+        });
+    }
+    let lens = format!("fisheye = true\ndistortions = [ {},]", list(FISHEYE));
+    let text = anipose(|i| format!("cam_{i}"), &lens);
+    check("anipose", of(&text).path(), &["calibration.toml"], |pose, point| {
+        opencv(pose, point, |p| fisheye(p, FISHEYE))
+    });
+    for (change, problem) in [
+        ("rotation_count = 1", "pictures are turned"),
+        ("skew_y = 0.1", "`skew_y` looks like calibration"),
+        ("name = \"again\"", "correct that line"),
+    ] {
+        let message =
+            refused("anipose", of(&text.replacen("fisheye = true", &format!("fisheye = true\n{change}"), 1)).path());
+        assert!(message.contains(problem) && message.contains("calibration.toml"), "{message}");
+    }
+    let ignored = text.replacen("fisheye = true", "fisheye = true\nignore = true", 1);
+    let (scene, notes) = import_with_notes("anipose", of(&ignored).path());
+    assert_eq!(scene["cameras"].as_array().unwrap().len(), COUNT - 1);
+    assert!(notes.contains("`c0`") && notes.contains("left out"), "{notes}");
+}

@@ -1,0 +1,69 @@
+//! EasyMocap's intri.yml and extri.yml.
+
+use super::super::{HEIGHT, WIDTH, import, refused};
+use super::{BROWN, COUNT, brown, by_rows, check, folder, images, k, list, opencv, poses, rodrigues};
+use image::GrayImage;
+use std::{fmt::Write as _, fs};
+
+fn easymocap() -> [String; 2] {
+    let names = (0..COUNT).map(|i| format!("  - \"0{i}\"\n")).collect::<String>();
+    let matrix = |key: String, rows: usize, data: &[f64]| {
+        let columns = data.len() / rows;
+        let data = list(data.iter().copied());
+        format!("{key}: !!opencv-matrix\n  rows: {rows}\n  cols: {columns}\n  dt: d\n  data: [{data}]\n")
+    };
+    let mut files = [(); 2].map(|()| format!("%YAML:1.0\n---\nnames:\n{names}"));
+    for (i, pose) in poses().iter().enumerate() {
+        files[0] += &matrix(format!("K_0{i}"), 3, &k());
+        files[0] += &matrix(format!("dist_0{i}"), 1, &BROWN);
+        let _ = write!(files[0], "H_0{i}: {HEIGHT}\nW_0{i}: {WIDTH}\n");
+        files[1] += &matrix(format!("R_0{i}"), 3, &rodrigues(&pose.r).to_array());
+        files[1] += &matrix(format!("Rot_0{i}"), 3, &by_rows(&pose.r));
+        files[1] += &matrix(format!("T_0{i}"), 3, &pose.t.to_array());
+        let _ = write!(files[1], "n_0{i}: 0.1\nf_0{i}: 9.0\n");
+    }
+    files
+}
+
+#[test]
+fn easymocap_is_opencv_in_two_files() {
+    let [intri, extri] = easymocap();
+    let texts = [("intri.yml", intri.as_str()), ("extri.yml", extri.as_str())];
+    let of = |pictures: &[String], texts: &[(&str, &str)]| folder(pictures, texts);
+    let capture = of(&images(|i| format!("0{i}")), &texts);
+    let notes = check("easymocap", capture.path(), &["intri.yml", "extri.yml"], |pose, point| {
+        opencv(pose, point, |p| brown(p, BROWN))
+    });
+    assert!(notes.contains("ignored of every camera: `n`, `f`"), "{notes}");
+
+    // A folder per camera is a clip.
+    let clip: Vec<String> =
+        (0..COUNT).flat_map(|i| [3, 4].map(|frame| format!("images/0{i}/00000{frame}.png"))).collect();
+    let capture = of(&clip, &texts);
+    fs::create_dir_all(capture.path().join("masks/01")).unwrap();
+    GrayImage::new(WIDTH, HEIGHT).save(capture.path().join("masks/01/000004.png")).unwrap();
+    let scene = import("auto", capture.path());
+    assert_eq!(scene["cameras"][1]["name"], "01");
+    assert_eq!(scene["frames"].as_array().unwrap().len(), 2);
+    assert_eq!(scene["frames"][1]["masks"], serde_json::json!([null, "masks/01_0001.png", null, null]));
+
+    for (file, from, to, problem) in [
+        ("intri.yml", "K_02", "X_02", "`K_02` is missing"),
+        ("extri.yml", "T_01", "U_01", "`T_01` is missing"),
+        ("extri.yml", "- \"03\"", "- \"04\"", "`R_04` is missing"),
+        ("intri.yml", "dist_02", "distortion_02", "`distortion` looks like calibration"),
+        ("intri.yml", "names:", "focal: 3\nnames:", "`focal` looks like calibration"),
+        (
+            "extri.yml",
+            "R_00: !!opencv-matrix\n  rows: 3\n  cols: 1\n  dt: d\n  data: [",
+            "R_00: !!opencv-matrix\n  rows: 3\n  cols: 1\n  dt: d\n  data: [1",
+            "different rotations",
+        ),
+    ] {
+        let changed =
+            texts.map(|(name, text)| (name, if name == file { text.replace(from, to) } else { text.to_owned() }));
+        let changed: Vec<(&str, &str)> = changed.iter().map(|(name, text)| (*name, text.as_str())).collect();
+        let message = refused("easymocap", of(&images(|i| format!("0{i}")), &changed).path());
+        assert!(message.contains(problem), "{message}");
+    }
+}

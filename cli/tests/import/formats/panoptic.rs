@@ -1,0 +1,28 @@
+//! The JSON of CMU Panoptic.
+
+use super::super::{HEIGHT, WIDTH, refused};
+use super::{BROWN, Pose, brown, by_rows, check, folder, images, k, opencv, poses};
+use std::fs;
+
+#[test]
+fn panoptic_is_opencv_in_a_list() {
+    let camera = |(i, pose): (usize, &Pose)| {
+        serde_json::json!({
+            "name": format!("00_0{i}"), "type": "hd", "resolution": [WIDTH, HEIGHT], "panel": 0, "node": i,
+            "K": [&k()[..3], &k()[3..6], &k()[6..]], "distCoef": BROWN,
+            "R": by_rows(&pose.r).chunks(3).collect::<Vec<_>>(), "t": pose.t.to_array().map(|v| [v]),
+        })
+    };
+    let mut cameras: Vec<_> = poses().iter().enumerate().map(camera).collect();
+    cameras.push(serde_json::json!({ "name": "01_01", "K": [], "distCoef": [] }));
+    let file = serde_json::json!({ "calibDataSource": "160422", "cameras": cameras });
+    let text = serde_json::to_string_pretty(&file).unwrap();
+    let capture = folder(&images(|i| format!("00_0{i}")), &[("calibration_160422.json", &text)]);
+    let notes = check("panoptic", capture.path(), &["calibration_160422.json"], |pose, point| {
+        opencv(pose, point, |p| brown(p, BROWN))
+    });
+    assert!(notes.contains("1 of 5 cameras have no picture and are left out, such as `01_01`"), "{notes}");
+    let odd = text.replacen("\"panel\"", "\"skew\": 3, \"panel\"", 1);
+    fs::write(capture.path().join("calibration_160422.json"), odd).unwrap();
+    assert!(refused("panoptic", capture.path()).contains("`skew` looks like calibration"));
+}
