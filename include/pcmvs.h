@@ -77,12 +77,14 @@
  * Limits. Numbers out of reason are refused before memory is taken. A rig has 3 to PCMVS_MAX_CAMERAS cameras. Sides of
  * pictures have up to 32768 pixels, a picture 2^28 and the pictures of a rig together 2^34. Focal lengths are 0.01 to 1000
  * times the longer side of the picture, and the two differ by less than 10 times. The principal point is within 10 sides
- * of the picture's middle. At least a twentieth of the undistorted picture shows something. Coordinates of t go up to
+ * of the picture's middle, and the skew is at most the focal length. A lens does not fold the picture before its nearest
+ * edge, its map takes at most 64 MiB, and at least a twentieth of the undistorted picture shows something. Coordinates of t go up to
  * 1e15. Most cameras stand 1e-6 to 1e9 units from where they look, and no camera 100 times nearer or farther than they
  * do; the scene is at most 1e8 times that distance from its zero. pcmvs_rig_set_cameras fails with PCMVS_STATUS_CAMERA
- * otherwise, and names the camera.
+ * otherwise, and names the camera if it is one.
  *
- * Time. docs/c.md bounds the time of a frame by the size of its pictures, and the time until a progress callback is asked.
+ * Time. docs/c.md estimates the time of a frame from the size of its pictures, and the time until a progress callback is
+ * asked.
  *
  * Callbacks must not throw exceptions and must not jump out.
  *

@@ -4,17 +4,14 @@ use crate::{
     fingerprint::{Fingerprint, sha256},
     inputs::{FrameFiles, Silhouettes},
     json,
-    mesh_file::MeshFile,
+    mesh_file::{Made, MeshFile},
     output,
     progress::{Console, FrameProgress},
     report::{CameraReport, Earlier, FrameReport, peak_memory},
     threads::Threads,
     warning::WarningReport,
 };
-use pcmvs_core::{
-    Frame, Memory, Mesh, Params, PointCloud, Progress, Reconstruction, Rig, Stage,
-    export::{bounds, ply},
-};
+use pcmvs_core::{Frame, Memory, Mesh, Params, PointCloud, Progress, Reconstruction, Rig, Stage, export::ply};
 use pcmvs_scene::{Failure, Scene, SceneFrame};
 use std::{
     fs,
@@ -61,15 +58,14 @@ impl Job<'_> {
         }
         let progress = self.console.frame(frame.index);
         let made = self.reconstruct(frame, files, warnings, &progress)?;
-        let file = self.mesh_file.bytes(&made, frame.index, self.threads, &progress);
-        let (bytes, too_many) = file.map_err(|error| self.scene.explain(&error, Some(frame)))?;
-        self.warn(warnings, too_many.into_iter().collect());
+        let file = self.mesh_file.make(&made, frame.index, self.threads, &progress);
+        let Made { bytes, bounds, warning } = file.map_err(|error| self.scene.explain(&error, Some(frame)))?;
+        self.warn(warnings, warning.into_iter().collect());
         self.accept(frame, warnings)?;
 
         let result = made.into_reconstruction();
         progress.begin("write");
-        let bounds = bounds(&result.mesh, self.rig.origin())
-            .ok_or_else(|| Failure::Other(format!("frame {}: the mesh is empty", frame.index)))?;
+        let bounds = bounds.ok_or_else(|| Failure::Other(format!("frame {}: the mesh is empty", frame.index)))?;
         if self.stages {
             self.write_stages(frame.index, &result)?;
         }

@@ -8,9 +8,17 @@ use crate::{
 };
 use pcmvs_core::{
     FormParams, Frame, Progress, Result, Rig, TextureParams,
-    export::{glb, ply},
+    export::{bounds, glb, ply},
 };
 use pcmvs_scene::{Failure, Scene};
+
+/// A frame's file.
+pub struct Made {
+    pub bytes: Vec<u8>,
+    /// Smallest and largest coordinates of its mesh in the scene's frame; `None` without a mesh.
+    pub bounds: Option<[[f64; 3]; 2]>,
+    pub warning: Option<WarningReport>,
+}
 
 /// How meshes are written.
 #[derive(Debug, Clone)]
@@ -40,7 +48,7 @@ impl MeshFile {
                 "{path}: `up` is missing, which --upright needs: add the upward direction, such as [0, 0, 1]"
             ));
         }
-        let texture = arguments.texture.map(|size| TextureParams { size, ..TextureParams::default() });
+        let texture = arguments.texture.map(|size| TextureParams { size });
         let options = glb::Options {
             // The material is unlit, so that only hosts that light the mesh themselves need normals.
             normals: !arguments.compress,
@@ -64,36 +72,35 @@ impl MeshFile {
 
     /// The upward direction in the files' frame.
     pub fn up(&self) -> Option<[f64; 3]> {
-        self.options.up.map(|up| if self.options.upright { [0.0, 1.0, 0.0] } else { up })
+        self.options.up_in_file()
     }
 
     /// The rotation that turns the scene's frame to that of the files.
     pub fn rotation(&self) -> Option<[f64; 4]> {
-        self.options.up.filter(|_| self.options.upright).and_then(glb::upright)
+        self.options.rotation()
     }
 
-    /// The bytes of a finished frame's file, and what to warn of.
-    pub fn bytes(
-        &self,
-        frame: &Frame<&Rig>,
-        index: u32,
-        threads: &Threads,
-        progress: &dyn Progress,
-    ) -> Result<(Vec<u8>, Option<WarningReport>)> {
+    /// The file of a finished frame.
+    pub fn make(&self, frame: &Frame<&Rig>, index: u32, threads: &Threads, progress: &dyn Progress) -> Result<Made> {
         let origin = frame.rig().origin();
         let is_plain = self.form == FormParams::default() && !self.compress;
-        if self.format == Format::Ply {
-            return Ok((ply::write_mesh(frame.mesh(), origin), None));
-        } else if is_plain {
-            return Ok((glb::write(frame.mesh(), origin, &self.options), None));
+        if self.format == Format::Ply || is_plain {
+            let bytes = match self.format {
+                Format::Ply => ply::write_mesh(frame.mesh(), origin),
+                Format::Glb => glb::write(frame.mesh(), origin, &self.options),
+            };
+            return Ok(Made { bytes, bounds: bounds(frame.mesh(), origin), warning: None });
         }
         let mut form = frame.form(&self.form, threads, progress)?;
         if self.compress {
             compress::sort(&mut form);
         }
         let compress = self.compress.then_some(&Meshopt as &dyn glb::Compress);
-        let bytes = glb::write_form(&form, origin, &self.options, compress);
-        Ok((bytes, self.too_many_faces(index, form.mesh.triangles.len())))
+        Ok(Made {
+            bytes: glb::write_form(&form, origin, &self.options, compress),
+            bounds: bounds(&form.mesh, origin),
+            warning: self.too_many_faces(index, form.mesh.triangles.len()),
+        })
     }
 
     fn too_many_faces(&self, index: u32, made: usize) -> Option<WarningReport> {

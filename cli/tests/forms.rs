@@ -160,7 +160,7 @@ fn upright_files_turn_the_scenes_upward_direction_to_plus_y() {
     let scene_frame = made(&capture, &[]);
     let (json, _) = parts(&scene_frame);
     assert!(json["nodes"][0]["rotation"].is_null());
-    let bytes = made(&capture, &["--upright"]);
+    let bytes = made(&capture, &["--upright", "--faces", "500"]);
     let (json, _) = parts(&bytes);
     assert_eq!(json["scenes"][0]["extras"]["up"], serde_json::json!([0, 1, 0]));
     let rotation: [f64; 4] = serde_json::from_value(json["nodes"][0]["rotation"].clone()).unwrap();

@@ -4,12 +4,12 @@
 //!
 //! `6 P + max(16 MiB, 96 L, 12 T, 9000 B, level P + point S + 640 V + 10 M)` bytes
 //!
-//! where P is the number of pixels of all views, L that of the largest view, T the number of blocks in the
-//! bounding box of the hull's grid, B the number of blocks in the hull's grid
-//! that its surface may pass, S the number of pixels inside the silhouettes, V the number of vertices in the final
-//! mesh, and M the number of blocks in the bounding box of the grid of the Poisson solver. `level` is 3 for detection at full resolution and 3/4 at half resolution, where S counts a quarter as well.
-//! `point` is 140, or 200 if the clouds are downsampled or cleaned of conflicts (§5). These and M are 0 for the hull alone. The
-//! factors were measured.
+//! where P is the number of pixels of all views, L that of the largest view, T the number of blocks in the bounding box of
+//! the hull's grid, B the number of blocks in the hull's grid that its surface may pass, S the number of pixels inside the
+//! silhouettes, V the number of vertices in the final mesh, and M the number of blocks in the bounding box of the grid of
+//! the Poisson solver. `level` is 3 for detection at full resolution and 3/4 at half resolution, where S counts a quarter
+//! as well. `point` is 140, or 200 if the clouds are downsampled or cleaned of conflicts (§5). These and M are 0 for the
+//! hull alone. The factors were measured.
 //!
 //! A form of the finished mesh ([`crate::Frame::form`]) needs at most `500 V + 5 P + 24 X` bytes besides, for a texture of X
 //! texels.

@@ -1,16 +1,17 @@
 //! Resamples real pictures to the camera without lens distortion, so that all later stages can use the pinhole model.
 
 use crate::camera::Camera;
-use alloc::{vec, vec::Vec};
+use alloc::{format, string::String, vec, vec::Vec};
 use glam::DVec2;
 
-/// Largest spacing of the map's nodes in pixels, as a power of two. With it the map takes about a hundred kilobytes per
-/// camera.
+/// Largest spacing of the map's nodes in pixels, as a power of two. With it the map takes an eighth of a byte per pixel.
 const LARGEST_CELL: u32 = 3;
 /// What linear interpolation between the nodes may be wrong by, in pixels. Where it is more, the nodes are closer to each
 /// other. Lenses of Brown and Conrady keep the largest spacing, so that their results stay the same from version to version:
 /// in ordinary pictures they are wrong by a few hundredths of a pixel at most.
 const PRECISION: f64 = 1.0 / 256.0;
+/// Most nodes of a map: 64 MiB. Only a strange lens in a large picture needs more.
+const MOST_NODES: usize = 1 << 23;
 /// Fixed-point units per pixel of source positions.
 const UNITS: i32 = 256;
 /// Marks ideal pixels for which the distortion model is not valid.
@@ -30,10 +31,10 @@ pub(crate) struct Undistortion {
 }
 
 impl Undistortion {
-    /// The map of a camera; `None` if its lens does not distort.
-    pub(crate) fn new(camera: &Camera) -> Option<Self> {
+    /// The map of a camera; `None` if its lens does not distort. The error says why it cannot be made.
+    pub(crate) fn new(camera: &Camera) -> Result<Option<Self>, String> {
         if !camera.lens.is_distorted() {
-            return None;
+            return Ok(None);
         }
         let (width, height) = (camera.width as usize, camera.height as usize);
         let fold = camera.lens.fold_over(farthest(camera));
@@ -41,12 +42,19 @@ impl Undistortion {
         let cell = (1..=LARGEST_CELL).rev().find(is_enough).unwrap_or(0);
         let side = 1 << cell;
         let (columns, rows) = (width.div_ceil(side) + 1, height.div_ceil(side) + 1);
+        if columns * rows > MOST_NODES {
+            return Err(format!(
+                "the lens bends pictures of {width} x {height} pixels so strongly that their map would need {} MiB: check the \
+                 distortion, or scale pictures and K",
+                (columns * rows) >> 17
+            ));
+        }
         let node = |i: usize| {
             let ideal = DVec2::new((i % columns * side) as f64, (i / columns * side) as f64);
             let fixed = |v: f64| libm::round(v * f64::from(UNITS)) as i32;
             source(camera, ideal, fold).map_or(FOLDED, |source| [fixed(source.x), fixed(source.y)])
         };
-        Some(Self { width, height, cell, columns, nodes: (0..columns * rows).map(node).collect() })
+        Ok(Some(Self { width, height, cell, columns, nodes: (0..columns * rows).map(node).collect() }))
     }
 
     /// Computes the source positions of a row of ideal pixels, which are [`FOLDED`] where there is none. Positions
@@ -232,7 +240,7 @@ mod tests {
             let (w, h) = (camera.width as usize, camera.height as usize);
             let real: Vec<u8> =
                 (0..w * h).flat_map(|i| pattern(ideal(&camera, DVec2::new((i % w) as f64, (i / w) as f64)))).collect();
-            let map = Undistortion::new(&camera).unwrap();
+            let map = Undistortion::new(&camera).expect("the map is small").unwrap();
             let mut rgb = Vec::new();
             map.rgb(&real, &mut rgb);
             let (_, known) = coverage(&map);
@@ -265,7 +273,7 @@ mod tests {
             let mut camera = camera([0.0; 5]);
             camera.lens = lens;
             (camera.k[0][0], camera.k[1][1]) = (focal, focal + 1.0);
-            let map = Undistortion::new(&camera).unwrap();
+            let map = Undistortion::new(&camera).expect("the map is small").unwrap();
             let (mut sources, mut known) = (vec![FOLDED; map.width], vec![false; map.width]);
             let mut count = 0;
             for y in 0..map.height {
@@ -287,7 +295,7 @@ mod tests {
         let mut camera = camera([-0.6, 0.0, 0.0, 0.0, 0.0]);
         camera.k[0][0] = 200.0;
         camera.k[1][1] = 200.0;
-        let map = Undistortion::new(&camera).unwrap();
+        let map = Undistortion::new(&camera).expect("the map is small").unwrap();
         let (w, h) = (camera.width as usize, camera.height as usize);
         let (_, known) = coverage(&map);
         let mut unknown = 0;
@@ -305,7 +313,7 @@ mod tests {
         // With k1 > 0 the ideal picture reaches beyond the real one.
         let camera = camera([0.3, 0.0, 0.0, 0.0, 0.0]);
         let (w, h) = (camera.width as usize, camera.height as usize);
-        let (coverage, known) = coverage(&Undistortion::new(&camera).unwrap());
+        let (coverage, known) = coverage(&Undistortion::new(&camera).expect("the map is small").unwrap());
         for i in 0..w * h {
             let source = camera.distort_pixel(DVec2::new((i % w) as f64, (i / w) as f64));
             let margin = source.x.min(w as f64 - 1.0 - source.x).min(source.y).min(h as f64 - 1.0 - source.y);
@@ -318,6 +326,6 @@ mod tests {
 
     #[test]
     fn camera_without_distortion_has_no_map() {
-        assert_eq!(Undistortion::new(&camera([0.0; 5])), None);
+        assert_eq!(Undistortion::new(&camera([0.0; 5])), Ok(None));
     }
 }

@@ -130,6 +130,8 @@ fn flat_parts_need_few_triangles() {
         -q.max_element()
     });
     let found = fewer(&mesh, &SimplifyParams { colour_pixels: 0.0, ..unbounded(100) });
+    assert_manifold(&found);
+    assert!(found.triangles.len() <= 100, "{}", found.triangles.len());
     // The bevel of marching cubes along the box's edges is what is left.
     assert!(farthest(&mesh, &found) < 0.35, "{}", farthest(&mesh, &found));
 }

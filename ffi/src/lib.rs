@@ -1,8 +1,8 @@
 //! `libpcmvs`: the core behind a C ABI. The reference manual is `include/pcmvs.h`, made from the comments here.
 //!
 //! A file is named after the C type it serves. [`boundary`], [`handles`] and [`sized`] hold what every function does at the
-//! border: catch panics, check handles, pointers and struct sizes. [`work`] and [`take`] are safe Rust: the core's frame and what the
-//! host has set for it, and the frames of a calibration.
+//! border: catch panics, check handles, pointers and struct sizes. [`work`] and [`take`] are safe Rust: the core's frame and
+//! what the host has set for it, and the frames of a calibration.
 #![allow(unsafe_code, reason = "the border to C; the core and everything else in the workspace have none")]
 #![allow(non_camel_case_types, reason = "the names are C's")]
 #![allow(clippy::missing_safety_doc, reason = "the header states once for all functions what a caller owes them")]

@@ -39,9 +39,7 @@ pub fn run(all: bool, install: bool) -> Result<()> {
         [RUSTFMT, CLIPPY].iter().try_for_each(|need| need.install()).map(passed)
     })?;
     steps.step_with(&[RUSTFMT], "format", || run_program(&mut cargo("fmt --all --check")).map(passed))?;
-    steps.step_with(&[CLIPPY], "lints", || {
-        run_program(&mut cargo("clippy --quiet --workspace --all-targets --all-features -- -D warnings")).map(passed)
-    })?;
+    steps.step_with(&[CLIPPY], "lints", || lints().map(passed))?;
     steps.step_with(&[web::LINTERS], "JavaScript and TypeScript", || web::lints().map(passed))?;
     steps.step("module cycles", || cycles::check().map(Outcome::Passed))?;
     steps.step_with(&no_std::NEEDS, "core without std", || no_std::check().map(Outcome::Passed))?;
@@ -73,6 +71,13 @@ pub fn c_library() -> Result<()> {
     abi_check::check(&mut steps)?;
     steps.finish();
     Ok(())
+}
+
+/// Lints of the workspace, and of the fuzz targets, which are a workspace of their own.
+fn lints() -> Result<()> {
+    run_program(&mut cargo("clippy --quiet --workspace --all-targets --all-features -- -D warnings"))?;
+    let mut fuzz = cargo("clippy --quiet --manifest-path tests/fuzz/Cargo.toml --target-dir");
+    run_program(fuzz.arg(target().join("fuzz/lints")).args(["--", "-D", "warnings"])).map(drop)
 }
 
 /// All Rust tests, including those of the C library. Reports how many passed, and which were skipped.

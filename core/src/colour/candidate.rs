@@ -21,11 +21,16 @@ const MIN_CLEANNESS: f32 = 0.02;
 
 /// A view's candidate for the colour of a point.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Candidate {
+pub(crate) struct Candidate {
     /// Cosine between normal and ray, times the cleanness of the pixel. Larger is better.
     pub score: f32,
     pub view: u16,
     pub rgb: Vec3,
+}
+
+impl Candidate {
+    /// Stands for the candidate of no view.
+    pub(super) const NONE: Self = Self { score: 0.0, view: u16::MAX, rgb: Vec3::ZERO };
 }
 
 /// A view's candidate for a point of the surface, or `None` if the view does not see it. `pixel` is the point's projection:

@@ -16,7 +16,8 @@ use crate::{
     workspace::Workspace,
 };
 use alloc::{vec, vec::Vec};
-use candidate::{Candidate, insert_best, sample_view};
+pub(crate) use candidate::Candidate;
+use candidate::{insert_best, sample_view};
 use depth::DepthBuffer;
 use glam::Vec3;
 
@@ -59,10 +60,8 @@ pub fn colour(
     let step = |done: u32| progress::step(progress, Stage::Colour, done, views.len() as u32 + 2);
     let solved = params.gains.filter(|_| fixed_gains.is_none());
     let blended = params.blended_views.max(1) as usize;
-    // Blending also needs the best view that is left out.
-    let kept = if blended == 1 { 1 } else { blended + 1 };
-    let none = Candidate { score: 0.0, view: u16::MAX, rgb: Vec3::ZERO };
-    let mut candidates: Vec<Candidate> = workspace.filled(none, mesh.positions.len() * kept);
+    let kept = kept(blended);
+    let mut candidates: Vec<Candidate> = workspace.filled(Candidate::NONE, mesh.positions.len() * kept);
     let mut overlap = gains::Overlap::new(mesh.positions.len(), views.len(), workspace);
     let mut buffer = DepthBuffer::with_workspace(workspace);
     for (i, view) in views.iter().enumerate() {
@@ -100,6 +99,11 @@ pub fn colour(
     workspace.recycle(seen);
     workspace.recycle(colours);
     Ok(gains)
+}
+
+/// How many of the best candidates are kept. Blending also needs the best view that is left out.
+fn kept(blended: usize) -> usize {
+    if blended == 1 { 1 } else { blended + 1 }
 }
 
 /// The colour of a point, or `None` without candidates. The weight of the first view left out is subtracted from all

@@ -4,13 +4,11 @@ use super::{
     blend,
     candidate::{Candidate, insert_best, sample_view},
     depth::DepthBuffer,
+    kept,
 };
 use crate::{executor::Executor, point_cloud::Mesh, view::View};
 use alloc::vec::Vec;
 use glam::Vec3;
-
-/// Most views that are blended at a point.
-const MOST_BLENDED: usize = 7;
 
 /// Gives the colour of any point of a mesh, by the rules by which [`super::colour`] gives those of its vertices.
 pub(crate) struct PointColours<'a> {
@@ -32,23 +30,22 @@ impl<'a> PointColours<'a> {
             }
             buffer
         });
-        Self { views, buffers, gains, blended: (blended.max(1) as usize).min(MOST_BLENDED) }
+        Self { views, buffers, gains, blended: blended.max(1) as usize }
     }
 
-    /// The sRGB colour of a point of the mesh with a normal, or `None` if no view sees it.
-    pub fn at(&self, position: Vec3, normal: Vec3) -> Option<Vec3> {
-        let mut best = [Candidate { score: 0.0, view: u16::MAX, rgb: Vec3::ZERO }; MOST_BLENDED + 1];
-        // Blending also needs the best view that is left out.
-        let kept = if self.blended == 1 { 1 } else { self.blended + 1 };
+    /// The sRGB colour of a point of the mesh with a normal, or `None` if no view sees it. `best` is overwritten.
+    pub fn at(&self, position: Vec3, normal: Vec3, best: &mut Vec<Candidate>) -> Option<Vec3> {
+        best.clear();
+        best.resize(kept(self.blended), Candidate::NONE);
         for (i, (view, buffer)) in self.views.iter().zip(&self.buffers).enumerate() {
             if !view.is_used() {
                 continue;
             }
             let pixel = view.camera.project(position);
             if let Some(candidate) = sample_view(view, i as u16, buffer, position, normal, pixel) {
-                insert_best(&mut best[..kept], candidate);
+                insert_best(best, candidate);
             }
         }
-        blend(&best[..kept], self.blended, self.gains)
+        blend(best, self.blended, self.gains)
     }
 }

@@ -78,7 +78,8 @@ impl<R: Deref<Target = Rig> + Sync> Frame<R> {
         let progress = part(steps - 1);
         let size = texture::size(&mesh, footprint, params)?;
         within_memory(&mesh, size)?;
-        let (mesh, texture) = texture(&mesh, &self.views, &gains, size, params.blended_views, executor, &progress)?;
+        let (mesh, texture) =
+            texture(&mesh, &self.views, &gains, size, self.params.colour.blended_views, executor, &progress)?;
         Ok(Form { mesh, texture: Some(texture) })
     }
 }

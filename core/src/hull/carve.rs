@@ -156,7 +156,7 @@ fn longest_edge(carvers: &[Carver], voxel_pixels: f32) -> u32 {
     let side = carvers.iter().map(|c| c.camera.width.max(c.camera.height)).max().unwrap_or(0);
     let blocks = MAX_PICTURES * side as f32 / (voxel_pixels * BLOCK as f32);
     // Coordinates of blocks have 16 bits.
-    (libm::ceilf(blocks) as u32 + SMALLEST_EDGE).min(u32::from(u16::MAX))
+    (libm::ceilf(blocks) as u32).saturating_add(SMALLEST_EDGE).min(u32::from(u16::MAX))
 }
 
 /// Median over the views of the footprint at a point. `None` if no view has it in front, or if it is not a positive number.

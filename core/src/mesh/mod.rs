@@ -64,7 +64,13 @@ pub struct Meshed {
 
 /// Number of blocks in the bounding box of the grid on which points within bounds of this size are meshed.
 pub(crate) fn grid_blocks(size: Vec3, voxel: f32) -> u64 {
-    poisson::blocks(size, voxel)
+    if fits(size, voxel) { poisson::blocks(size, voxel) } else { 0 }
+}
+
+/// Whether bounds of this size are not empty, and not too long for the solver's grid.
+fn fits(size: Vec3, voxel: f32) -> bool {
+    // Written so that NaN fails as well.
+    voxel > 0.0 && size.min_element() >= 0.0 && size.max_element() < MAX_NODES * voxel
 }
 
 /// Largest number of voxels along the longest side of the bounds.
@@ -85,8 +91,7 @@ pub fn mesh(
     progress: &dyn Progress,
 ) -> Result<Meshed> {
     let (low, high) = envelope.bounds();
-    // Written so that NaN fails as well.
-    if !(voxel > 0.0 && (high - low).min_element() >= 0.0 && (high - low).max_element() < MAX_NODES * voxel) {
+    if !fits(high - low, voxel) {
         return Err(Error::NoSurface);
     }
     let solves = if params.space_constraint == Some(SpaceConstraint::Rectify) { 2 } else { 1 };

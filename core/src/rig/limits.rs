@@ -126,8 +126,8 @@ pub(super) fn check_distances(cameras: &[Camera], meeting: DVec3) -> Result<()> 
     let out = |distance: f64| distance > DISPROPORTION * median || distance * DISPROPORTION < median;
     if let Some(camera) = distances.iter().position(|&distance| out(distance)) {
         let problem = format!(
-            "it is {:e} units from where the cameras look, but half of the cameras are at most {median:e} away: check its t, and \
-             that all cameras have the same unit",
+            "it is {:e} units from where the cameras look, but the median of the cameras is {median:e} units away: check its \
+             t, and that all cameras have the same unit",
             distances[camera]
         );
         return Err(Error::Camera { camera: camera as u32, problem });

@@ -35,9 +35,9 @@ pub struct Rig {
 }
 
 impl Rig {
-    /// Checks the cameras and computes the data that frames share. Sizes, focal lengths, distortion, positions and distances
-    /// out of reason are refused before memory is allocated: sides of more than 32768 pixels, pictures of more than 2²⁸ pixels
-    /// and 2³⁴ pixels together, angles of view beyond 0.06° to 179°, distances from where the cameras look of less than 10⁻⁶ or
+    /// Checks the cameras and computes the data that frames share. Sizes, focal lengths, distortion, positions and
+    /// distances out of reason are refused before memory is allocated: sides of more than 32768 pixels, pictures of more
+    /// than 2²⁸ pixels and 2³⁴ pixels together, lenses whose map needs more than 64 MiB, angles of view beyond 0.06° to 179°, distances from where the cameras look of less than 10⁻⁶ or
     /// more than 10⁹, and cameras 100 times nearer or farther than most.
     ///
     /// # Errors
@@ -60,7 +60,9 @@ impl Rig {
         let pinholes: Vec<_> = cameras.iter().map(|c| Pinhole::new(c, origin)).collect();
         let ordered: Vec<_> = order.iter().map(|&i| pinholes[i as usize]).collect();
         let neighbours = (0..ordered.len()).map(|view| neighbours(&ordered, view)).collect();
-        let undistortions = cameras.iter().map(Undistortion::new).collect();
+        let map =
+            |(i, camera)| Undistortion::new(camera).map_err(|problem| Error::Camera { camera: i as u32, problem });
+        let undistortions = cameras.iter().enumerate().map(map).collect::<Result<_>>()?;
         Ok(Self {
             cameras: cameras.to_vec(),
             pinholes,

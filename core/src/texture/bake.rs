@@ -2,7 +2,7 @@
 
 use super::{cells::Cells, pack::Packed, unfold::Unfolded};
 use crate::{
-    colour::PointColours,
+    colour::{Candidate, PointColours},
     error::Result,
     executor::Executor,
     point_cloud::Mesh,
@@ -10,6 +10,7 @@ use crate::{
     stage::Stage,
 };
 use alloc::{vec, vec::Vec};
+use core::sync::atomic::{AtomicU32, Ordering};
 use glam::{Vec2, Vec3};
 
 /// Rows of texels per job.
@@ -31,17 +32,20 @@ pub(super) fn bake(
     let size = size as usize;
     let owners = owners(charts, packed, size);
     let jobs = size.div_ceil(ROWS);
+    let done = AtomicU32::new(0);
     let bands = executor.map(jobs, |job| {
-        progress::step(progress, Stage::Form, job as u32, jobs as u32)?;
+        let mut scratch = Vec::new();
         let texels = job * ROWS * size..((job + 1) * ROWS).min(size) * size;
-        Ok(texels
+        let band: Vec<_> = texels
             .map(|i| {
                 let (chart, triangle) = owners[i].of()?;
                 let chart_texels = corners(&charts[chart], packed, chart, triangle);
                 let weights = weights(chart_texels, Vec2::new((i % size) as f32, (i / size) as f32));
-                Some(colour(mesh, charts[chart].triangles[triangle], weights, colours))
+                Some(colour(mesh, charts[chart].triangles[triangle], weights, colours, &mut scratch))
             })
-            .collect::<Vec<_>>())
+            .collect();
+        progress::step(progress, Stage::Form, done.fetch_add(1, Ordering::Relaxed) + 1, jobs as u32)?;
+        Ok(band)
     });
     let mut all = Vec::with_capacity(size * size);
     for band in bands {
@@ -93,12 +97,18 @@ fn weights([a, b, c]: [Vec2; 3], p: Vec2) -> [f32; 3] {
     [1.0 - wb - wc, wb, wc]
 }
 
-fn colour(mesh: &Mesh, triangle: u32, weights: [f32; 3], colours: &PointColours) -> [u8; 3] {
+fn colour(
+    mesh: &Mesh,
+    triangle: u32,
+    weights: [f32; 3],
+    colours: &PointColours,
+    scratch: &mut Vec<Candidate>,
+) -> [u8; 3] {
     let corners = mesh.triangles[triangle as usize].map(|v| v as usize);
     let mix = |of: &dyn Fn(usize) -> Vec3| {
         of(corners[0]) * weights[0] + of(corners[1]) * weights[1] + of(corners[2]) * weights[2]
     };
-    let seen = colours.at(mix(&|v| mesh.positions[v]), mix(&|v| mesh.normals[v]));
+    let seen = colours.at(mix(&|v| mesh.positions[v]), mix(&|v| mesh.normals[v]), scratch);
     let colour = seen.unwrap_or_else(|| mix(&|v| Vec3::from_array(mesh.colours[v].map(f32::from))));
     colour.to_array().map(|v| libm::roundf(v.clamp(0.0, 255.0)) as u8)
 }

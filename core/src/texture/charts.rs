@@ -30,18 +30,20 @@ pub(super) struct Chart {
 
 /// Cuts a surface into charts. `normals` are those of the triangles, with the length of their areas.
 pub(super) fn charts(normals: &[Vec3], neighbours: &[[u32; 3]]) -> Vec<Chart> {
-    let labels = labels(normals, neighbours);
+    let units: Vec<Vec3> = normals.iter().copied().map(unit).collect();
+    let labels = labels(&units, neighbours);
     let all = (0..normals.len() as u32).collect::<Vec<_>>();
-    let parts = connected(&all, neighbours, |a, b| labels[a as usize] == labels[b as usize]);
-    parts.into_iter().map(|triangles| Chart::new(triangles, &labels, normals)).collect()
+    let same_label = |a: u32, b: u32| labels[a as usize] == labels[b as usize];
+    let parts = connected(&all, neighbours, &mut vec![false; normals.len()], same_label);
+    parts.into_iter().map(|triangles| Chart::new(triangles, &labels, normals, &units)).collect()
 }
 
 impl Chart {
-    fn new(triangles: Vec<u32>, labels: &[u8], normals: &[Vec3]) -> Self {
+    fn new(triangles: Vec<u32>, labels: &[u8], normals: &[Vec3], units: &[Vec3]) -> Self {
         let direction = DIRECTIONS[usize::from(labels[triangles[0] as usize])];
         // The mean direction stretches least, but only the label's direction is certain to be faced by all.
         let mean = unit(triangles.iter().map(|&t| normals[t as usize]).sum());
-        let faced = triangles.iter().all(|&t| unit(normals[t as usize]).dot(mean) >= LEAST_FACING);
+        let faced = triangles.iter().all(|&t| units[t as usize].dot(mean) >= LEAST_FACING);
         Self { triangles, axis: if faced { mean } else { direction } }
     }
 }
@@ -52,13 +54,12 @@ fn unit(v: Vec3) -> Vec3 {
     if length > 0.0 { v / length } else { Vec3::ZERO }
 }
 
-/// A label per triangle.
-fn labels(normals: &[Vec3], neighbours: &[[u32; 3]]) -> Vec<u8> {
-    let facing = |t: usize, label: usize| unit(normals[t]).dot(DIRECTIONS[label]);
-    let best = |score: &dyn Fn(usize) -> f32| {
-        (1..6).fold(0, |best, label| if score(label) > score(best) { label } else { best })
-    };
-    let mut labels: Vec<u8> = (0..normals.len()).map(|t| best(&|label| facing(t, label)) as u8).collect();
+/// A label per triangle, from the triangles' unit normals.
+fn labels(units: &[Vec3], neighbours: &[[u32; 3]]) -> Vec<u8> {
+    let facing = |t: usize| DIRECTIONS.map(|direction| units[t].dot(direction));
+    // Of equal scores the first counts.
+    let best = |scores: [f32; 6]| (1..6).fold(0, |best, i| if scores[i] > scores[best] { i } else { best }) as u8;
+    let mut labels: Vec<u8> = (0..units.len()).map(|t| best(facing(t))).collect();
     for _ in 0..ROUNDS {
         let mut changed = false;
         for t in 0..labels.len() {
@@ -66,11 +67,11 @@ fn labels(normals: &[Vec3], neighbours: &[[u32; 3]]) -> Vec<u8> {
             for &n in neighbours[t].iter().filter(|&&n| n != NONE) {
                 agreeing[usize::from(labels[n as usize])] += AGREEMENT;
             }
-            let score = |label: usize| {
-                let facing = facing(t, label);
-                if facing > LEAST_FACING { facing + agreeing[label] } else { facing - 2.0 }
-            };
-            let label = best(&score) as u8;
+            let mut scores = facing(t);
+            for (score, agreeing) in scores.iter_mut().zip(agreeing) {
+                *score += if *score > LEAST_FACING { agreeing } else { -2.0 };
+            }
+            let label = best(scores);
             changed |= label != labels[t];
             labels[t] = label;
         }
@@ -82,13 +83,14 @@ fn labels(normals: &[Vec3], neighbours: &[[u32; 3]]) -> Vec<u8> {
 }
 
 /// The connected parts of some triangles, where only pairs that `joined` accepts are connected. Parts are in the order
-/// of their first triangle. The triangles of a part are in the order in which they are reached from it.
+/// of their first triangle. The triangles of a part are in the order in which they are reached from it. `waiting` has a flag
+/// per triangle of the mesh; all are false before and after.
 pub(super) fn connected(
     triangles: &[u32],
     neighbours: &[[u32; 3]],
+    waiting: &mut [bool],
     joined: impl Fn(u32, u32) -> bool,
 ) -> Vec<Vec<u32>> {
-    let mut waiting = vec![false; neighbours.len()];
     triangles.iter().for_each(|&t| waiting[t as usize] = true);
     let mut parts = Vec::new();
     for &first in triangles {

@@ -17,7 +17,8 @@ use crate::{
     error::{Error, Result},
     executor::Executor,
     point_cloud::Mesh,
-    progress::Progress,
+    progress::{self, Onward, Progress},
+    stage::Stage,
     view::View,
 };
 use alloc::{format, vec, vec::Vec};
@@ -26,18 +27,10 @@ use pack::Packed;
 use unfold::Unfolded;
 
 /// Parameters of a texture.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct TextureParams {
     /// Texels along a side. `None` chooses the smallest power of two that keeps the detail of the photographs.
     pub size: Option<u32>,
-    /// Number of views that are blended at a texel.
-    pub blended_views: u32,
-}
-
-impl Default for TextureParams {
-    fn default() -> Self {
-        Self { size: None, blended_views: 3 }
-    }
 }
 
 /// Smallest and largest number of texels along a side.
@@ -63,7 +56,8 @@ pub struct Texture {
 /// surface without colours of vertices. A vertex at a border of charts is there once per chart, at the same position and
 /// with the same normal.
 ///
-/// `gains` has one factor per view, and `size` comes from [`size()`].
+/// `gains` has one factor per view, `size` comes from [`size()`], and `blended_views` is that of
+/// [`crate::colour::ColourParams`].
 ///
 /// # Errors
 /// [`Error::Form`] if the texture is too small for the mesh, and [`Error::Cancelled`].
@@ -78,15 +72,21 @@ pub(crate) fn texture(
 ) -> Result<(Mesh, Texture)> {
     let normals: Vec<Vec3> = normals(mesh).collect();
     let neighbours = adjacency::adjacency(mesh);
+    // The steps are those of baking, which takes longest. Before it the progress only asks whether to go on.
+    let progress = &Onward::new(progress);
+    let go_on = || progress::step(progress, Stage::Form, 0, 1);
+    go_on()?;
     let charts = charts::charts(&normals, &neighbours);
+    go_on()?;
     let charts = unfold::unfold(mesh, charts, &neighbours, 1.0 / pack::expected_scale(area_of(&normals), size));
-    let Some(packed) = pack::pack(&charts, size) else {
+    let Some(packed) = pack::pack(&charts, size, go_on)? else {
         let problem = format!(
             "a texture of {size} x {size} texels is too small for this mesh: choose a larger one, or fewer triangles"
         );
         return Err(Error::Form { problem });
     };
     let colours = PointColours::new(mesh, views, gains, blended_views, executor);
+    go_on()?;
     let texels = bake::bake(mesh, &charts, &packed, size, &colours, executor, progress)?;
     let (mesh, uvs) = cut(mesh, &charts, &packed, size);
     Ok((mesh, Texture { uvs, size, texels: spread::spread(&texels, size) }))

@@ -2,6 +2,7 @@
 //! covers no block of texels that another one covers.
 
 use super::{cells::Cells, unfold::Unfolded};
+use crate::error::Result;
 use alloc::{vec, vec::Vec};
 use glam::Vec2;
 
@@ -25,18 +26,20 @@ pub(super) struct Packed {
     pub places: Vec<Vec2>,
 }
 
-/// Packs charts into a texture of `size` × `size` texels, as large as they fit. `None` if they are too many for it.
-pub(super) fn pack(charts: &[Unfolded], size: u32) -> Option<Packed> {
+/// Packs charts into a texture of `size` × `size` texels, as large as they fit. `None` if they are too many for it. `go_on` is
+/// asked before every scale that is tried.
+pub(super) fn pack(charts: &[Unfolded], size: u32, go_on: impl Fn() -> Result<()>) -> Result<Option<Packed>> {
     let area = charts.iter().flat_map(|chart| &chart.corners).map(|&c| area(c)).sum();
     let expected = expected_scale(area, size);
     let mut scale = expected;
     while scale > LEAST * expected {
+        go_on()?;
         if let Some(places) = places(charts, size as usize, scale) {
-            return Some(Packed { scale, places });
+            return Ok(Some(Packed { scale, places }));
         }
         scale *= SHRINK;
     }
-    None
+    Ok(None)
 }
 
 /// The largest scale that can be expected to fit.

@@ -33,13 +33,14 @@ pub(super) fn unfold(mesh: &Mesh, charts: Vec<Chart>, neighbours: &[[u32; 3]], t
     let mut waiting = charts;
     waiting.reverse();
     let mut unfolded = Vec::with_capacity(waiting.len());
+    let mut flags = vec![false; neighbours.len()];
     while let Some(chart) = waiting.pop() {
         let plane = Plane::new(chart.axis);
         let (kept, rest) = split(mesh, &chart, &plane, texel);
-        for triangles in connected(&rest, neighbours, |_, _| true).into_iter().rev() {
+        for triangles in connected(&rest, neighbours, &mut flags, |_, _| true).into_iter().rev() {
             waiting.push(Chart { triangles, axis: chart.axis });
         }
-        for triangles in connected(&kept, neighbours, |_, _| true) {
+        for triangles in connected(&kept, neighbours, &mut flags, |_, _| true) {
             unfolded.push(Unfolded::new(mesh, triangles, &plane));
         }
     }

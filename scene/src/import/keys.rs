@@ -98,7 +98,9 @@ pub fn unread<'a>(
     let mut ignored = Vec::new();
     for (key, value) in object {
         let key = key.as_str();
-        if understood.iter().any(|keys| keys.contains(&key)) || lens::named_by(key, value)?.is_some() {
+        // An object may hold coefficients beside the name of its model.
+        let names_model = || Ok::<bool, String>(lens::named_by(key, value)?.is_some() && !value.is_object());
+        if understood.iter().any(|keys| keys.contains(&key)) || names_model()? {
             continue;
         }
         if !harmless.contains(&key) && looks_like_calibration(key, value) {
@@ -140,6 +142,8 @@ mod tests {
         let nothing = json!({ "k7": 0, "skew": 0.0, "is_fisheye": false, "fov": null });
         assert_eq!(unread(nothing.as_object().unwrap(), &[], &[]), Ok(vec!["fov"]));
         assert!(unread(json!({ "lens": { "k7": 0.1 } }).as_object().unwrap(), &[], &[]).is_err());
+        let named = json!({ "lens": { "distortion_model": "plumb_bob", "k1": -0.2 } });
+        assert!(unread(named.as_object().unwrap(), &[], &[]).is_err());
         assert!(unread(json!({ "exif": { "FocalLength": 35 } }).as_object().unwrap(), &[], &[]).is_ok());
     }
 }

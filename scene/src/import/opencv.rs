@@ -4,8 +4,8 @@
 //! A file contains one camera, or several as a list or map `cameras` or as named maps. Keys beside the cameras apply to
 //! all of them. A folder contains one file per camera. Of the keys below, the first that exists is used:
 //! - K: `camera_matrix`, `cameraMatrix`, `K`, `intrinsic_matrix`, `mtx`
-//! - distortion k1 k2 p1 p2 k3 k4 k5 k6 s1 s2 s3 s4, or k1 k2 k3 k4 if a key says that the lens is a fisheye: `distortion_coefficients`, `distCoeffs`, `dist_coeffs`, `D`, `distortion`, or each by its
-//!   name; default: zero
+//! - distortion k1 k2 p1 p2 k3 k4 k5 k6 s1 s2 s3 s4, or k1 k2 k3 k4 if a key says that the lens is a fisheye:
+//!   `distortion_coefficients`, `distCoeffs`, `dist_coeffs`, `D`, `distortion`, or each by its name; default: zero
 //! - rotation, as a 3x3 matrix or Rodrigues' vector: `R`, `rotation_matrix`, `rotation`, `rvec`,
 //!   `rotation_vector`
 //! - translation: `t`, `tvec`, `T`, `translation`, `translation_vector`

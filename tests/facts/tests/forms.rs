@@ -19,7 +19,7 @@ fn finished<'a>(rig: &'a Rig, shot: &Shot) -> Frame<&'a Rig> {
 }
 
 fn textured(size: Option<u32>) -> FormParams {
-    FormParams { texture: Some(TextureParams { size, ..TextureParams::default() }), ..FormParams::default() }
+    FormParams { texture: Some(TextureParams { size }), ..FormParams::default() }
 }
 
 /// The mesh with vertices at the same position taken as one.

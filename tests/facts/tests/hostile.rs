@@ -1,4 +1,5 @@
-//! Cameras, masks and limits out of the ordinary give an error or a closed mesh, in bounded time and within the limit of memory.
+//! Cameras, masks and limits out of the ordinary give an error or a closed mesh, in bounded time and within the limit of
+//! memory.
 
 use facts::{
     Shot,
@@ -6,8 +7,8 @@ use facts::{
     topology::assert_sound,
 };
 use pcmvs_core::{
-    Camera, Error, Frame, ImageRef, Lens, Mask, Memory, Params, PixelFormat, Preset, Progress, Rig, Serial, Stage,
-    ViewInput,
+    Camera, Error, ErrorCode, FormParams, Frame, ImageRef, Lens, Mask, Memory, Params, PixelFormat, Preset, Progress,
+    Rig, Serial, Silent, Stage, TextureParams, ViewInput,
 };
 use std::{
     sync::Mutex,
@@ -87,6 +88,7 @@ impl Draw {
         for _ in 0..self.below(4) {
             let (one, all, what, axis) = (self.below(cameras.len()), self.below(3) == 0, self.below(9), self.below(3));
             let (number, turn) = (self.extreme(), 3.2 * self.0.signed());
+            let (which, is_fisheye) = (self.below(12), self.below(3) == 0);
             for camera in cameras.iter_mut().enumerate().filter(|&(i, _)| all || i == one).map(|(_, camera)| camera) {
                 match what {
                     0 => camera.k[0][0] *= number,
@@ -95,9 +97,10 @@ impl Draw {
                     3 => camera.t[axis] += number,
                     4 => camera.k[axis.min(1)][2] = number,
                     5 => {
-                        let mut coefficients = [0.0; 5];
-                        coefficients[axis] = number;
-                        camera.lens = Lens::brown(coefficients);
+                        let (mut opencv, mut fisheye) = ([0.0; 12], [0.0; 4]);
+                        opencv[which] = number;
+                        fisheye[axis] = number;
+                        camera.lens = if is_fisheye { Lens::Fisheye(fisheye) } else { Lens::OpenCv(opencv) };
                     }
                     6 => camera.k[0][1] = number,
                     7 => (camera.width, camera.height) = (number as u32, SIZE),
@@ -169,6 +172,17 @@ fn try_one(seed: u64) -> Result<(), Error> {
     assert!(taken < 400 << 20, "seed {seed}: {taken} bytes allocated");
     result?;
     assert_sound(frame.mesh(), &format!("seed {seed}"));
+    // Forms of the smallest meshes, too. A texture may be too small, and a form may need more than the limit.
+    let params = FormParams { faces: Some(200), texture: Some(TextureParams { size: Some(128) }) };
+    match frame.form(&params, &Serial, &Silent) {
+        Ok(form) => assert!(form.mesh.positions.iter().all(|p| p.is_finite()), "seed {seed}"),
+        Err(error) => {
+            assert!(
+                matches!(error.code(), ErrorCode::InvalidArgument | ErrorCode::OutOfMemory),
+                "seed {seed}: {error}"
+            );
+        }
+    }
     Ok(())
 }
 

@@ -82,7 +82,7 @@ fn a_form_takes_what_the_formula_says() {
     };
     let frame = finished(Memory::default());
     for (faces, size) in [(Some(2000), 0), (None, 512), (None, 2048), (Some(2000), 1024)] {
-        let texture = (size > 0).then_some(TextureParams { size: Some(size), ..TextureParams::default() });
+        let texture = (size > 0).then_some(TextureParams { size: Some(size) });
         let form = FormParams { faces, texture };
         let (_, taken) = peak_of(|| drop(frame.form(&form, &Serial, &Silent).expect("nothing is wrong")));
         let needed = memory::form(frame.views(), frame.mesh(), size);

@@ -1,4 +1,5 @@
 //! Cameras around the zero of the scene.
+#![allow(clippy::disallowed_methods, reason = "no result depends on the targets' own numbers")]
 
 use pcmvs_core::{Camera, Lens};
 

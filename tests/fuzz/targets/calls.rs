@@ -19,6 +19,7 @@ use pcmvs::{
 use pcmvs_fuzz::{Bytes, camera, init, ring};
 use std::{
     ffi::{c_int, c_void},
+    mem::MaybeUninit,
     ptr::{null, null_mut},
 };
 
@@ -82,8 +83,9 @@ fuzz_target!(|bytes: &[u8]| {
             let index = bytes.below(CAMERAS + 1) as u32;
             let view = &views[index as usize % CAMERAS];
             let mut options: pcmvs_options = init(pcmvs_options_init);
-            (options.preset, options.progress, options.progress_user) =
-                (bytes.below(5) as u32, Some(progress), (&raw mut left).cast());
+            options.preset = bytes.below(5) as u32;
+            options.progress = Some(progress);
+            options.progress_user = (&raw mut left).cast();
             let mut buffer = [0u8; 4096];
             let mut count = 0;
             let status = match bytes.below(18) {

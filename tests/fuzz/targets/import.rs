@@ -7,13 +7,22 @@ use pcmvs_fuzz::Tree;
 use pcmvs_scene::{Source, import, recognise};
 use std::path::Path;
 
-const NAMES: [(&[&str], Source); 6] = [
+const NAMES: [(&[&str], Source); 15] = [
     (&["ring_par.txt"], Source::Middlebury),
     (&["cameras.txt", "images.txt", "points3D.txt"], Source::Colmap),
     (&["cameras.bin", "images.bin"], Source::Colmap),
     (&["cameras.yml", "extrinsics.yml"], Source::Opencv),
     (&["cameras.json"], Source::Opencv),
     (&["transforms.json", "transforms_test.json"], Source::Transforms),
+    (&["intri.yml", "extri.yml"], Source::Easymocap),
+    (&["bundle.out", "list.txt"], Source::Bundler),
+    (&["cameras.xml"], Source::Metashape),
+    (&["cameras_sphere.npz"], Source::Neus),
+    (&["calibration.toml"], Source::Anipose),
+    (&["calibration_1.json"], Source::Panoptic),
+    (&["cams/00000000_cam.txt"], Source::Mvsnet),
+    (&["camchain.yaml"], Source::Kalibr),
+    (&["images/c0.xmp"], Source::Realitycapture),
 ];
 
 /// Separates files. Binary models have single zero bytes everywhere.

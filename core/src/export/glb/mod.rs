@@ -26,11 +26,11 @@ pub struct Options {
     pub normals: bool,
     /// The scene's upward direction. The file states it as `scenes[0].extras.up`, in its own frame.
     pub up: Option<[f64; 3]>,
-    /// Turns the mesh's node by [`upright()`], so that the object stands upright in every player. Without it the file is in the
+    /// Turns the mesh's node by [`Options::rotation`], so that the object stands upright in every player. Without it the file is in the
     /// scene's frame, for tools that work there.
     pub upright: bool,
-    /// Writes integers of few bits instead of single-precision numbers (KHR_mesh_quantization). Positions are within 1/32,000
-    /// of the object's size, colours within one sRGB code.
+    /// Writes integers of few bits instead of single-precision numbers (KHR_mesh_quantization). Coordinates are within
+    /// 1/32,000 of the object's size, or 1/10,000 where two vertices would meet. Colours are within one sRGB code.
     pub compact: bool,
     /// Quality of a texture's JPEG picture, 1 to 100.
     pub jpeg_quality: u8,
@@ -42,10 +42,18 @@ impl Default for Options {
     }
 }
 
-/// The rotation, as a quaternion x, y, z, w, that turns an upward direction to +y, which is upwards in glTF. `None` if it is +y
-/// already, or no direction.
-pub fn upright(up: [f64; 3]) -> Option<[f64; 4]> {
-    node::upright(DVec3::from_array(up)).map(|rotation| rotation.to_array().map(|v| v + 0.0))
+impl Options {
+    /// The upward direction in the frame of the file.
+    pub fn up_in_file(&self) -> Option<[f64; 3]> {
+        self.up.map(|up| if self.upright { [0.0, 1.0, 0.0] } else { up })
+    }
+
+    /// The rotation, as a quaternion x, y, z, w, that turns the frame of the scene to that of the file: `up` becomes +y, which
+    /// is upwards in glTF. `None` if they are the same.
+    pub fn rotation(&self) -> Option<[f64; 4]> {
+        let up = self.up.filter(|_| self.upright)?;
+        node::upright(DVec3::from_array(up)).map(|rotation| rotation.to_array().map(|v| v + 0.0))
+    }
 }
 
 /// Writes a mesh as the bytes of a GLB file.
@@ -86,8 +94,8 @@ fn file(
         }
         None => ("", String::new()),
     };
-    let up = options.up.map(|up| if options.upright { [0.0, 1.0, 0.0] } else { up });
-    let extras = up.map_or_else(String::new, |[x, y, z]| format!(r#","extras":{{"up":[{x},{y},{z}]}}"#));
+    let extras =
+        options.up_in_file().map_or_else(String::new, |[x, y, z]| format!(r#","extras":{{"up":[{x},{y},{z}]}}"#));
     let json = format!(
         concat!(
             r#"{{{asset},{extensions},"#,
@@ -100,7 +108,7 @@ fn file(
         asset = asset,
         extensions = extensions(options.compact, compress.is_some()),
         extras = extras,
-        node = node::json(placement, options.up.filter(|_| options.upright)),
+        node = node::json(placement, options.rotation()),
         primitive = primitive,
         base = base,
         pictures = pictures,

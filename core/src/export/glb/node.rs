@@ -12,9 +12,9 @@ pub(super) struct Placement {
     pub offset: DVec3,
 }
 
-/// The JSON members of a node that places a mesh and turns the upward direction, if one is given, to +y.
-pub(super) fn json(placement: Placement, up: Option<[f64; 3]>) -> String {
-    let rotation = up.and_then(|up| upright(DVec3::from_array(up)));
+/// The JSON members of a node that places a mesh and turns it.
+pub(super) fn json(placement: Placement, rotation: Option<[f64; 4]>) -> String {
+    let rotation = rotation.map(DQuat::from_array);
     let translation = rotation.map_or(placement.offset, |rotation| rotation * placement.offset);
     let mut json = String::new();
     if translation != DVec3::ZERO {
@@ -22,7 +22,7 @@ pub(super) fn json(placement: Placement, up: Option<[f64; 3]>) -> String {
         json += &format!(r#","translation":[{x},{y},{z}]"#);
     }
     if let Some(rotation) = rotation {
-        let [x, y, z, w] = rotation.to_array().map(|v| v + 0.0);
+        let [x, y, z, w] = rotation.to_array();
         json += &format!(r#","rotation":[{x},{y},{z},{w}]"#);
     }
     if placement.scale != 1.0 {
@@ -71,7 +71,7 @@ mod tests {
         let placement = Placement { scale: 0.5, offset: DVec3::new(1.0, 2.0, 3.0) };
         assert_eq!(json(placement, None), r#","translation":[1,2,3],"scale":[0.5,0.5,0.5]"#);
         // z up: x stays, y becomes -z, z becomes y.
-        let json = json(placement, Some([0.0, 0.0, 1.0]));
+        let json = json(placement, upright(DVec3::Z).map(|rotation| rotation.to_array()));
         let numbers: Vec<f64> = json[16..].split(']').next().unwrap().split(',').map(|v| v.parse().unwrap()).collect();
         assert!(numbers.iter().zip([1.0, 3.0, -2.0]).all(|(a, b)| (a - b).abs() < 1e-12), "{json}");
     }
