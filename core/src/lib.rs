@@ -103,6 +103,7 @@ pub mod coarse;
 pub mod colour;
 mod context;
 pub mod contours;
+mod cut_out;
 pub mod detect;
 mod eigen;
 pub mod error;

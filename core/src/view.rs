@@ -2,6 +2,7 @@
 
 use crate::{
     camera::Pinhole,
+    cut_out::is_cut_out,
     error::{Error, Result},
     hash::Hash64,
     image::{self, ImageRef},
@@ -55,6 +56,8 @@ pub struct View {
     pub given: Option<Arc<Silhouette>>,
     /// Number of pixels by which the other views have completed the silhouette.
     pub added: u32,
+    /// Whether the object has been cut out of the picture, so that outside [`Self::silhouette_as_given`] it shows nothing.
+    pub cut_out: bool,
     /// Why the view contributes nothing to its frame. `None` if it takes part.
     pub left_out: Option<LeftOut>,
 }
@@ -109,7 +112,7 @@ impl View {
     /// A view without picture. `index` is the place of the camera in [`Rig::order`].
     pub fn of_silhouette(index: u16, camera: Pinhole, silhouette: Option<Arc<Silhouette>>) -> Self {
         let (rgb, luma) = (Vec::new(), Vec::new());
-        Self { index, camera, rgb, luma, silhouette, given: None, added: 0, left_out: None }
+        Self { index, camera, rgb, luma, silhouette, given: None, added: 0, cut_out: false, left_out: None }
     }
 
     /// Whether the view takes part in its frame.
@@ -125,6 +128,12 @@ impl View {
     /// The silhouette as it was before the other views changed it.
     pub(crate) fn silhouette_as_given(&self) -> Option<&Arc<Silhouette>> {
         self.given.as_ref().or(self.silhouette.as_ref())
+    }
+
+    /// The silhouette of what the picture shows. Without one, all of it may show the object. It differs from
+    /// [`Self::silhouette`], which carves the hull, where the other views have completed that of a picture that was cut out.
+    pub(crate) fn shown(&self) -> Option<&Arc<Silhouette>> {
+        if self.cut_out { self.silhouette_as_given() } else { self.silhouette.as_ref() }
     }
 
     /// Gives the view its silhouette back as it was before the other views changed it.
@@ -229,8 +238,9 @@ impl View {
         };
         luma.clear();
         luma.extend(rgb.chunks_exact(3).map(|p| image::luma([p[0], p[1], p[2]])));
+        let cut_out = silhouette.as_ref().is_some_and(|silhouette| is_cut_out(&rgb, silhouette));
         let silhouette = silhouette.map(Arc::new);
         let camera = rig.pinholes()[index];
-        Ok(Self { rgb, luma, left_out, ..Self::of_silhouette(place as u16, camera, silhouette) })
+        Ok(Self { rgb, luma, cut_out, left_out, ..Self::of_silhouette(place as u16, camera, silhouette) })
     }
 }

@@ -57,7 +57,7 @@ pub(super) fn sample_view(
     let gradient = Vec2::new(normal.dot(right), normal.dot(down)) / normal.dot(ray);
     let slope = sqrt(1.0 - min(cosine * cosine, 1.0)) / cosine;
     let border = buffer.visible(pixel, gradient, footprint * (1.5 + 0.5 * slope))?;
-    let contour = match &view.silhouette {
+    let contour = match view.shown() {
         Some(silhouette) => silhouette.sample(pixel.x, pixel.y)?,
         None => CLEAN_PIXELS,
     };

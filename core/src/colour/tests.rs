@@ -126,6 +126,30 @@ fn seen_vertices_take_the_surface_colour() {
     }
 }
 
+/// A picture that was cut out along a matte shows nothing where the matte lacks something, whatever the other views have
+/// made of the silhouette since.
+#[test]
+fn what_was_cut_out_of_a_picture_gives_no_colour() {
+    let balls = [Ball(Vec3::ZERO, 1.0, smooth)];
+    let mut views = ring(&balls, 8, |_| Vec3::ONE);
+    let completed = views[0].silhouette.clone();
+    let distances = completed.as_ref().unwrap().distances();
+    let in_stripe = |i: usize| (i % SIZE as usize).abs_diff(SIZE as usize / 2) < 8;
+    let coverage = |(i, &d): (usize, &i16)| if d > 0 && !in_stripe(i) { 255 } else { 0 };
+    let coverage: Vec<u8> = distances.iter().enumerate().map(coverage).collect();
+    let lacking = Silhouette::from_coverage(SIZE, SIZE, &coverage, |_| true).unwrap();
+    views[0].rgb.chunks_exact_mut(3).zip(&coverage).filter(|&(_, &c)| c == 0).for_each(|(pixel, _)| pixel.fill(255));
+    let given = Some(Arc::new(lacking));
+    for silhouette in [completed, None] {
+        views[0] = View { cut_out: true, given: given.clone(), silhouette, ..views[0].clone() };
+        let mut mesh = mesh(&balls);
+        colour(&mut mesh, &views, None, &PAPER, &mut Workspace::default(), &Silent).unwrap();
+        let normals = mesh.normals.clone();
+        let error = worst(&mesh, |v| smooth(normals[v]), |v| (-0.3..0.9).contains(&normals[v].z));
+        assert!(error < 2.0, "{error}");
+    }
+}
+
 #[test]
 fn hidden_vertices_never_take_the_colour_of_what_hides_them() {
     // Seen from each camera, one ball hides a part of the other.

@@ -18,7 +18,7 @@ pub struct PyramidLevel<'a> {
 impl<'a> PyramidLevel<'a> {
     /// The view at its full resolution, borrowed.
     pub fn full(view: &'a View) -> Self {
-        let inside = match &view.silhouette {
+        let inside = match view.shown() {
             Some(s) => Cow::Borrowed(s.distances()),
             None => Cow::Owned(vec![i16::MAX; view.luma.len()]),
         };

@@ -182,8 +182,8 @@ impl Warning {
                 100.0 * overlap
             ),
             Self::SilhouetteCompleted { pixels, .. } => format!(
-                "its silhouette lacked {pixels} pixels that have the object's colours and that the other views show as object; \
-                 they have been added: look for holes in its mask"
+                "its silhouette lacked {pixels} pixels that the other views show as object; they have been added: look for \
+                 holes in its mask"
             ),
             Self::CameraContradicts { overlap, .. } => format!(
                 "its picture contradicts the other views, which it agrees with to {:.1} %, so that it is not used: check \
@@ -195,13 +195,21 @@ impl Warning {
                  used. Exchange their pictures and masks",
                 name(*other)
             ),
-            Self::SilhouetteDisagrees { overlap, median, .. } => format!(
-                "its silhouette disagrees with the other views: it overlaps with the hull to {:.1} % (median of all: {:.1} %): \
-                 check whether its mask lacks a part, whether the camera was moved since its calibration, and whether its \
-                 picture is of the same instant and of this camera",
-                100.0 * overlap,
-                100.0 * median
-            ),
+            Self::SilhouetteDisagrees { overlap, median, .. } => {
+                let reason = if overlap < median {
+                    format!(
+                        "it overlaps with the hull to {:.1} % (median of all: {:.1} %)",
+                        100.0 * overlap,
+                        100.0 * median
+                    )
+                } else {
+                    String::from("it excludes places that several of them show as object")
+                };
+                format!(
+                    "its silhouette disagrees with the other views: {reason}: check whether its mask lacks a part, whether the \
+                     camera was moved since its calibration, and whether its picture is of the same instant and of this camera"
+                )
+            }
             Self::SilhouettesContradict { median, worst, overlap } => format!(
                 "the silhouettes contradict each other: half of them agree with the others to less than {:.1} %, and {} to \
                  {:.1} % only. Parts of the object may be missing. Check masks and calibration; the camera at fault may be \

@@ -15,6 +15,7 @@ pub(crate) mod refine;
 pub use chroma::{ChromaKey, MORE_COLOURS};
 pub(crate) use distance::SilhouetteScratch;
 pub use no_silhouette::NoSilhouette;
+pub(crate) use parts::{Connected, Parts};
 pub use refine::{ContourParams, Uncertainty};
 
 use alloc::{
@@ -114,6 +115,18 @@ impl Silhouette {
         }
         let full = distance.iter().all(|&d| d > 0);
         Self { distance, full, uncertainty: self.uncertainty.clone(), ..*self }
+    }
+
+    /// Marks the pixels outside the object that lie in gaps at most `2 * reach` pixels wide: those that remain outside if the
+    /// object grows by `reach` and then shrinks by it.
+    pub(crate) fn narrow(&self, reach: f32) -> Vec<bool> {
+        let reach = (reach * Self::UNITS) as i16;
+        let grown: Vec<u8> = self.distance.iter().map(|&d| if d > -reach { 255 } else { 0 }).collect();
+        let (w, h) = (self.width as usize, self.height as usize);
+        let known = |i: usize| self.distance[i] != Self::UNKNOWN;
+        let mut distance = Vec::new();
+        distance::signed_distance(w, h, &grown, known, &mut SilhouetteScratch::default(), &mut distance);
+        distance.iter().zip(&self.distance).map(|(&grown, &d)| d <= 0 && grown > reach).collect()
     }
 
     /// Whether the object fills the picture: every pixel with a source belongs to it.

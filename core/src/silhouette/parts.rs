@@ -5,7 +5,7 @@ use alloc::{collections::VecDeque, vec::Vec};
 
 /// Which pixels next to each other are connected.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Connected {
+pub(crate) enum Connected {
     /// Those that share a side.
     Sides,
     /// Those that share a side or a corner.
@@ -14,7 +14,7 @@ pub(super) enum Connected {
 
 /// A connected part of one side of the contour.
 #[derive(Debug)]
-pub(super) struct Part {
+pub(crate) struct Part {
     /// Whether it belongs to the object.
     pub inside: bool,
     /// Number of its pixels.
@@ -25,7 +25,7 @@ pub(super) struct Part {
 
 /// Connected parts, in the order of their first pixels.
 #[derive(Debug, Default)]
-pub(super) struct Parts {
+pub(crate) struct Parts {
     /// Each pixel's part.
     of: Vec<u32>,
     /// The parts.

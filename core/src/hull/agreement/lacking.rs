@@ -2,8 +2,10 @@
 //! along whose rays all other silhouettes agree that there is something.
 
 use super::{
-    super::carver::{Carver, carvers},
+    super::carver::carvers,
     colours::{ObjectColours, bin},
+    gaps::gaps,
+    rays::Rays,
 };
 use crate::{
     error::Result,
@@ -21,15 +23,6 @@ const EVIDENCE: f32 = 8.0;
 /// smaller may be a fringe of mixed colours.
 const MIN_PIXELS: usize = 24;
 const MIN_DEPTH: f32 = -1.75;
-/// Largest number of a part's pixels whose rays are followed, and the share of them that must meet the hull of the other
-/// views.
-const RAYS: usize = 48;
-const MIN_SHARE: f32 = 0.9;
-/// Shortest piece of a ray inside the hull of the other views that counts, and the step along a ray, in pixels of footprint.
-const MIN_LENGTH: f32 = 12.0;
-const STEP: f32 = 4.0;
-/// Smallest number of silhouettes that must contain a place of a ray.
-const MIN_SUPPORT: u32 = 3;
 
 /// A silhouette that lacked parts, with the parts added.
 pub struct Completed {
@@ -41,7 +34,8 @@ pub struct Completed {
     pub added: u32,
 }
 
-/// The silhouettes that lack parts, with the parts added. `bounds` are those of the hull, and `footprint` is the size of a pixel there, in scene units.
+/// The silhouettes that lack parts, with the parts added. `bounds` are those of the hull, and `footprint` is the size of a
+/// pixel there, in scene units.
 ///
 /// # Errors
 /// [`crate::Error::Cancelled`].
@@ -58,10 +52,12 @@ pub fn completed(
         progress::step(progress, Stage::Hull, own as u32, carvers.len() as u32)?;
         let view = &views[usize::from(carvers[own].index)];
         let rays = Rays { carvers: &carvers, own, bounds, footprint };
-        if let Some(added) = lacking(view, &carvers[own].silhouette, &object, &rays) {
+        let silhouette = &carvers[own].silhouette;
+        let added = lacking(view, silhouette, &object, &rays).or_else(|| gaps(views, view, silhouette, &rays));
+        if let Some(added) = added {
             completed.push(Completed {
                 place: carvers[own].index,
-                silhouette: Arc::new(carvers[own].silhouette.with_added(&added)),
+                silhouette: Arc::new(silhouette.with_added(&added)),
                 added: added.iter().filter(|&&is_added| is_added).count() as u32,
             });
         }
@@ -115,84 +111,4 @@ fn lacking(view: &View, silhouette: &Silhouette, object: &ObjectColours, rays: &
         }
     }
     added
-}
-
-/// Rays of a view through the hull of the other views.
-struct Rays<'a> {
-    carvers: &'a [Carver],
-    own: usize,
-    bounds: (Vec3, Vec3),
-    footprint: f32,
-}
-
-impl Rays<'_> {
-    /// First and last column and row of the part of the picture in which the hull may lie.
-    fn part_of_picture(&self, w: usize, h: usize) -> [[usize; 2]; 2] {
-        let camera = &self.carvers[self.own].camera;
-        let (low, high) = self.bounds;
-        let corners = (0..8).map(|k| {
-            let pick = |axis: usize| if k >> axis & 1 == 0 { low[axis] } else { high[axis] };
-            camera.project(Vec3::new(pick(0), pick(1), pick(2)))
-        });
-        let (mut first, mut last) = (Vec3::INFINITY, Vec3::NEG_INFINITY);
-        for q in corners {
-            if q.z <= 0.0 {
-                return [[0, 0], [w, h]];
-            }
-            (first, last) = (first.min(q), last.max(q));
-        }
-        let clamp = |v: f32, n: usize| v.clamp(0.0, n as f32) as usize;
-        [[clamp(first.x, w), clamp(first.y, h)], [clamp(last.x + 1.0, w), clamp(last.y + 1.0, h)]]
-    }
-
-    /// Whether the rays of most pixels of a part meet the hull of the other views.
-    fn meet(&self, part: &[u32], width: usize) -> bool {
-        let every = part.len().div_ceil(RAYS);
-        let followed = part.len().div_ceil(every);
-        let met = part.iter().step_by(every).filter(|&&i| {
-            let i = i as usize;
-            self.meets((i % width) as f32, (i / width) as f32)
-        });
-        met.count() as f32 >= MIN_SHARE * followed as f32
-    }
-
-    /// Whether a pixel's ray meets the hull of the other views in a piece that is long enough.
-    fn meets(&self, x: f32, y: f32) -> bool {
-        let camera = &self.carvers[self.own].camera;
-        let ray = camera.ray(x, y);
-        let unit = 1.0 / ray.length();
-        let (low, high) = self.bounds;
-        let (middle, radius) = ((low + high) * 0.5, (high - low).length() * 0.5);
-        let from = (middle - camera.centre).length();
-        let step = STEP * self.footprint * unit;
-        let (mut t, end) = ((from - radius).max(0.0) * unit, (from + radius) * unit);
-        let (mut length, mut excluding) = (0.0, 0);
-        while t < end {
-            let p = camera.centre + ray * t;
-            t += step;
-            // The view that excluded the last place will mostly exclude this one as well.
-            if excluding != self.own && self.carvers[excluding].pixels(p).is_some_and(|d| d < 0.0) {
-                length = 0.0;
-                continue;
-            }
-            let mut support = 0;
-            let excluded = self.carvers.iter().enumerate().filter(|&(i, _)| i != self.own).find(|(_, carver)| {
-                let d = carver.pixels(p);
-                support += u32::from(d.is_some());
-                d.is_some_and(|d| d < 0.0)
-            });
-            if let Some((by, _)) = excluded {
-                excluding = by;
-            }
-            if excluded.is_some() || support < MIN_SUPPORT {
-                length = 0.0;
-                continue;
-            }
-            length += STEP;
-            if length >= MIN_LENGTH {
-                return true;
-            }
-        }
-        false
-    }
 }

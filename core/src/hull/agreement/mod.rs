@@ -10,8 +10,11 @@ mod colours;
 mod coverage;
 mod excluders;
 mod exclusion;
+mod gaps;
 mod lacking;
+mod rays;
 mod rounds;
+mod stereo;
 
 pub use lacking::{Completed, completed};
 pub use rounds::{Carving, apart, carve_agreeing};

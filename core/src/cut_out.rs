@@ -1,0 +1,63 @@
+//! Pictures from which the object has been cut out: what surrounds it was replaced by one colour, along the given matte.
+//!
+//! Such a picture says nothing about the world outside its matte. Where the matte lacks a part of the object, the picture
+//! lacks it as well.
+
+use crate::silhouette::Silhouette;
+
+/// Pixels farther outside the contour than this count, in pixels: compression blurs the object's colours across the
+/// contour.
+const OUTSIDE: f32 = -12.0;
+/// Smallest share of these pixels that have the colour, and how far each channel of such a pixel may be from it.
+const SHARE: f32 = 0.9999;
+const TOLERANCE: u8 = 2;
+
+/// Whether a picture shows one single colour outside its silhouette. Photographs of real backdrops have noise.
+pub(crate) fn is_cut_out(rgb: &[u8], silhouette: &Silhouette) -> bool {
+    let outside = (OUTSIDE * Silhouette::UNITS) as i16;
+    let pixels = || rgb.chunks_exact(3).zip(silhouette.distances()).filter(|&(_, &d)| d < outside).map(|(p, _)| p);
+    // The colour that more than half of the pixels have, if there is one (Boyer and Moore's majority vote).
+    let (mut colour, mut votes, mut total) = ([0u8; 3], 0u32, 0u32);
+    for pixel in pixels() {
+        total += 1;
+        if votes == 0 {
+            colour.copy_from_slice(pixel);
+        }
+        if *pixel == colour { votes += 1 } else { votes -= 1 }
+    }
+    let limit = (SHARE * total as f32) as u32;
+    let is_near = |pixel: &&[u8]| pixel.iter().zip(&colour).all(|(&a, &b)| a.abs_diff(b) <= TOLERANCE);
+    votes > 0 && pixels().filter(is_near).count() as u32 >= limit.max(1)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::testing::{pinhole, silhouette_of};
+    use alloc::vec::Vec;
+    use glam::Vec3;
+
+    /// Its backdrop alone decides: constant or nearly so, or with the noise of a sensor.
+    #[test]
+    fn pictures_without_noise_outside_the_object_are_cut_out() {
+        let camera = pinhole(Vec3::new(4.0, 0.0, 0.0), Vec3::ZERO, 120, 200.0);
+        let view = silhouette_of(&[(Vec3::ZERO, 0.6)], &camera, 0);
+        let silhouette = view.silhouette.as_deref().expect("it has one");
+        let mut random = 1u32;
+        let mut picture = |levels: &[u8]| -> Vec<u8> {
+            let mut level = || {
+                random = random.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+                levels[(random >> 16) as usize % levels.len()]
+            };
+            let pixel = |&d: &i16| [if d > 0 { 90 } else { level() }; 3];
+            silhouette.distances().iter().flat_map(pixel).collect()
+        };
+        assert!(is_cut_out(&picture(&[250]), silhouette));
+        assert!(is_cut_out(&picture(&[250, 250, 250, 249]), silhouette), "compression changes single levels");
+        assert!(!is_cut_out(&picture(&[250, 249, 248, 247, 246, 245]), silhouette));
+        // An object that the matte lacks.
+        let mut lacking = picture(&[250]);
+        lacking[..3 * 120 * 4].fill(40);
+        assert!(!is_cut_out(&lacking, silhouette));
+    }
+}
