@@ -208,6 +208,9 @@ enum pcmvs_stage
   PCMVS_STAGE_MESH = 6,
   // Colours the mesh.
   PCMVS_STAGE_COLOUR = 7,
+  // Makes a form of the finished mesh, see `pcmvs_frame_form`. It belongs to progress and errors only: it is not in the
+  // order, and `pcmvs_frame_step` does not know it.
+  PCMVS_STAGE_FORM = 8,
 };
 #ifndef __cplusplus
 #if __STDC_VERSION__ >= 202311L
@@ -300,6 +303,9 @@ enum pcmvs_mesh_kind
   PCMVS_MESH_KIND_HULL = 1,
   // The mesh of the coarse pass, from `pcmvs_frame_coarse`. Empty if the preset has no coarse pass.
   PCMVS_MESH_KIND_COARSE = 2,
+  // The form of the result that `pcmvs_frame_form` made last. With a texture, a vertex at a border of charts is there once
+  // per chart, at the same position.
+  PCMVS_MESH_KIND_FORM = 3,
 };
 #ifndef __cplusplus
 #if __STDC_VERSION__ >= 202311L
@@ -309,8 +315,7 @@ typedef uint32_t pcmvs_mesh_kind;
 #endif // __STDC_VERSION__ >= 202311L
 #endif // __cplusplus
 
-// Attributes of a mesh that can be copied. Numbers never change. Later versions may add attributes, for example texture
-// coordinates; a library that does not know an attribute fails with `PCMVS_STATUS_INVALID_ARGUMENT`.
+// Attributes of a mesh that can be copied. Numbers never change. Later versions may add attributes; a library that does not know an attribute fails with `PCMVS_STATUS_INVALID_ARGUMENT`.
 enum pcmvs_attribute
 #if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
   : uint32_t
@@ -324,6 +329,9 @@ enum pcmvs_attribute
   PCMVS_ATTRIBUTE_COLOUR = 2,
   // Per triangle: its three vertices, counter-clockwise seen from outside. Three `uint32_t`.
   PCMVS_ATTRIBUTE_TRIANGLE = 3,
+  // Per vertex of a form with a texture: texture coordinates. (0, 0) is the upper left corner of the picture and (1, 1) the
+  // lower right one. Two floats.
+  PCMVS_ATTRIBUTE_TEXTURE_COORDINATES = 4,
 };
 #ifndef __cplusplus
 #if __STDC_VERSION__ >= 202311L
@@ -610,7 +618,7 @@ typedef struct pcmvs_options {
 } pcmvs_options;
 
 // A mesh in the frame's memory. The arrays are packed and stay valid until the next call on the frame that takes a
-// non-const `pcmvs_frame *`. Later versions may add members at the end, for example texture coordinates and textures.
+// non-const `pcmvs_frame *`. Later versions may add members at the end.
 typedef struct pcmvs_mesh {
   // Number of vertices.
   uint32_t vertex_count;
@@ -626,6 +634,8 @@ typedef struct pcmvs_mesh {
   const uint32_t *triangles;
   // The origin of `positions` in the scene's frame.
   double origin[3];
+  // Texture coordinates per vertex, two floats each. NULL if the mesh has none. See `pcmvs_frame_get_texture`.
+  const float *texture_coordinates;
 } pcmvs_mesh;
 
 // A point of a cloud.
@@ -656,6 +666,30 @@ typedef struct pcmvs_silhouette {
   const int16_t *distances;
 } pcmvs_silhouette;
 
+// Which form of the finished mesh to make.
+typedef struct pcmvs_form_options {
+  // Set by `pcmvs_form_options_init`.
+  uint32_t struct_size;
+  // Largest number of triangles. More remain if fewer would change the surface visibly. 0, the default, keeps them all.
+  uint32_t faces;
+  // 1 to make a texture, which replaces the colours of vertices. The default is 0.
+  uint32_t texture;
+  // Texels along a side of the texture, 64 to 16384. 0, the default, chooses the smallest power of two that keeps the detail
+  // of the photographs, at most 8192.
+  uint32_t texture_size;
+} pcmvs_form_options;
+
+// The texture of a form, in the frame's memory. The picture stays valid until the next call on the frame that takes a
+// non-const `pcmvs_frame *`.
+typedef struct pcmvs_texture {
+  // Width in texels.
+  uint32_t width;
+  // Height in texels.
+  uint32_t height;
+  // Red, green and blue of each texel in sRGB, in packed rows from the top down.
+  const uint8_t *texels;
+} pcmvs_texture;
+
 // Options for exporting a mesh.
 typedef struct pcmvs_export_options {
   // Set by `pcmvs_export_options_init`.
@@ -668,6 +702,15 @@ typedef struct pcmvs_export_options {
   uint32_t has_up;
   // GLB only: the scene's upward direction, which is recorded for players. Coordinates are not changed.
   double up[3];
+  // GLB only: 1 to turn the mesh's node so that `up` becomes glTF's +y, which players show upright. Needs `has_up`.
+  // Otherwise 0, the default: the file is in the scene's frame.
+  uint32_t upright;
+  // GLB only: 1 to write integers of few bits instead of single-precision numbers (KHR_mesh_quantization). The default is 0.
+  uint32_t compact;
+  // GLB only: quality of a texture's JPEG picture, 1 to 100. The default is 90.
+  uint32_t jpeg_quality;
+  // Zero.
+  uint32_t reserved;
 } pcmvs_export_options;
 
 // Receives the next `size` bytes of a file. Return 0 to continue, or any other value to make the export fail with
@@ -1019,6 +1062,22 @@ pcmvs_status pcmvs_frame_get_silhouette(const struct pcmvs_frame *frame,
                                         uint32_t camera,
                                         struct pcmvs_silhouette *silhouette,
                                         size_t size);
+
+// Initialises form options with their defaults: the mesh as it is. `size` is `sizeof *options`.
+pcmvs_status pcmvs_form_options_init(struct pcmvs_form_options *options, size_t size);
+
+// Makes a form of the finished mesh, in the place of the last one. Read it as `PCMVS_MESH_KIND_FORM`, its texture with
+// `pcmvs_frame_get_texture`, and write it with `pcmvs_frame_export_mesh`. Any number of forms can be made one after the other;
+// the finished mesh stays as it is. Fails with `PCMVS_STATUS_WRONG_ORDER` until the frame is complete. On failure there is no
+// form. The next frame, and running a stage again, discard it.
+pcmvs_status pcmvs_frame_form(struct pcmvs_frame *frame,
+                              const struct pcmvs_form_options *options);
+
+// Returns the texture of the form that was made last, without copying it. Fails with `PCMVS_STATUS_WRONG_ORDER` if there is
+// none. `size` is `sizeof *texture`.
+pcmvs_status pcmvs_frame_get_texture(const struct pcmvs_frame *frame,
+                                     struct pcmvs_texture *texture,
+                                     size_t size);
 
 // Initialises export options with their defaults: GLB with normals. `size` is `sizeof *options`.
 pcmvs_status pcmvs_export_options_init(struct pcmvs_export_options *options, size_t size);

@@ -57,6 +57,8 @@ template <typename T> T make() noexcept {
         pcmvs_options_init(&value, sizeof value);
     } else if constexpr (std::is_same_v<T, pcmvs_calibration_options>) {
         pcmvs_calibration_options_init(&value, sizeof value);
+    } else if constexpr (std::is_same_v<T, pcmvs_form_options>) {
+        pcmvs_form_options_init(&value, sizeof value);
     } else if constexpr (std::is_same_v<T, pcmvs_allocator>) {
         pcmvs_allocator_init(&value, sizeof value);
     } else {
@@ -174,6 +176,13 @@ struct Mesh {
     Span<std::uint8_t> colours;    ///< red, green, blue per vertex; empty before colouring
     Span<std::uint32_t> triangles; ///< three vertices per triangle
     double origin[3] = {0, 0, 0};  ///< origin of the positions in the scene's frame
+    Span<float> texture_coordinates; ///< two per vertex; empty without a texture
+};
+
+/// The texture of a form in a frame's memory; see pcmvs_texture.
+struct Texture {
+    std::uint32_t width = 0, height = 0;
+    Span<std::uint8_t> texels; ///< red, green, blue per texel
 };
 
 /// Calibrated cameras; see pcmvs_rig.
@@ -253,6 +262,17 @@ public:
     pcmvs_status try_mesh() noexcept { return pcmvs_frame_mesh(get()); }
     pcmvs_status try_colour() noexcept { return pcmvs_frame_colour(get()); }
 
+    pcmvs_status try_form(const pcmvs_form_options &options) noexcept { return pcmvs_frame_form(get(), &options); }
+
+    pcmvs_status try_get_texture(Texture &texture) const noexcept {
+        pcmvs_texture c;
+        const pcmvs_status status = pcmvs_frame_get_texture(get(), &c, sizeof c);
+        if (status == PCMVS_STATUS_OK) {
+            texture = {c.width, c.height, {c.texels, std::size_t{3} * c.width * c.height}};
+        }
+        return status;
+    }
+
     pcmvs_status try_get_mesh(Mesh &mesh, pcmvs_mesh_kind kind = PCMVS_MESH_KIND_FINAL) const noexcept {
         pcmvs_mesh c;
         const pcmvs_status status = pcmvs_frame_get_mesh(get(), kind, &c, sizeof c);
@@ -265,6 +285,8 @@ public:
             mesh.origin[0] = c.origin[0];
             mesh.origin[1] = c.origin[1];
             mesh.origin[2] = c.origin[2];
+            const std::size_t pairs = c.texture_coordinates != nullptr ? std::size_t{2} * c.vertex_count : 0;
+            mesh.texture_coordinates = {c.texture_coordinates, pairs};
         }
         return status;
     }
@@ -325,6 +347,15 @@ public:
     void merge() { check(try_merge()); }
     void mesh() { check(try_mesh()); }
     void colour() { check(try_colour()); }
+
+    /// Makes a form of the finished mesh; see pcmvs_frame_form.
+    void form(const pcmvs_form_options &options) { check(try_form(options)); }
+
+    Texture get_texture() const {
+        Texture texture;
+        check(try_get_texture(texture));
+        return texture;
+    }
 
     Mesh get_mesh(pcmvs_mesh_kind kind = PCMVS_MESH_KIND_FINAL) const {
         Mesh mesh;

@@ -12,7 +12,10 @@ pub(crate) struct Clock(Mutex<[f64; ORDER.len()]>);
 
 impl Clock {
     pub fn add(&self, stage: Stage, seconds: f64) {
-        self.0.lock().unwrap_or_else(PoisonError::into_inner)[position(stage)] += seconds;
+        // Forms are not part of a frame's time.
+        if let Some(sum) = self.0.lock().unwrap_or_else(PoisonError::into_inner).get_mut(position(stage)) {
+            *sum += seconds;
+        }
     }
 
     pub fn seconds(&self, stage: Stage) -> f64 {

@@ -41,6 +41,15 @@ pub struct pcmvs_export_options {
     pub has_up: u32,
     /// GLB only: the scene's upward direction, which is recorded for players. Coordinates are not changed.
     pub up: [f64; 3],
+    /// GLB only: 1 to turn the mesh's node so that `up` becomes glTF's +y, which players show upright. Needs `has_up`.
+    /// Otherwise 0, the default: the file is in the scene's frame.
+    pub upright: u32,
+    /// GLB only: 1 to write integers of few bits instead of single-precision numbers (KHR_mesh_quantization). The default is 0.
+    pub compact: u32,
+    /// GLB only: quality of a texture's JPEG picture, 1 to 100. The default is 90.
+    pub jpeg_quality: u32,
+    /// Zero.
+    pub reserved: u32,
 }
 
 impl Growing for pcmvs_export_options {
@@ -50,8 +59,21 @@ impl Growing for pcmvs_export_options {
 // SAFETY: numbers only, the size first, no padding.
 unsafe impl Versioned for pcmvs_export_options {
     fn defaults() -> Self {
-        let format = pcmvs_file_format::Glb as u32;
-        Self { struct_size: size_of::<Self>() as u32, format, normals: 1, has_up: 0, up: [0.0; 3] }
+        Self {
+            struct_size: size_of::<Self>() as u32,
+            format: pcmvs_file_format::Glb as u32,
+            normals: 1,
+            has_up: 0,
+            up: [0.0; 3],
+            upright: 0,
+            compact: 0,
+            jpeg_quality: 90,
+            reserved: 0,
+        }
+    }
+
+    fn reserved_is_zero(&self) -> bool {
+        self.reserved == 0
     }
 }
 
@@ -81,22 +103,36 @@ impl Work {
             unsafe { read(options, "options") }.map_err(|f| f.at(stage))?
         };
         let refused = |problem: String| Err(Failure::new(InvalidArgument, problem).at(stage));
-        if options.normals > 1 || options.has_up > 1 {
-            return refused("normals and has_up must be 0 or 1".to_owned());
+        if [options.normals, options.has_up, options.upright, options.compact].iter().any(|&switch| switch > 1) {
+            return refused("normals, has_up, upright and compact must be 0 or 1".to_owned());
+        }
+        if options.upright > options.has_up {
+            return refused("upright needs the upward direction: set has_up and up".to_owned());
+        }
+        if !(1..=100).contains(&options.jpeg_quality) {
+            return refused(format!("jpeg_quality is {}: it is 1 to 100", options.jpeg_quality));
         }
         if options.has_up == 1 && options.up.iter().any(|v| !v.is_finite()) {
             return refused("up is not finite".to_owned());
         }
+        let textured = (stage == Stage::Form).then(|| self.form()).transpose()?.filter(|form| form.texture.is_some());
+        let origin = self.frame.rig().origin();
         let file = match options.format {
             0 => {
-                let up = (options.has_up == 1).then_some(options.up);
-                glb::write(
-                    mesh,
-                    self.frame.rig().origin(),
-                    &glb::Options { normals: options.normals == 1, up, ..Default::default() },
-                )
+                let options = glb::Options {
+                    normals: options.normals == 1,
+                    up: (options.has_up == 1).then_some(options.up),
+                    upright: options.upright == 1,
+                    compact: options.compact == 1,
+                    jpeg_quality: options.jpeg_quality as u8,
+                };
+                match textured {
+                    Some(form) => glb::write_form(form, origin, &options, None),
+                    None => glb::write(mesh, origin, &options),
+                }
             }
-            1 => ply::write_mesh(mesh, self.frame.rig().origin()),
+            1 if textured.is_some() => return refused("PLY files have no texture: write a GLB".to_owned()),
+            1 => ply::write_mesh(mesh, origin),
             other => return refused(format!("file format {other} is not known")),
         };
         Ok((file, stage))

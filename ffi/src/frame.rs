@@ -52,7 +52,10 @@ pub(crate) fn shared(frame: *const pcmvs_frame, work: impl FnOnce(&Work) -> Resu
 }
 
 /// Does work that needs the frame for itself.
-fn exclusive(frame: *mut pcmvs_frame, work: impl FnOnce(&FrameBody, &mut Work) -> Result<()>) -> pcmvs_status {
+pub(crate) fn exclusive(
+    frame: *mut pcmvs_frame,
+    work: impl FnOnce(&FrameBody, &mut Work) -> Result<()>,
+) -> pcmvs_status {
     match body(frame.cast_const()) {
         Ok(frame) => frame.keep(frame.work.exclusive(|guarded| work(&frame, guarded))),
         Err(failure) => failure.status,

@@ -49,6 +49,8 @@ pub mod mesh;
 
 pub mod cloud;
 
+pub mod form;
+
 pub mod export;
 
 pub mod report;

@@ -21,10 +21,12 @@ pub enum pcmvs_mesh_kind {
     Hull = 1,
     /// The mesh of the coarse pass, from `pcmvs_frame_coarse`. Empty if the preset has no coarse pass.
     Coarse = 2,
+    /// The form of the result that `pcmvs_frame_form` made last. With a texture, a vertex at a border of charts is there once
+    /// per chart, at the same position.
+    Form = 3,
 }
 
-/// Attributes of a mesh that can be copied. Numbers never change. Later versions may add attributes, for example texture
-/// coordinates; a library that does not know an attribute fails with `PCMVS_STATUS_INVALID_ARGUMENT`.
+/// Attributes of a mesh that can be copied. Numbers never change. Later versions may add attributes; a library that does not know an attribute fails with `PCMVS_STATUS_INVALID_ARGUMENT`.
 #[repr(u32)]
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum pcmvs_attribute {
@@ -36,10 +38,13 @@ pub enum pcmvs_attribute {
     Colour = 2,
     /// Per triangle: its three vertices, counter-clockwise seen from outside. Three `uint32_t`.
     Triangle = 3,
+    /// Per vertex of a form with a texture: texture coordinates. (0, 0) is the upper left corner of the picture and (1, 1) the
+    /// lower right one. Two floats.
+    TextureCoordinates = 4,
 }
 
 /// A mesh in the frame's memory. The arrays are packed and stay valid until the next call on the frame that takes a
-/// non-const `pcmvs_frame *`. Later versions may add members at the end, for example texture coordinates and textures.
+/// non-const `pcmvs_frame *`. Later versions may add members at the end.
 #[repr(C)]
 #[derive(Debug, Clone, Copy)]
 pub struct pcmvs_mesh {
@@ -57,6 +62,8 @@ pub struct pcmvs_mesh {
     pub triangles: *const u32,
     /// The origin of `positions` in the scene's frame.
     pub origin: [f64; 3],
+    /// Texture coordinates per vertex, two floats each. NULL if the mesh has none. See `pcmvs_frame_get_texture`.
+    pub texture_coordinates: *const f32,
 }
 
 impl Growing for pcmvs_mesh {
@@ -70,9 +77,17 @@ impl Work {
             0 => (Stage::Mesh, self.frame.mesh()),
             1 => (Stage::Hull, &self.frame.intermediates().hull),
             2 => (Stage::Coarse, &self.frame.intermediates().coarse),
+            3 => return Ok((&self.form()?.mesh, Stage::Form)),
             _ => return Err(Failure::new(InvalidArgument, format!("mesh {kind} is not known"))),
         };
         self.require(stage).map(|()| (mesh, stage))
+    }
+
+    /// Texture coordinates of a mesh by its number.
+    fn texture_coordinates(&self, kind: u32) -> Option<&[[f32; 2]]> {
+        // Describing a missing form would allocate, which reading other meshes must not.
+        let form = if kind == pcmvs_mesh_kind::Form as u32 { self.form().ok()? } else { return None };
+        form.texture.as_ref().map(|texture| texture.uvs.as_slice())
     }
 }
 
@@ -95,6 +110,7 @@ pub unsafe extern "C" fn pcmvs_frame_get_mesh(
             colours: if found.colours.is_empty() { null() } else { found.colours.as_ptr().cast() },
             triangles: found.triangles.as_ptr().cast(),
             origin: work.frame.rig().origin().to_array(),
+            texture_coordinates: work.texture_coordinates(kind).map_or(null(), |uvs| uvs.as_ptr().cast()),
         };
         // SAFETY: the caller's promise.
         unsafe { write(mesh, size, &view, "mesh") }.map_err(|f| f.at(stage))
@@ -134,6 +150,13 @@ pub unsafe extern "C" fn pcmvs_frame_copy_mesh(
                 }
                 2 => target.fill(mesh.colours.iter().copied()),
                 3 => target.fill(mesh.triangles.iter().copied()),
+                4 => match work.texture_coordinates(kind) {
+                    Some(uvs) => target.fill(uvs.iter().copied()),
+                    None => {
+                        let problem = "this mesh has no texture: make a form with one by pcmvs_frame_form";
+                        return Err(Failure::new(WrongOrder, problem).at(Stage::Form));
+                    }
+                },
                 _ => Err(Failure::new(InvalidArgument, format!("attribute {attribute} is not known"))),
             }
         };

@@ -46,8 +46,8 @@ pub(crate) struct HostProgress<'a> {
     /// The thread that made the call, if its work may run on others too.
     caller: Option<usize>,
     cancelled: AtomicBool,
-    /// Place of the stage in the order and thousandths reported last.
-    last: Mutex<(u32, u32)>,
+    /// Stage and thousandths reported last.
+    last: Mutex<(Stage, u32)>,
 }
 
 // SAFETY: `callback` and `user` are used only on the thread that made the call.
@@ -63,7 +63,7 @@ impl<'a> HostProgress<'a> {
             user,
             caller: has_threads.then(this_thread),
             cancelled: AtomicBool::new(false),
-            last: Mutex::new((0, 0)),
+            last: Mutex::new((ORDER[0], 0)),
         }
     }
 
@@ -97,12 +97,14 @@ impl Progress for HostProgress<'_> {
         let done = (u64::from(done) * u64::from(TOTAL) / u64::from(total.max(1))).min(u64::from(TOTAL)) as u32;
         let now = {
             let mut last = self.last.lock().unwrap_or_else(PoisonError::into_inner);
-            *last = (*last).max((position(stage) as u32, done));
+            *last = [*last, (stage, done)]
+                .into_iter()
+                .max_by_key(|&(stage, done)| (position(stage), done))
+                .unwrap_or(*last);
             *last
         };
-        let stage = ORDER[now.0 as usize];
         // SAFETY: the host keeps callback and user alive for the call.
-        let go_on = unsafe { callback(self.user, stage.id(), now.1, TOTAL) } == 0;
+        let go_on = unsafe { callback(self.user, now.0.id(), now.1, TOTAL) } == 0;
         self.cancelled.fetch_or(!go_on, Ordering::Relaxed);
         go_on
     }

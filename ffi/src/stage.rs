@@ -28,6 +28,9 @@ pub enum pcmvs_stage {
     Mesh = 6,
     /// Colours the mesh.
     Colour = 7,
+    /// Makes a form of the finished mesh, see `pcmvs_frame_form`. It belongs to progress and errors only: it is not in the
+    /// order, and `pcmvs_frame_step` does not know it.
+    Form = 8,
 }
 
 /// Returned by `pcmvs_stage_at` beyond the last stage.
@@ -36,14 +39,14 @@ pub const PCMVS_NO_STAGE: u32 = 0xFFFF_FFFF;
 /// Bytes for a stage's name with its final zero.
 const NAME_SIZE: usize = 24;
 
-/// The names of [`ORDER`] as C reads them.
-static NAMES: [[u8; NAME_SIZE]; ORDER.len()] = names();
+/// The names of [`ORDER`] and then that of [`Stage::Form`], as C reads them.
+static NAMES: [[u8; NAME_SIZE]; ORDER.len() + 1] = names();
 
-const fn names() -> [[u8; NAME_SIZE]; ORDER.len()] {
-    let mut names = [[0; NAME_SIZE]; ORDER.len()];
+const fn names() -> [[u8; NAME_SIZE]; ORDER.len() + 1] {
+    let mut names = [[0; NAME_SIZE]; ORDER.len() + 1];
     let mut stage = 0;
-    while stage < ORDER.len() {
-        let name = ORDER[stage].name().as_bytes();
+    while stage < names.len() {
+        let name = if stage < ORDER.len() { ORDER[stage] } else { Stage::Form }.name().as_bytes();
         assert!(name.len() < NAME_SIZE, "the name needs a final zero");
         let mut i = 0;
         while i < name.len() {
@@ -78,7 +81,7 @@ pub extern "C" fn pcmvs_stage_at(index: u32) -> u32 {
 /// does not know. The string is static.
 #[unsafe(no_mangle)]
 pub extern "C" fn pcmvs_stage_name(stage: u32) -> *const c_char {
-    let place = ORDER.iter().position(|s| s.id() == stage);
+    let place = ORDER.iter().chain([&Stage::Form]).position(|s| s.id() == stage);
     place.map_or(c"unknown".as_ptr(), |place| NAMES[place].as_ptr().cast())
 }
 
@@ -107,7 +110,7 @@ mod tests {
     #[test]
     fn constants_are_the_cores_numbers() {
         use pcmvs_stage as C;
-        let constants = [C::Views, C::Hull, C::Contours, C::Coarse, C::Detect, C::Merge, C::Mesh, C::Colour];
+        let constants = [C::Views, C::Hull, C::Contours, C::Coarse, C::Detect, C::Merge, C::Mesh, C::Colour, C::Form];
         for constant in constants {
             assert_eq!(format!("{constant:?}").to_lowercase(), name(constant as u32));
         }

@@ -5,9 +5,10 @@ use crate::{
     failure::{Failure, Result},
     image::Calibrated,
     options::pcmvs_options,
+    status::pcmvs_status::WrongOrder,
 };
 use pcmvs_core::{
-    Error, Frame, Memory, Rig, Stage, ViewInput,
+    Error, Form, FormParams, Frame, Memory, Rig, Stage, ViewInput,
     frame::{ORDER, position},
     memory,
 };
@@ -20,6 +21,8 @@ pub(crate) struct Work {
     held: u64,
     pub frame: Frame<Arc<Rig>>,
     pub clock: Clock,
+    /// The form that was made last of the finished mesh.
+    form: Option<Form>,
 }
 
 // SAFETY: the raw pointers in `options` are the host's, which lets them be used on every thread that calls.
@@ -30,7 +33,7 @@ unsafe impl Sync for Work {}
 impl Work {
     pub fn new(rig: Arc<Rig>, options: pcmvs_options) -> Result<Self> {
         let frame = Frame::new(rig, options.params()?, options.memory(0));
-        Ok(Self { options, held: 0, frame, clock: Clock::default() })
+        Ok(Self { options, held: 0, frame, clock: Clock::default(), form: None })
     }
 
     /// Begins the next frame. It takes over the working memory of the last one if both keep it. On failure nothing
@@ -44,7 +47,8 @@ impl Work {
         } else {
             options.memory(0)
         };
-        *self = Self { options, held: 0, frame: Frame::new(rig, params, memory), clock: Clock::default() };
+        let frame = Frame::new(rig, params, memory);
+        *self = Self { options, held: 0, frame, clock: Clock::default(), form: None };
         Ok(())
     }
 
@@ -103,12 +107,28 @@ impl Work {
 
     /// Runs the stages from `first` to `last`, and before them those that have not run yet.
     pub fn run(&mut self, first: Stage, last: Stage) -> Result<()> {
+        self.form = None;
         let progress = self.options.progress(&self.clock);
         let complete = ORDER.iter().take_while(|&&stage| self.frame.require(stage).is_ok()).count();
         for &stage in &ORDER[complete.min(position(first))..=position(last)] {
             self.frame.step(stage, &self.options.threads(), &progress).map_err(at(stage))?;
         }
         Ok(())
+    }
+
+    /// Makes a form of the finished mesh, in the place of the last one. On failure there is none.
+    pub fn make_form(&mut self, params: &FormParams) -> Result<()> {
+        self.form = None;
+        let progress = self.options.progress(&self.clock);
+        let form = self.frame.form(params, &self.options.threads(), &progress).map_err(at(Stage::Form))?;
+        self.form = Some(form);
+        Ok(())
+    }
+
+    /// The form that was made last.
+    pub fn form(&self) -> Result<&Form> {
+        let none = || Failure::new(WrongOrder, "no form has been made of this mesh: call pcmvs_frame_form");
+        self.form.as_ref().ok_or_else(none).map_err(|failure| failure.at(Stage::Form))
     }
 
     /// Reads the view of one camera. A camera without picture has none.

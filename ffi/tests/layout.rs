@@ -11,6 +11,7 @@ use pcmvs::{
     cloud::{pcmvs_cloud_kind, pcmvs_point, pcmvs_rank, pcmvs_silhouette},
     error::pcmvs_error,
     export::{pcmvs_export_options, pcmvs_file_format},
+    form::{pcmvs_form_options, pcmvs_texture},
     image::{pcmvs_image, pcmvs_pixel_format},
     mesh::{pcmvs_attribute, pcmvs_mesh, pcmvs_mesh_kind},
     options::{pcmvs_options, pcmvs_preset},
@@ -91,6 +92,7 @@ fn c_and_rust_agree() {
         "MERGE" = G::Merge,
         "MESH" = G::Mesh,
         "COLOUR" = G::Colour,
+        "FORM" = G::Form,
     );
     values!(facts, "PCMVS_LENS_", "OPENCV" = pcmvs_lens::Opencv, "FISHEYE" = pcmvs_lens::Fisheye);
     use pcmvs_pixel_format as F;
@@ -115,7 +117,7 @@ fn c_and_rust_agree() {
         "PREVIEW" = P::Preview,
     );
     use pcmvs_mesh_kind as M;
-    values!(facts, "PCMVS_MESH_KIND_", "FINAL" = M::Final, "HULL" = M::Hull, "COARSE" = M::Coarse);
+    values!(facts, "PCMVS_MESH_KIND_", "FINAL" = M::Final, "HULL" = M::Hull, "COARSE" = M::Coarse, "FORM" = M::Form);
     use pcmvs_attribute as A;
     values!(
         facts,
@@ -124,6 +126,7 @@ fn c_and_rust_agree() {
         "NORMAL" = A::Normal,
         "COLOUR" = A::Colour,
         "TRIANGLE" = A::Triangle,
+        "TEXTURE_COORDINATES" = A::TextureCoordinates,
     );
     use pcmvs_cloud_kind as C;
     values!(
@@ -191,10 +194,27 @@ fn c_and_rust_agree() {
             max_memory
         }
     );
-    layout!(facts, pcmvs_mesh { vertex_count, triangle_count, positions, normals, colours, triangles, origin });
+    layout!(
+        facts,
+        pcmvs_mesh {
+            vertex_count,
+            triangle_count,
+            positions,
+            normals,
+            colours,
+            triangles,
+            origin,
+            texture_coordinates
+        }
+    );
     layout!(facts, pcmvs_point { position, normal, fidelity, weight, camera, rank });
     layout!(facts, pcmvs_silhouette { width, height, distances });
-    layout!(facts, pcmvs_export_options { struct_size, format, normals, has_up, up });
+    layout!(facts, pcmvs_form_options { struct_size, faces, texture, texture_size });
+    layout!(facts, pcmvs_texture { width, height, texels });
+    layout!(
+        facts,
+        pcmvs_export_options { struct_size, format, normals, has_up, up, upright, compact, jpeg_quality, reserved }
+    );
     layout!(
         facts,
         pcmvs_counts {

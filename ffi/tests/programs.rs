@@ -64,14 +64,17 @@ fn silhouettes_come_from_masks_keys_and_plates() {
     println!("{}", output(&program, [""; 0]));
 }
 
-/// The command line's file of a sample.
+/// The command line's file of a sample whose upward direction is not known: the examples do not set it.
 fn command_lines_glb(sample: &Sample, options: &[&str]) -> Vec<u8> {
-    let out = sample.path().join("out");
-    let scene = sample.path().join("scene");
-    // The examples do not set the upward direction.
-    let file = scene.join("scene.json");
+    let file = sample.path().join("scene/scene.json");
     let text = fs::read_to_string(&file).unwrap();
     fs::write(&file, text.replace("\"up\"", "\"was_up\"")).unwrap();
+    upright_glb(sample, options)
+}
+
+/// The command line's file of a sample.
+fn upright_glb(sample: &Sample, options: &[&str]) -> Vec<u8> {
+    let (out, scene) = (sample.path().join("out"), sample.path().join("scene"));
     let arguments = ["pcmvs", "reconstruct"].map(OsString::from).into_iter();
     let arguments = arguments.chain([scene.into(), "-o".into(), out.clone().into(), "--threads".into(), "1".into()]);
     let arguments = arguments.chain(options.iter().map(OsString::from));
@@ -100,6 +103,16 @@ fn glb_is_the_command_lines() {
         output(&program, [sample.plain(), result.clone()]);
         assert!(fs::read(result).unwrap() == expected, "the bytes differ from the command line's");
     }
+}
+
+#[test]
+fn forms_are_the_command_lines() {
+    let sample = Sample::new();
+    let program = build(sample.path(), C99, "tests/c/forms.c", Link::Shared);
+    let result = sample.path().join("form.glb");
+    output(&program, [sample.plain(), result.clone()]);
+    let expected = upright_glb(&sample, &["--faces", "2000", "--texture=256", "--upright"]);
+    assert!(fs::read(result).unwrap() == expected, "the bytes differ from the command line's");
 }
 
 #[test]

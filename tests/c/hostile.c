@@ -57,7 +57,7 @@ static pcmvs_status counted(int line, pcmvs_status status) {
 static int progress(void *user, uint32_t stage, uint32_t done, uint32_t total) {
     pcmvs_error error;
     (void)user;
-    CHECK(stage < 8 && done <= total);
+    CHECK(stage <= PCMVS_STAGE_FORM && done <= total);
     if (draw(8) == 0) {
         EXPECT(pcmvs_frame_hull(busy), PCMVS_STATUS_BUSY);
         EXPECT(pcmvs_frame_begin(busy, NULL), PCMVS_STATUS_BUSY);
@@ -234,7 +234,7 @@ static void read_results(pcmvs_frame *frame) {
     size_t count;
     uint32_t warnings = 0;
     TRY(pcmvs_frame_get_mesh(frame, draw(5), &mesh, draw(9) == 0 ? draw(100) : sizeof mesh));
-    TRY(pcmvs_frame_copy_mesh(frame, draw(4), draw(5), buffer, draw(4096), draw(2) * 12, &count));
+    TRY(pcmvs_frame_copy_mesh(frame, draw(5), draw(6), buffer, draw(4096), draw(2) * 12, &count));
     TRY(pcmvs_frame_copy_cloud(frame, draw(5), draw(6), (pcmvs_point *)(void *)buffer, draw(1024), 0, &count));
     TRY(pcmvs_frame_get_silhouette(frame, draw(6), &silhouette, sizeof silhouette));
     TRY(pcmvs_frame_get_counts(frame, &counts, sizeof counts));
@@ -243,10 +243,30 @@ static void read_results(pcmvs_frame *frame) {
     TRY(pcmvs_frame_copy_gains(frame, buffer, draw(20), 0, &count));
     TRY(pcmvs_frame_warning_count(frame, &warnings));
     TRY(pcmvs_frame_get_warning(frame, draw(warnings + 2), &warning, sizeof warning));
-    TRY(pcmvs_frame_export_mesh(frame, draw(4), NULL, swallow, NULL));
+    TRY(pcmvs_frame_export_mesh(frame, draw(5), NULL, swallow, NULL));
     TRY(pcmvs_frame_export_cloud(frame, draw(5), draw(6), swallow, NULL));
     OK(pcmvs_frame_error(frame, &error, sizeof error));
     CHECK(memchr(error.message, 0, sizeof error.message) != NULL);
+}
+
+static void make_form(pcmvs_frame *frame) {
+    pcmvs_form_options form;
+    pcmvs_export_options file;
+    pcmvs_texture texture;
+    OK(pcmvs_form_options_init(&form, sizeof form));
+    form.faces = draw(3) == 0 ? draw(0xFFFFFFFF) : draw(2000);
+    form.texture = draw(3);
+    form.texture_size = draw(3) == 0 ? draw(0xFFFFFFFF) : draw(1000);
+    TRY(pcmvs_frame_form(frame, &form));
+    TRY(pcmvs_frame_get_texture(frame, &texture, sizeof texture));
+    OK(pcmvs_export_options_init(&file, sizeof file));
+    file.format = draw(3);
+    file.has_up = draw(3);
+    file.up[draw(3)] = extreme();
+    file.upright = draw(3);
+    file.compact = draw(3);
+    file.jpeg_quality = draw(110);
+    TRY(pcmvs_frame_export_mesh(frame, PCMVS_MESH_KIND_FORM, &file, swallow, NULL));
 }
 
 static void calibrate(void) {
@@ -276,7 +296,7 @@ static void one_call(void) {
     float gains[48];
     uint32_t i;
     busy = frame;
-    switch (draw(20)) {
+    switch (draw(21)) {
     case 0: set_cameras(); break;
     case 1: reconstruct(frame); break;
     case 2:
@@ -321,6 +341,7 @@ static void one_call(void) {
         }
         TRY(pcmvs_rig_set_gains(rigs[draw(RIGS)], gains, capture.count));
         break;
+    case 19: make_form(frame); break;
     default:
         if (draw(4) == 0) {
             calibrate();

@@ -139,12 +139,15 @@ static void check_null(const struct capture *capture, pcmvs_rig *rig, pcmvs_fram
     pcmvs_view_report view_report;
     pcmvs_warning warning;
     pcmvs_point point;
+    pcmvs_form_options form;
+    pcmvs_texture texture;
     size_t count;
     uint32_t cameras, warnings;
     double origin[3];
     float gains[3];
     char buffer[16];
 
+    OK(pcmvs_form_options_init(&form, sizeof form));
     NULL_POINTER(pcmvs_allocator_init(NULL, sizeof(pcmvs_allocator)));
     NULL_POINTER(pcmvs_set_allocator(NULL));
     NULL_POINTER(pcmvs_camera_init(NULL, sizeof(pcmvs_camera)));
@@ -152,6 +155,7 @@ static void check_null(const struct capture *capture, pcmvs_rig *rig, pcmvs_fram
     NULL_POINTER(pcmvs_chroma_key_init(NULL, sizeof(pcmvs_chroma_key)));
     NULL_POINTER(pcmvs_view_init(NULL, sizeof(pcmvs_view)));
     NULL_POINTER(pcmvs_options_init(NULL, sizeof(pcmvs_options)));
+    NULL_POINTER(pcmvs_form_options_init(NULL, sizeof(pcmvs_form_options)));
     NULL_POINTER(pcmvs_export_options_init(NULL, sizeof(pcmvs_export_options)));
 
     NULL_POINTER(pcmvs_rig_new(NULL));
@@ -187,6 +191,11 @@ static void check_null(const struct capture *capture, pcmvs_rig *rig, pcmvs_fram
            PCMVS_STATUS_BUFFER_TOO_SMALL);
     NULL_POINTER(pcmvs_frame_get_silhouette(NULL, 0, &silhouette, sizeof silhouette));
     NULL_POINTER(pcmvs_frame_get_silhouette(frame, 0, NULL, sizeof silhouette));
+    form.texture = 1;
+    form.texture_size = 64;
+    OK(pcmvs_frame_form(frame, &form));
+    NULL_POINTER(pcmvs_frame_get_texture(NULL, &texture, sizeof texture));
+    NULL_POINTER(pcmvs_frame_get_texture(frame, NULL, sizeof texture));
     NULL_POINTER(pcmvs_frame_export_mesh(NULL, PCMVS_MESH_KIND_FINAL, NULL, append, NULL));
     NULL_POINTER(pcmvs_frame_export_mesh(frame, PCMVS_MESH_KIND_FINAL, NULL, NULL, NULL));
     NULL_POINTER(pcmvs_frame_export_mesh_to_buffer(NULL, PCMVS_MESH_KIND_FINAL, NULL, buffer, 16, &count));
@@ -223,6 +232,8 @@ static void check_null(const struct capture *capture, pcmvs_rig *rig, pcmvs_fram
     NULL_POINTER(pcmvs_frame_merge(NULL));
     NULL_POINTER(pcmvs_frame_mesh(NULL));
     NULL_POINTER(pcmvs_frame_colour(NULL));
+    NULL_POINTER(pcmvs_frame_form(NULL, &form));
+    NULL_POINTER(pcmvs_frame_form(frame, NULL));
     NULL_POINTER(pcmvs_frame_reconstruct(NULL, capture->views, capture->count, NULL));
     NULL_POINTER(pcmvs_frame_reconstruct(frame, NULL, capture->count, NULL));
     OK(pcmvs_frame_begin(frame, NULL));

@@ -111,6 +111,13 @@ int main(int argc, char **argv) {
     const pcmvs::Mesh hull = frame.get_mesh(PCMVS_MESH_KIND_HULL);
     check(mesh.positions.size() == hull.positions.size() && !mesh.positions.empty(), "preset hull gives the hull");
     check(mesh.colours.size() == mesh.positions.size() && hull.colours.empty(), "with colours");
+    auto form = pcmvs::make<pcmvs_form_options>();
+    form.texture = 1;
+    form.texture_size = 256;
+    frame.form(form);
+    const pcmvs::Mesh textured = frame.get_mesh(PCMVS_MESH_KIND_FORM);
+    check(textured.texture_coordinates.size() / 2 == textured.positions.size() / 3, "a form has texture coordinates");
+    check(frame.get_texture().texels.size() == 3 * 256 * 256 && mesh.texture_coordinates.empty(), "and a texture");
     check(frame.get_counts().vertices * 3 == mesh.positions.size(), "and counts");
     check(frame.get_stage_report(PCMVS_STAGE_HULL).hash != 0, "and reports of stages");
     check(frame.get_view_report(0).carves == 1 && frame.get_warnings().empty(), "and of views, without warnings");

@@ -18,7 +18,14 @@ const SIZE: u32 = 16;
 /// Bytes of every plane, of which descriptions begin in the middle: enough for any stride that is tried.
 const PLANE: usize = 1 << 16;
 
-fn image(bytes: &mut Bytes, plane: &[u8]) -> pcmvs_image {
+/// A description with room behind it, so that it has as many bytes as any `struct_size` says.
+#[repr(C)]
+struct Roomy {
+    image: pcmvs_image,
+    room: [u8; 256],
+}
+
+fn image(bytes: &mut Bytes, plane: &[u8]) -> Roomy {
     let mut image = init(pcmvs_image_init);
     let stride = |bytes: &mut Bytes| match bytes.below(4) {
         0 => 0,
@@ -39,7 +46,9 @@ fn image(bytes: &mut Bytes, plane: &[u8]) -> pcmvs_image {
     if bytes.below(16) == 0 {
         image.struct_size = u32::from(bytes.byte());
     }
-    image
+    let mut room = [0; 256];
+    room[usize::from(bytes.byte())] = u8::from(bytes.below(16) == 0);
+    Roomy { image, room }
 }
 
 fn description(bytes: &mut Bytes) {
@@ -48,12 +57,12 @@ fn description(bytes: &mut Bytes) {
     let mut key: pcmvs_chroma_key = init(pcmvs_chroma_key_init);
     (key.tolerance, key.darkest_shadow) = (bytes.number() as f32, bytes.number() as f32);
     let mut view: pcmvs_view = init(pcmvs_view_init);
-    view.image = if bytes.below(16) == 0 { null() } else { &images[0] };
+    view.image = if bytes.below(16) == 0 { null() } else { (&raw const images[0]).cast() };
     match bytes.below(5) {
         0 => {}
-        1 => view.clean_plate = &images[1],
+        1 => view.clean_plate = (&raw const images[1]).cast(),
         2 => view.chroma_key = &key,
-        _ => view.mask = &images[1],
+        _ => view.mask = (&raw const images[1]).cast(),
     }
     view.reserved = u32::from(bytes.below(32) == 31);
     let mut cameras: Vec<pcmvs_camera> = ring(3, SIZE).iter().map(camera).collect();
