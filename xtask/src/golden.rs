@@ -5,6 +5,7 @@ use crate::{
     process::{cargo, program, root, run, target},
     setup::{CHROMIUM, Need},
     steps::{Outcome, Steps},
+    windows,
 };
 use ::golden::{
     RENEW, Record,
@@ -36,6 +37,8 @@ enum Machine {
     /// An x86-64 without AVX2. The core uses AVX2 where it is available.
     OldX86,
     Aarch64,
+    /// Windows in Wine.
+    Windows,
     /// WebAssembly in Node.
     Wasi,
     /// WebAssembly on a page.
@@ -52,7 +55,7 @@ const AVX512: Build = Build { name: "AVX-512", flags: "-Ctarget-cpu=x86-64-v4", 
 const SIMD128: &str = "-Ctarget-feature=+simd128";
 
 /// The unoptimised build of `cargo test` has its own test.
-const BUILDS: [Build; 10] = [
+const BUILDS: [Build; 11] = [
     AVX2,
     AVX512,
     Build { name: "x86-64 without AVX2", machine: Machine::OldX86, ..BASELINE },
@@ -64,6 +67,7 @@ const BUILDS: [Build; 10] = [
     Build { name: "WebAssembly SIMD", machine: Machine::Wasi, flags: SIMD128, ..BASELINE },
     Build { name: "Chromium SIMD", machine: Machine::Chromium, flags: SIMD128, ..BASELINE },
     Build { name: "AArch64", machine: Machine::Aarch64, ..BASELINE },
+    Build { name: "Windows", machine: Machine::Windows, slow: true, ..BASELINE },
 ];
 
 const WASI: &str = "wasm32-wasip1";
@@ -214,14 +218,18 @@ impl Build {
         build.env("CARGO_TARGET_AARCH64_UNKNOWN_LINUX_GNU_LINKER", "aarch64-linux-gnu-gcc");
         self.setting.iter().for_each(|setting| _ = build.args(["--config", setting]));
         run(&mut build)?;
-        let name = if triple.starts_with("wasm") { "golden.wasm" } else { "golden" };
+        let name = match self.machine {
+            Machine::Wasi | Machine::Chromium => "golden.wasm",
+            Machine::Windows => "golden.exe",
+            Machine::This | Machine::OldX86 | Machine::Aarch64 => "golden",
+        };
         Ok(folder.join(triple).join("release").join(name))
     }
 
     /// Runs the program on a capture file.
     fn measure(&self, golden: &Path, case: &Case, detail: &str) -> Result<Record> {
         let record = format!("{}.record", case.name);
-        let mut command = self.machine.runner(golden);
+        let mut command = self.machine.runner(golden)?;
         run(command.current_dir(folder()).args([case.preset, detail, &capture(case), &record]))?;
         fs::read_to_string(folder().join(record)).map_err(|e| format!("{}: {e}", folder().display()))?.parse()
     }
@@ -253,6 +261,7 @@ impl Machine {
             Self::This | Self::OldX86 => run(&mut program("rustc", "--print host-tuple"))?.trim().to_owned(),
             Self::Wasi | Self::Chromium => WASI.to_owned(),
             Self::Aarch64 => AARCH64.to_owned(),
+            Self::Windows => windows::TRIPLE.to_owned(),
         })
     }
 
@@ -262,19 +271,21 @@ impl Machine {
             Self::This => vec![],
             Self::OldX86 => vec![EMULATOR],
             Self::Aarch64 => vec![LINKER[0], LINKER[1], EMULATOR, Need::Target(AARCH64)],
+            Self::Windows => windows::NEEDS.to_vec(),
             Self::Wasi => vec![SCRIPTS[0], SCRIPTS[1], Need::Target(WASI)],
             Self::Chromium => vec![SCRIPTS[0], SCRIPTS[1], Need::Debian(CHROMIUM), Need::Target(WASI)],
         }
     }
 
     /// The command that runs a program for it. The program has access to the current folder.
-    fn runner(self, built: &Path) -> Command {
+    fn runner(self, built: &Path) -> Result<Command> {
         let through = |name: &str, arguments: &str| {
             let mut command = program(name, arguments);
             command.arg(built);
             command
         };
-        match self {
+        Ok(match self {
+            Self::Windows => windows::wine(built)?,
             Self::This => program(built, ""),
             Self::OldX86 => through("qemu-x86_64", "-cpu Nehalem"),
             Self::Aarch64 => through("qemu-aarch64", "-L /usr/aarch64-linux-gnu"),
@@ -284,6 +295,6 @@ impl Machine {
                 node.arg(root().join("tests/golden").join(script)).arg(built);
                 node
             }
-        }
+        })
     }
 }

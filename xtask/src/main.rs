@@ -26,6 +26,7 @@ mod steps;
 mod tables;
 mod test;
 mod web;
+mod windows;
 
 pub use result::Result;
 
@@ -90,6 +91,8 @@ enum Task {
         #[arg(long)]
         check: bool,
     },
+    /// Build for Windows and check under Wine that files are the same, byte for byte
+    Windows,
     /// Run the fuzz targets of tests/fuzz on a nightly compiler
     Fuzz {
         /// Seconds of each target
@@ -128,6 +131,7 @@ fn main() -> ExitCode {
         Task::Wasm => web::wasm().map(|sizes| println!("{sizes}")),
         Task::Install { prefix: Some(prefix), check: false } => abi::install(&prefix),
         Task::Install { .. } => test::c_library(),
+        Task::Windows => windows::test(),
         Task::Fuzz { seconds, target } => fuzz::run(seconds, target.as_deref()),
         Task::Header => abi::header(),
         Task::Bench { quick, part } => bench::run(quick, part.as_deref()),

@@ -6,7 +6,7 @@ use crate::{
     publish,
     setup::Need,
     steps::{Outcome, Steps, passed},
-    web,
+    web, windows,
 };
 use std::{fs, path::PathBuf};
 
@@ -27,6 +27,7 @@ fn needs(all: bool) -> Vec<Need> {
         needs.extend(players::NEEDS);
         needs.extend(abi_check::NEEDS);
         needs.extend(fuzz::NEEDS);
+        needs.extend(windows::needs());
     }
     needs
 }
@@ -57,6 +58,7 @@ pub fn run(all: bool, install: bool) -> Result<()> {
     if all {
         players::check(&mut steps)?;
         abi_check::check(&mut steps)?;
+        windows::check(&mut steps)?;
         steps.step_with(&fuzz::NEEDS, "fuzzing", fuzz::check)?;
         captured::check(&mut steps)?;
     }
