@@ -89,6 +89,12 @@ pub fn needs(all: bool) -> Vec<Need> {
 
 /// One check per build. With `all`, it includes the slow builds and the large capture.
 pub fn check(steps: &mut Steps, all: bool) -> Result<()> {
+    let builds: Vec<&Build> = BUILDS.iter().filter(|build| all || !build.slow).collect();
+    check_builds(steps, &builds, all)
+}
+
+/// Compares the release build with the file, and other builds with it.
+fn check_builds(steps: &mut Steps, builds: &[&Build], all: bool) -> Result<()> {
     let cases: Vec<Case> = SMALL.into_iter().chain(all.then_some(LARGE)).collect();
     let mut baseline: Vec<Record> = Vec::new();
     steps.step("golden: release", || {
@@ -98,7 +104,7 @@ pub fn check(steps: &mut Steps, all: bool) -> Result<()> {
         cases.iter().zip(&baseline).try_for_each(|(case, got)| compare_with_file(case, got))?;
         Ok(Outcome::Passed(counts(&baseline)))
     })?;
-    for build in BUILDS.iter().filter(|build| all || !build.slow) {
+    for &build in builds {
         if let Some(why) = build.impossible() {
             steps.step(&format!("golden: {}", build.name), || Ok(Outcome::Skipped(why)))?;
             continue;
@@ -129,11 +135,21 @@ fn detail(case: &Case) -> &'static str {
     if *case == LARGE { "sample" } else { "all" }
 }
 
-/// Makes all checks.
-pub fn all() -> Result<()> {
+/// Makes all checks, or those of one build with the small captures.
+pub fn run_alone(only: Option<&str>) -> Result<()> {
     let mut steps = Steps::default();
-    steps.announce(&needs(true));
-    check(&mut steps, true)?;
+    let Some(name) = only else {
+        steps.announce(&needs(true));
+        check(&mut steps, true)?;
+        steps.finish();
+        return Ok(());
+    };
+    let Some(build) = BUILDS.iter().find(|build| build.name == name) else {
+        let names: Vec<&str> = BUILDS.iter().map(|build| build.name).collect();
+        return Err(format!("there is no build `{name}`, but {}", names.join(", ")));
+    };
+    steps.announce(&build.machine.needs());
+    check_builds(&mut steps, &[build], false)?;
     steps.finish();
     Ok(())
 }

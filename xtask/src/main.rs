@@ -63,6 +63,9 @@ enum Task {
         /// Write a new tests/golden/golden.txt instead, for a change that is meant to change results
         #[arg(long)]
         renew: bool,
+        /// Compare one build only, by its name in the list of checks, such as Windows
+        #[arg(long, conflicts_with = "renew")]
+        build: Option<String>,
     },
     /// Check that no crate has an import cycle between its modules
     Cycles,
@@ -120,8 +123,8 @@ fn main() -> ExitCode {
     let result = match Arguments::parse().task {
         Task::Demo { no_serve } => demo::run(no_serve),
         Task::Test { all, no_install } => test::run(all, !no_install),
-        Task::Golden { renew: true } => golden::renew(),
-        Task::Golden { .. } => golden::all(),
+        Task::Golden { renew: true, .. } => golden::renew(),
+        Task::Golden { build, .. } => golden::run_alone(build.as_deref()),
         Task::Cycles => cycles::check().map(|counted| println!("{counted}")),
         Task::Web { dist: true, .. } => web::dist().map(|sizes| println!("{sizes}")),
         Task::Web { test: true, .. } => web::test(),

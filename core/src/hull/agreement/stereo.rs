@@ -81,13 +81,15 @@ impl Stereo<'_> {
         let step = reach / (EDGE / 2) as f32;
         let corner = camera.ray(x - reach, y - reach);
         let (right, down) = (camera.ray(x + step, y) - camera.ray(x, y), camera.ray(x, y + step) - camera.ray(x, y));
-        let patches: Vec<Patch> = (others.iter())
-            .filter(|view| shows(view, camera.centre + camera.ray(x, y) * depth))
-            .take(VIEWS)
-            .filter_map(|view| {
-                patch(view, |column, row| camera.centre + (corner + right * column as f32 + down * row as f32) * depth)
-            })
-            .collect();
+        let place =
+            |column: usize, row: usize| camera.centre + (corner + right * column as f32 + down * row as f32) * depth;
+        let (mut patches, mut count) = ([[0.0; EDGE * EDGE]; VIEWS], 0);
+        let seen = others.iter().filter(|view| shows(view, camera.centre + camera.ray(x, y) * depth));
+        for found in seen.take(VIEWS).filter_map(|view| patch(view, place)) {
+            patches[count] = found;
+            count += 1;
+        }
+        let patches = &patches[..count];
         let zncc = |a: &Patch, b: &Patch| a.iter().zip(b).map(|(a, b)| a * b).sum::<f32>();
         let pairs = patches.iter().enumerate().flat_map(|(i, a)| patches[i + 1..].iter().map(move |b| zncc(a, b)));
         pairs.filter(|&zncc| zncc >= MIN_ZNCC).count() >= MIN_PAIRS
