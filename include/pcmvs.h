@@ -315,7 +315,8 @@ typedef uint32_t pcmvs_mesh_kind;
 #endif // __STDC_VERSION__ >= 202311L
 #endif // __cplusplus
 
-// Attributes of a mesh that can be copied. Numbers never change. Later versions may add attributes; a library that does not know an attribute fails with `PCMVS_STATUS_INVALID_ARGUMENT`.
+// Attributes of a mesh that can be copied. Numbers never change. Later versions may add attributes; a library that does not
+// know an attribute fails with `PCMVS_STATUS_INVALID_ARGUMENT`.
 enum pcmvs_attribute
 #if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
   : uint32_t

@@ -81,8 +81,8 @@ fn params(options: &pcmvs_form_options) -> Result<FormParams> {
 pub unsafe extern "C" fn pcmvs_frame_form(frame: *mut pcmvs_frame, options: *const pcmvs_form_options) -> pcmvs_status {
     exclusive(frame, |_, work| {
         // SAFETY: the caller's promise.
-        let params = unsafe { read(options, "options") }.and_then(|options| params(&options));
-        work.make_form(&params.map_err(|failure| failure.at(Stage::Form))?)
+        let options = unsafe { read(options, "options") };
+        work.make_form(options.and_then(|options| params(&options)))
     })
 }
 

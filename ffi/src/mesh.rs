@@ -26,7 +26,8 @@ pub enum pcmvs_mesh_kind {
     Form = 3,
 }
 
-/// Attributes of a mesh that can be copied. Numbers never change. Later versions may add attributes; a library that does not know an attribute fails with `PCMVS_STATUS_INVALID_ARGUMENT`.
+/// Attributes of a mesh that can be copied. Numbers never change. Later versions may add attributes; a library that does not
+/// know an attribute fails with `PCMVS_STATUS_INVALID_ARGUMENT`.
 #[repr(u32)]
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum pcmvs_attribute {

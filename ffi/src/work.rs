@@ -117,10 +117,11 @@ impl Work {
     }
 
     /// Makes a form of the finished mesh, in the place of the last one. On failure there is none.
-    pub fn make_form(&mut self, params: &FormParams) -> Result<()> {
+    pub fn make_form(&mut self, params: Result<FormParams>) -> Result<()> {
         self.form = None;
+        let params = params.map_err(|failure| failure.at(Stage::Form))?;
         let progress = self.options.progress(&self.clock);
-        let form = self.frame.form(params, &self.options.threads(), &progress).map_err(at(Stage::Form))?;
+        let form = self.frame.form(&params, &self.options.threads(), &progress).map_err(at(Stage::Form))?;
         self.form = Some(form);
         Ok(())
     }

@@ -53,6 +53,11 @@ static void check_misuse(pcmvs_frame *frame) {
     check_message(frame, "no texture");
     EXPECT(pcmvs_frame_copy_mesh(frame, PCMVS_MESH_KIND_FORM, PCMVS_ATTRIBUTE_TEXTURE_COORDINATES, NULL, 0, 0, &count),
            PCMVS_STATUS_WRONG_ORDER);
+
+    /* After a failure there is no form. */
+    options.texture = 2;
+    EXPECT(pcmvs_frame_form(frame, &options), PCMVS_STATUS_INVALID_ARGUMENT);
+    EXPECT(pcmvs_frame_get_mesh(frame, PCMVS_MESH_KIND_FORM, &mesh, sizeof mesh), PCMVS_STATUS_WRONG_ORDER);
 }
 
 /* Texture coordinates and texels are there, and the finished mesh stays as it is. */
