@@ -56,7 +56,7 @@ pub struct View {
     pub given: Option<Arc<Silhouette>>,
     /// Number of pixels by which the other views have completed the silhouette.
     pub added: u32,
-    /// Whether the object has been cut out of the picture, so that outside [`Self::silhouette_as_given`] it shows nothing.
+    /// Whether the object has been cut out of the picture, so that it shows nothing outside the silhouette as it was given.
     pub cut_out: bool,
     /// Why the view contributes nothing to its frame. `None` if it takes part.
     pub left_out: Option<LeftOut>,
