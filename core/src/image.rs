@@ -143,6 +143,22 @@ pub fn luma([r, g, b]: [u8; 3]) -> u8 {
     ((u32::from(r) * 77 + u32::from(g) * 150 + u32::from(b) * 29 + 128) >> 8) as u8
 }
 
+/// The value at a place between the pixels of packed rows, interpolated bilinearly; `None` outside the picture.
+#[inline]
+pub(crate) fn bilinear<T: Copy + Into<f32>>(values: &[T], [width, height]: [usize; 2], x: f32, y: f32) -> Option<f32> {
+    // Written so that NaN fails as well.
+    if !(x >= 0.0 && y >= 0.0 && x < (width - 1) as f32 && y < (height - 1) as f32) {
+        return None;
+    }
+    // Conversion to a signed integer is a single instruction, unlike conversion to `usize`.
+    let (column, row) = (x as i32 as usize, y as i32 as usize);
+    let (fx, fy) = (x - column as f32, y - row as f32);
+    let v = &values[row * width + column..][..width + 2];
+    let [a, b, c, d] = [v[0], v[1], v[width], v[width + 1]].map(Into::into);
+    let (top, bottom) = (a + (b - a) * fx, c + (d - c) * fx);
+    Some(top + (bottom - top) * fy)
+}
+
 /// BT.601, video range (16 to 235), in integer arithmetic so that the result is the same on every machine.
 fn rgb_from_ycbcr(y: u8, cb: u8, cr: u8) -> [u8; 3] {
     let (y, cb, cr) = ((i32::from(y) - 16) * 298, i32::from(cb) - 128, i32::from(cr) - 128);

@@ -1,6 +1,7 @@
 //! A view's luma as matching reads it: smoothed a little, so that noise counts less and interpolation between pixels
 //! blurs less.
 
+use crate::image::bilinear;
 use alloc::{vec, vec::Vec};
 use glam::Vec2;
 
@@ -35,16 +36,7 @@ impl Smooth {
     /// Interpolated bilinearly, in grey levels; `None` outside the picture.
     #[inline]
     pub(super) fn sample(&self, p: Vec2) -> Option<f32> {
-        let (w, h) = (self.width, self.height);
-        if !(p.x >= 0.0 && p.y >= 0.0 && p.x < (w - 1) as f32 && p.y < (h - 1) as f32) {
-            return None;
-        }
-        let (x, y) = (p.x as i32 as usize, p.y as i32 as usize);
-        let (fx, fy) = (p.x - x as f32, p.y - y as f32);
-        let v = &self.values[y * w + x..][..w + 2];
-        let [a, b, c, d] = [v[0], v[1], v[w], v[w + 1]].map(f32::from);
-        let (top, bottom) = (a + (b - a) * fx, c + (d - c) * fx);
-        Some((top + (bottom - top) * fy) * (1.0 / 16.0))
+        bilinear(&self.values, [self.width, self.height], p.x, p.y).map(|v| v * (1.0 / 16.0))
     }
 
     /// Value of a pixel in grey levels.

@@ -3,6 +3,7 @@
 use super::rays::Rays;
 use crate::{
     camera::Pinhole,
+    image::bilinear,
     math::{max, sqrt},
     view::View,
 };
@@ -122,15 +123,6 @@ fn patch(view: &View, at: impl Fn(usize, usize) -> Vec3) -> Option<Patch> {
 /// A view's luma at the projection of a place, interpolated bilinearly.
 fn luma(view: &View, p: Vec3) -> Option<f32> {
     let q = view.camera.project(p);
-    let (w, h) = (view.camera.width as usize, view.camera.height as usize);
-    if !(q.z > 0.0 && q.x >= 0.0 && q.y >= 0.0 && q.x < (w - 1) as f32 && q.y < (h - 1) as f32) {
-        return None;
-    }
-    let (x, y) = (q.x as usize, q.y as usize);
-    let (fx, fy) = (q.x - x as f32, q.y - y as f32);
-    let at = |i: usize| f32::from(view.luma[i]);
-    let i = y * w + x;
-    let top = at(i) + (at(i + 1) - at(i)) * fx;
-    let bottom = at(i + w) + (at(i + w + 1) - at(i + w)) * fx;
-    Some(top + (bottom - top) * fy)
+    let size = [view.camera.width as usize, view.camera.height as usize];
+    bilinear(&view.luma, size, q.x, q.y).filter(|_| q.z > 0.0)
 }
