@@ -7,7 +7,7 @@
 #![allow(clippy::disallowed_methods, reason = "the example's own numbers need not be deterministic")]
 
 use glam::Vec3;
-use pcmvs_core::{Params, Point, Preset, Rank, Silent, Workspace, mesh, surface};
+use pcmvs_core::{Params, Point, Preset, Rank, Serial, Silent, Workspace, mesh, surface};
 use std::{fmt::Write as _, path::Path, time::Instant};
 use studio::noise::Random;
 
@@ -93,8 +93,9 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         let (mut seconds, mut positions) = (f64::INFINITY, Vec::new());
         for _ in 0..3 {
             let start = Instant::now();
-            positions =
-                mesh::mesh(&points, &Anywhere, VOXEL, &params, &mut Workspace::default(), &Silent)?.mesh.positions;
+            positions = mesh::mesh(&points, &Anywhere, VOXEL, &params, &mut Workspace::default(), &Serial, &Silent)?
+                .mesh
+                .positions;
             seconds = seconds.min(start.elapsed().as_secs_f64());
         }
         let error = |p: &Vec3| (RADII.1 - (p.truncate().length() - RADII.0).hypot(p.z)).abs();

@@ -56,7 +56,7 @@ pub fn coarse(
     clouds.iter_mut().for_each(|cloud| weigh(cloud, meshing.weights.as_ref()));
     let cloud = concat(once(frontier).chain(clouds.iter().map(|cloud| &cloud[..])), workspace);
     let voxel = params.voxel_pixels * hull.footprint();
-    let mesh = mesh::mesh(&cloud, hull, voxel, meshing, workspace, &Part { part: 1, ..detecting })?.mesh;
+    let mesh = mesh::mesh(&cloud, hull, voxel, meshing, workspace, executor, &Part { part: 1, ..detecting })?.mesh;
     workspace.recycle(cloud);
     Ok(mesh)
 }

@@ -20,6 +20,29 @@ pub trait Executor: Sync {
     fn map<T: Send>(&self, count: usize, job: impl Fn(usize) -> T + Sync) -> Vec<T> {
         self.map_with(&mut Vec::<()>::new(), count, |(), i| job(i))
     }
+
+    /// Computes `job(i, part)` for each of the parts, such as mutable slices of one vector.
+    fn map_parts<P: Send, T: Send>(
+        &self,
+        parts: impl IntoIterator<Item = P>,
+        job: impl Fn(usize, P) -> T + Sync,
+    ) -> Vec<T> {
+        self.map_parts_with(&mut Vec::<()>::new(), parts, |(), i, part| job(i, part))
+    }
+
+    /// [`Self::map_parts`] with scratch buffers as in [`Self::map_with`].
+    fn map_parts_with<S: Default + Send, P: Send, T: Send>(
+        &self,
+        spare: &mut Vec<S>,
+        parts: impl IntoIterator<Item = P>,
+        job: impl Fn(&mut S, usize, P) -> T + Sync,
+    ) -> Vec<T> {
+        let parts: Vec<Mutex<Option<P>>> = parts.into_iter().map(|part| Mutex::new(Some(part))).collect();
+        self.map_with(spare, parts.len(), |scratch, i| {
+            let part = parts[i].lock().take().expect("each job runs once");
+            job(scratch, i, part)
+        })
+    }
 }
 
 /// Runs all jobs on the calling thread.

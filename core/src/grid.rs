@@ -1,6 +1,6 @@
 //! A sparse uniform grid, stored in blocks. The hull, the Poisson solver and marching cubes share it.
 
-use crate::math::floor;
+use crate::{executor::Executor, math::floor};
 use alloc::{vec, vec::Vec};
 use glam::Vec3;
 
@@ -8,6 +8,8 @@ use glam::Vec3;
 pub const BLOCK: usize = 8;
 /// Nodes in a block.
 pub const BLOCK_NODES: usize = BLOCK * BLOCK * BLOCK;
+/// Blocks that one job of an [`crate::Executor`] works on. The number affects no result.
+pub(crate) const BLOCKS_PER_JOB: usize = 64;
 
 /// A uniform grid of which only some blocks of 8³ nodes are stored.
 ///
@@ -58,6 +60,19 @@ impl SparseGrid {
             }
         }
         grid
+    }
+
+    /// Calls `job` for each part of the stored blocks with an iterator over the coordinates of the blocks and the values of
+    /// their nodes in `field`.
+    pub(crate) fn for_each_part<T: Send>(
+        &self,
+        field: &mut [T],
+        executor: &impl Executor,
+        job: impl Fn(&mut dyn Iterator<Item = (&[u16; 3], &mut [T])>) + Sync,
+    ) {
+        let parts = self.blocks.chunks(BLOCKS_PER_JOB).zip(field.chunks_mut(BLOCKS_PER_JOB * BLOCK_NODES));
+        executor
+            .map_parts(parts, |_, (blocks, field)| job(&mut blocks.iter().zip(field.chunks_exact_mut(BLOCK_NODES))));
     }
 
     /// Slot of a block, or [`Self::INSIDE`] or [`Self::OUTSIDE`] if it is not stored. Blocks beyond the grid are

@@ -24,6 +24,13 @@ impl Hash64 {
         self.word(u64::from((v + 0.0).to_bits()));
     }
 
+    /// The hash of parts whose own hashes are known, in their order.
+    pub fn of_parts(parts: impl IntoIterator<Item = u64>) -> u64 {
+        let mut hash = Self::default();
+        parts.into_iter().for_each(|part| hash.word(part));
+        hash.finish()
+    }
+
     /// The hash so far.
     pub fn finish(self) -> u64 {
         self.0

@@ -4,6 +4,7 @@ use crate::{
     camera::Pinhole,
     cut_out::is_cut_out,
     error::{Error, Result},
+    executor::Executor,
     hash::Hash64,
     image::{self, ImageRef},
     left_out::LeftOut,
@@ -76,8 +77,8 @@ pub struct ViewScratch {
 }
 
 /// Hash of views, which depends on their order.
-pub(crate) fn hash(views: &[View]) -> u64 {
-    views.iter().fold(Hash64::default(), |hash, view| view.hash(hash)).finish()
+pub(crate) fn hash(views: &[View], executor: &impl Executor) -> u64 {
+    Hash64::of_parts(executor.map(views.len(), |i| views[i].hash()))
 }
 
 /// The memory of a view that is no longer needed.
@@ -142,15 +143,16 @@ impl View {
         self.added = 0;
     }
 
-    /// Mixes picture and silhouette into a hash.
-    fn hash(&self, mut hash: Hash64) -> Hash64 {
+    /// Hash of picture and silhouette.
+    fn hash(&self) -> u64 {
+        let mut hash = Hash64::default();
         for p in self.rgb.chunks(8) {
             hash.word(p.iter().fold(0, |word, &b| word << 8 | u64::from(b)));
         }
         for d in self.silhouette.iter().flat_map(|s| s.distances().chunks(4)) {
             hash.word(d.iter().fold(0, |word, &d| word << 16 | u64::from(d as u16)));
         }
-        hash
+        hash.finish()
     }
 
     /// Reads the picture and silhouette of the camera with the given index in the rig. With `contour` the silhouette's

@@ -5,9 +5,9 @@ mod common;
 
 use common::{Random, assert_manifold, volume};
 use glam::Vec3;
-use pcmvs_core::Workspace;
 use pcmvs_core::grid::{BLOCK_NODES, SparseGrid};
 use pcmvs_core::surface::{Unstored, marching_cubes};
+use pcmvs_core::{Serial, Workspace};
 
 /// A grid of random stored, inside and outside blocks.
 fn random_grid(random: &mut Random, dims: [u32; 3]) -> SparseGrid {
@@ -27,8 +27,14 @@ fn random_fields_give_closed_manifolds() {
         let values: Vec<f32> = (0..grid.blocks.len() * BLOCK_NODES)
             .map(|_| if random.below(share) == 0 { random.unit() } else { -random.unit() })
             .collect();
-        let mesh =
-            marching_cubes(&grid, &values, 0.0, Unstored { inside: 1.0, outside: -1.0 }, &mut Workspace::default());
+        let mesh = marching_cubes(
+            &grid,
+            &values,
+            0.0,
+            Unstored { inside: 1.0, outside: -1.0 },
+            &mut Workspace::default(),
+            &Serial,
+        );
         assert!(!mesh.triangles.is_empty());
         assert_manifold(&mesh);
     }
@@ -48,6 +54,7 @@ fn values_equal_to_iso_or_not_finite_do_no_harm() {
             0.5,
             Unstored { inside: 1.0, outside: 0.0 },
             &mut Workspace::default(),
+            &Serial,
         ));
     }
 }
@@ -71,6 +78,7 @@ fn every_case_closes_with_its_neighbours() {
                 0.0,
                 Unstored { inside: 1.0, outside: -1.0 },
                 &mut Workspace::default(),
+                &Serial,
             ));
         }
     }
@@ -79,7 +87,8 @@ fn every_case_closes_with_its_neighbours() {
 #[test]
 fn a_grid_that_is_all_inside_becomes_its_box() {
     let grid = SparseGrid::new(Vec3::ZERO, 1.0, [2, 1, 1], |_| SparseGrid::INSIDE);
-    let mesh = marching_cubes(&grid, &[], 0.5, Unstored { inside: 1.0, outside: 0.0 }, &mut Workspace::default());
+    let mesh =
+        marching_cubes(&grid, &[], 0.5, Unstored { inside: 1.0, outside: 0.0 }, &mut Workspace::default(), &Serial);
     assert_manifold(&mesh);
     // 16 x 8 x 8 nodes, half a voxel around them, less the bevel at edges and corners.
     let volume = volume(&mesh);
@@ -109,8 +118,14 @@ fn a_sphere_is_met_in_position_normal_and_volume() {
     }
     grid.origin = Vec3::splat(-5.0);
     let centre = centre + grid.origin;
-    let mesh =
-        marching_cubes(&grid, &values, 0.0, Unstored { inside: 10.0, outside: -10.0 }, &mut Workspace::default());
+    let mesh = marching_cubes(
+        &grid,
+        &values,
+        0.0,
+        Unstored { inside: 10.0, outside: -10.0 },
+        &mut Workspace::default(),
+        &Serial,
+    );
     assert_manifold(&mesh);
     for (&p, &n) in mesh.positions.iter().zip(&mesh.normals) {
         assert!(((p - centre).length() - radius).abs() < 0.02);

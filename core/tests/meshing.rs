@@ -9,14 +9,14 @@ use common::{Random, assert_manifold};
 use glam::Vec3;
 use pcmvs_core::mesh::{Meshed, MeshingParams, SpaceConstraint, mesh};
 use pcmvs_core::surface::{Envelope, drop_small_components};
-use pcmvs_core::{Error, Mesh, Params, Point, Preset, Progress, Rank, Silent, Stage, Workspace};
+use pcmvs_core::{Error, Mesh, Params, Point, Preset, Progress, Rank, Serial, Silent, Stage, Workspace};
 
 /// A solid by its signed distance, positive inside.
 type Solid = fn(Vec3) -> f32;
 
-struct Hull<F: Fn(Vec3) -> f32>(F);
+struct Hull<F: Fn(Vec3) -> f32 + Sync>(F);
 
-impl<F: Fn(Vec3) -> f32> Envelope for Hull<F> {
+impl<F: Fn(Vec3) -> f32 + Sync> Envelope for Hull<F> {
     fn bounds(&self) -> (Vec3, Vec3) {
         (Vec3::splat(-0.6), Vec3::splat(0.6))
     }
@@ -75,8 +75,8 @@ fn params() -> MeshingParams {
     Params::preset(Preset::Default).meshing
 }
 
-fn run(points: &[Point], hull: impl Fn(Vec3) -> f32, params: &MeshingParams) -> Meshed {
-    let meshed = mesh(points, &Hull(hull), VOXEL, params, &mut Workspace::default(), &Silent).unwrap();
+fn run(points: &[Point], hull: impl Fn(Vec3) -> f32 + Sync, params: &MeshingParams) -> Meshed {
+    let meshed = mesh(points, &Hull(hull), VOXEL, params, &mut Workspace::default(), &Serial, &Silent).unwrap();
     assert_manifold(&meshed.mesh);
     meshed
 }
@@ -241,12 +241,12 @@ fn small_components_and_cavities_are_dropped() {
 
 #[test]
 fn without_points_there_is_no_surface() {
-    let none = mesh(&[], &Hull(sphere), VOXEL, &params(), &mut Workspace::default(), &Silent);
+    let none = mesh(&[], &Hull(sphere), VOXEL, &params(), &mut Workspace::default(), &Serial, &Silent);
     assert_eq!(none.unwrap_err(), Error::NoSurface);
     let weightless: Vec<Point> =
         cloud(sphere, 0.5, |_| true).into_iter().map(|p| point(p.position, p.normal, 0.0)).collect();
     assert_eq!(
-        mesh(&weightless, &Hull(sphere), VOXEL, &params(), &mut Workspace::default(), &Silent).unwrap_err(),
+        mesh(&weightless, &Hull(sphere), VOXEL, &params(), &mut Workspace::default(), &Serial, &Silent).unwrap_err(),
         Error::NoSurface
     );
 }
@@ -271,7 +271,7 @@ fn every_step_can_cancel() {
     let points = cloud(sphere, 0.5, |_| true);
     let attempt = |at: u32| {
         let refusal = Refusal { at, steps: AtomicU32::new(0), last: AtomicU32::new(0) };
-        let result = mesh(&points, &Hull(sphere), 2.0 * VOXEL, &params(), &mut Workspace::default(), &refusal);
+        let result = mesh(&points, &Hull(sphere), 2.0 * VOXEL, &params(), &mut Workspace::default(), &Serial, &refusal);
         (result, refusal.steps.into_inner())
     };
     let (complete, steps) = attempt(0);

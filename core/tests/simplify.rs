@@ -8,7 +8,7 @@ use glam::{DVec3, Vec3};
 use pcmvs_core::grid::{BLOCK_NODES, SparseGrid};
 use pcmvs_core::simplify::{SimplifyParams, simplify};
 use pcmvs_core::surface::{Unstored, marching_cubes};
-use pcmvs_core::{Error, Mesh, Progress, Silent, Stage, Workspace};
+use pcmvs_core::{Error, Mesh, Progress, Serial, Silent, Stage, Workspace};
 use proptest::prelude::*;
 use proptest::test_runner::{Config, RngSeed};
 use studio::topology::components;
@@ -51,7 +51,7 @@ fn surface_of(solid: Solid) -> Mesh {
         }
     }
     let unstored = Unstored { inside: 1.0, outside: -1.0 };
-    let mut mesh = marching_cubes(&grid, &values, 0.0, unstored, &mut Workspace::default());
+    let mut mesh = marching_cubes(&grid, &values, 0.0, unstored, &mut Workspace::default(), &Serial);
     mesh.colours = mesh.positions.iter().map(|p| p.to_array().map(|v| (4.0 * v) as u8 + 20)).collect();
     mesh
 }
@@ -304,7 +304,7 @@ fn random_surface(seed: u64, rare: usize) -> Mesh {
         .map(|_| if random.below(rare) == 0 { random.unit() } else { -random.unit() })
         .collect();
     let unstored = Unstored { inside: 1.0, outside: -1.0 };
-    let mut mesh = marching_cubes(&grid, &values, 0.0, unstored, &mut Workspace::default());
+    let mut mesh = marching_cubes(&grid, &values, 0.0, unstored, &mut Workspace::default(), &Serial);
     mesh.colours = mesh.positions.iter().map(|_| [0; 3].map(|_: u8| random.below(256) as u8)).collect();
     mesh
 }

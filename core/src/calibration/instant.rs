@@ -83,6 +83,7 @@ impl Instant {
         models: &[Model],
         excluded: impl Fn(usize) -> bool,
         params: &GuideParams,
+        executor: &impl Executor,
         progress: &dyn Progress,
     ) -> Result<Guide> {
         let mut carved = Carved {
@@ -93,8 +94,9 @@ impl Instant {
             workspace: Workspace::default(),
         };
         let agreement = params.agreement.as_ref();
-        carve_agreeing(&mut carved, agreement, if agreement.is_some() { ROUNDS } else { 0 }, progress)?;
-        let apart = agreement.map(|params| apart(&carved.views, &carved.mesh, params)).unwrap_or_default();
+        let rounds = if agreement.is_some() { ROUNDS } else { 0 };
+        carve_agreeing(&mut carved, agreement, rounds, executor, progress)?;
+        let apart = agreement.map(|params| apart(&carved.views, &carved.mesh, params, executor)).unwrap_or_default();
         Ok(Guide { mesh: carved.mesh, footprint: carved.footprint, views: carved.views, apart })
     }
 }
@@ -109,9 +111,10 @@ struct Carved {
 }
 
 impl Carving for Carved {
-    fn carve(&mut self, progress: &dyn Progress) -> Result<()> {
-        let hull = VisualHull::with_workspace(&self.views, &self.params, None, &mut self.workspace, progress)?;
-        self.mesh = hull.mesh(&mut self.workspace);
+    fn carve(&mut self, executor: &impl Executor, progress: &dyn Progress) -> Result<()> {
+        let workspace = &mut self.workspace;
+        let hull = VisualHull::with_workspace(&self.views, &self.params, None, workspace, executor, progress)?;
+        self.mesh = hull.mesh(workspace, executor);
         drop_small_components(&mut self.mesh, SMALLEST_PART, &mut self.workspace);
         self.footprint = hull.footprint();
         Ok(())

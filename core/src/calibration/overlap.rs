@@ -34,14 +34,14 @@ pub(super) fn fit(
     let (mut pairs, mut hulls) = (Vec::new(), 0);
     let mut sums = vec![(0.0, 0_u32); models.len()];
     for instant in instants {
-        let guide = match instant.hull(models, |_| false, hull, progress) {
+        let guide = match instant.hull(models, |_| false, hull, executor, progress) {
             Ok(guide) => guide,
             // Silhouettes that agree nowhere overlap nowhere, which the contours' residuals describe better.
             Err(Error::EmptyHull) => continue,
             Err(error) => return Err(error),
         };
         hulls += 1;
-        pairs.extend(exchanged(&guide.views, &guide.mesh, progress)?);
+        pairs.extend(exchanged(&guide.views, &guide.mesh, executor, progress)?);
         let found = compare(&guide.views, &guide.mesh, executor, progress)?;
         for (sum, overlap) in sums.iter_mut().zip(found.into_iter().map(|found| found.overlap)) {
             if let Some(overlap) = overlap {

@@ -247,7 +247,7 @@ impl Evidence {
         let part = |part: u32| Part { of: progress, stage: Stage::Detect, part, parts };
         for (frame, instant) in (0..).zip(instants) {
             let (carving, searching) = (part(2 * frame), part(2 * frame + 1));
-            let guide = instant.hull(models, |i| far_off[i], hull, &carving)?;
+            let guide = instant.hull(models, |i| far_off[i], hull, executor, &carving)?;
             guide.apart.iter().for_each(|&place| evidence.apart[usize::from(place)] += 1);
             let (tracks, brightness) = matching::tracks(rig, instant, models, &guide, reach, executor, &searching)?;
             evidence.tracks.extend(tracks);

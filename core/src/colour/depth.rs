@@ -17,15 +17,13 @@ const STEP_FOOTPRINTS: f32 = 4.0;
 /// Largest distance to a depth step that is measured, in pixels.
 const MAX_BORDER: u8 = 4;
 
-/// Inverse depths of the nearest front faces, over the part of the picture that the mesh covers. Reused for all views,
+/// Inverse depths of the nearest front faces, over the part of the picture that the mesh covers. Reused for other views,
 /// so that its memory is allocated once.
 ///
 /// Unlike [`crate::raster::Raster`] it is cropped to the mesh, because its distances to depth steps are measured over
 /// all its pixels. Both draw triangles by [`draw_front`].
 #[derive(Debug, Default)]
 pub(super) struct DepthBuffer {
-    /// Pixel and depth of every vertex.
-    projected: Vec<Vec3>,
     /// First column and row, width and height of the covered part, in pixels.
     x: i32,
     y: i32,
@@ -40,40 +38,29 @@ pub(super) struct DepthBuffer {
 impl DepthBuffer {
     /// An empty buffer that uses memory of the workspace.
     pub(super) fn with_workspace(workspace: &mut Workspace) -> Self {
-        Self { projected: workspace.take(), inverse: workspace.take(), border: workspace.take(), ..Self::default() }
+        Self { inverse: workspace.take(), border: workspace.take(), ..Self::default() }
     }
 
     /// Returns its memory to the workspace.
     pub(super) fn recycle_into(self, workspace: &mut Workspace) {
-        workspace.recycle(self.projected);
         workspace.recycle(self.inverse);
         workspace.recycle(self.border);
     }
 
-    /// Rasterises the front faces of the mesh.
-    pub(super) fn render(&mut self, mesh: &Mesh, camera: &Pinhole) {
-        self.projected.clear();
-        self.projected.extend(mesh.positions.iter().map(|&p| camera.project(p)));
-        self.frame(camera);
+    /// Rasterises the front faces of the mesh. `projected` is overwritten by the pixel and depth of every vertex.
+    pub(super) fn render(&mut self, mesh: &Mesh, camera: &Pinhole, projected: &mut Vec<Vec3>) {
+        projected.clear();
+        projected.extend(mesh.positions.iter().map(|&p| camera.project(p)));
+        self.frame(camera, projected);
         self.inverse.clear();
         self.inverse.resize((self.width * self.height) as usize, 0.0);
         let first = Vec3::new(self.x as f32, self.y as f32, 0.0);
         let (width, height) = (self.width as usize, self.height as usize);
         for triangle in &mesh.triangles {
-            let corners = triangle.map(|i| self.projected[i as usize] - first);
+            let corners = triangle.map(|i| projected[i as usize] - first);
             draw_front(corners, width, height, &mut self.inverse);
         }
         self.measure_border(camera);
-    }
-
-    /// Frees the memory of [`Self::projected`].
-    pub(super) fn forget_vertices(&mut self) {
-        self.projected = Vec::new();
-    }
-
-    /// Pixel and depth of a vertex.
-    pub(super) fn projected(&self, vertex: usize) -> Vec3 {
-        self.projected[vertex]
     }
 
     /// If the camera sees the surface at this pixel and depth: the distance in pixels to the nearest depth step.
@@ -105,9 +92,9 @@ impl DepthBuffer {
 
     /// Sets the covered part: the bounds of the projected vertices, with a margin of background, clipped to the
     /// picture.
-    fn frame(&mut self, camera: &Pinhole) {
+    fn frame(&mut self, camera: &Pinhole, projected: &[Vec3]) {
         let (mut low, mut high) = (Vec2::INFINITY, Vec2::NEG_INFINITY);
-        for p in self.projected.iter().filter(|p| p.z > 0.0) {
+        for p in projected.iter().filter(|p| p.z > 0.0) {
             low = low.min(p.truncate());
             high = high.max(p.truncate());
         }

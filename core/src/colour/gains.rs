@@ -3,6 +3,7 @@
 
 use super::candidate::Candidate;
 use crate::{
+    executor::Executor,
     linear::solve_symmetric,
     math::{from_ordered, ordered},
     workspace::Workspace,
@@ -27,13 +28,15 @@ pub struct GainParams {
     pub prior: f64,
 }
 
+/// Vertex, view and colour.
+pub(super) type Sample = (u32, u16, Vec3);
+
 /// The colours of a subset of the vertices in all views that see them well.
 pub(super) struct Overlap {
     /// Every `stride`th vertex is compared.
     stride: usize,
     views: usize,
-    /// (vertex, view, colour) in order of views.
-    samples: Vec<(u32, u16, Vec3)>,
+    samples: Vec<Sample>,
 }
 
 impl Overlap {
@@ -46,41 +49,27 @@ impl Overlap {
         workspace.recycle(self.samples);
     }
 
-    pub(super) fn add(&mut self, vertex: usize, view: usize, candidate: &Candidate, params: &GainParams) {
-        if vertex.is_multiple_of(self.stride) && candidate.score >= params.min_score {
-            self.samples.push((vertex as u32, view as u16, candidate.rgb));
-        }
+    /// Whether a view's candidate for a vertex is compared.
+    pub(super) fn compares(&self, vertex: usize, candidate: &Candidate, params: &GainParams) -> bool {
+        vertex.is_multiple_of(self.stride) && candidate.score >= params.min_score
+    }
+
+    /// Adds what [`Self::compares`] accepts, in any order.
+    pub(super) fn add(&mut self, samples: &[Sample]) {
+        self.samples.extend_from_slice(samples);
     }
 
     /// Solves the gains by least squares over pairs of views in the log domain. Each pair contributes the median ratio
     /// of the colours that both see, so that highlights, shadows and wrong points have no influence. The geometric mean
     /// of the gains is one.
-    pub(super) fn solve(&mut self, params: &GainParams, workspace: &mut Workspace) -> Vec<Vec3> {
+    pub(super) fn solve(&mut self, params: &GainParams, executor: &impl Executor) -> Vec<Vec3> {
         let n = self.views;
         let mut gains = vec![Vec3::ONE; n];
         self.samples.sort_unstable_by_key(|&(vertex, view, _)| (vertex, view));
-        // Each entry holds a pair of views and the logarithm of the ratio as an ordered integer.
-        let mut ratios: Vec<u64> = workspace.take();
-        for channel in 0..3 {
-            ratios.clear();
-            for group in self.samples.chunk_by(|a, b| a.0 == b.0) {
-                for (k, &(_, i, a)) in group.iter().enumerate() {
-                    for &(_, j, b) in &group[k + 1..] {
-                        let (a, b) = (a[channel], b[channel]);
-                        if TRUSTED.contains(&a) && TRUSTED.contains(&b) {
-                            let log = ordered(libm::logf(b / a));
-                            ratios.push(u64::from(i) << 48 | u64::from(j) << 32 | u64::from(log));
-                        }
-                    }
-                }
-            }
-            ratios.sort_unstable();
+        let solved = executor.map(3, |channel| {
             let mut matrix = vec![0.0f64; n * n];
             let mut right = vec![0.0f64; n];
-            for pair in ratios.chunk_by(|a, b| a >> 32 == b >> 32) {
-                let (i, j) = ((pair[0] >> 48) as usize, (pair[0] >> 32) as u16 as usize);
-                let median = f64::from(from_ordered(pair[pair.len() / 2] as u32));
-                let weight = pair.len() as f64;
+            for Ratio { pair: [i, j], median, weight } in self.ratios(channel) {
                 matrix[i * n + i] += weight;
                 matrix[j * n + j] += weight;
                 matrix[i * n + j] -= weight;
@@ -92,13 +81,60 @@ impl Overlap {
                 matrix[i * n + i] += params.prior;
             }
             solve_symmetric(&mut matrix, &mut right);
-            let logs = right;
+            right
+        });
+        for (channel, logs) in solved.into_iter().enumerate() {
             let mean = logs.iter().sum::<f64>() / n as f64;
             for (gain, log) in gains.iter_mut().zip(logs) {
                 gain[channel] = libm::exp(log - mean) as f32;
             }
         }
-        workspace.recycle(ratios);
         gains
     }
+
+    /// The ratios of all pairs of views that have seen a vertex in common, in ascending order.
+    fn ratios(&self, channel: usize) -> Vec<Ratio> {
+        let n = self.views;
+        let each = |found: &mut dyn FnMut(usize, f32)| {
+            for group in self.samples.chunk_by(|a, b| a.0 == b.0) {
+                for (k, &(_, i, a)) in group.iter().enumerate() {
+                    for &(_, j, b) in &group[k + 1..] {
+                        let (a, b) = (a[channel], b[channel]);
+                        if TRUSTED.contains(&a) && TRUSTED.contains(&b) {
+                            found(usize::from(i) * n + usize::from(j), b / a);
+                        }
+                    }
+                }
+            }
+        };
+        let mut starts = vec![0; n * n + 1];
+        each(&mut |pair, _| starts[pair + 1] += 1);
+        for pair in 0..n * n {
+            starts[pair + 1] += starts[pair];
+        }
+        // The logarithms as ordered integers, pair after pair.
+        let mut logs = vec![0u32; starts[n * n]];
+        let mut next = starts.clone();
+        each(&mut |pair, ratio| {
+            logs[next[pair]] = ordered(libm::logf(ratio));
+            next[pair] += 1;
+        });
+        let of = |pair: usize| {
+            let logs = &mut logs[starts[pair]..starts[pair + 1]];
+            let middle = logs.len() / 2;
+            (!logs.is_empty()).then(|| Ratio {
+                pair: [pair / n, pair % n],
+                median: f64::from(from_ordered(*logs.select_nth_unstable(middle).1)),
+                weight: logs.len() as f64,
+            })
+        };
+        (0..n * n).filter_map(of).collect()
+    }
+}
+
+/// The median of the logarithms of the ratios of two views' colours, and the number of ratios.
+struct Ratio {
+    pair: [usize; 2],
+    median: f64,
+    weight: f64,
 }

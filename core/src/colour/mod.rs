@@ -9,6 +9,7 @@ mod point;
 
 use crate::{
     error::Result,
+    executor::Executor,
     point_cloud::Mesh,
     progress::{self, Progress},
     stage::Stage,
@@ -35,6 +36,11 @@ pub struct ColourParams {
     pub blended_views: u32,
 }
 
+/// Views whose depth buffers are held at the same time.
+const VIEWS_AT_A_TIME: usize = 8;
+/// Vertices that one job of an executor works on.
+const VERTICES_PER_JOB: usize = 4096;
+
 /// The blending weight of a view is this power of its score.
 const BLEND_POWER: i32 = 4;
 
@@ -54,6 +60,7 @@ pub fn colour(
     fixed_gains: Option<&[Vec3]>,
     params: &ColourParams,
     workspace: &mut Workspace,
+    executor: &impl Executor,
     progress: &dyn Progress,
 ) -> Result<Vec<Vec3>> {
     // One step per view, one for the gains and one for blending.
@@ -63,33 +70,59 @@ pub fn colour(
     let kept = kept(blended);
     let mut candidates: Vec<Candidate> = workspace.filled(Candidate::NONE, mesh.positions.len() * kept);
     let mut overlap = gains::Overlap::new(mesh.positions.len(), views.len(), workspace);
-    let mut buffer = DepthBuffer::with_workspace(workspace);
-    for (i, view) in views.iter().enumerate() {
-        if view.is_used() {
-            buffer.render(mesh, &view.camera);
-            for (v, (&position, &normal)) in mesh.positions.iter().zip(&mesh.normals).enumerate() {
-                let Some(candidate) = sample_view(view, i as u16, &buffer, position, normal, buffer.projected(v))
-                else {
-                    continue;
-                };
-                if let Some(params) = &solved {
-                    overlap.add(v, i, &candidate, params);
+    let used: Vec<(u16, &View)> = (0..).zip(views).filter(|(_, view)| view.is_used()).collect();
+    let mut buffers: Vec<DepthBuffer> = Vec::new();
+    buffers.resize_with(used.len().min(VIEWS_AT_A_TIME), || DepthBuffer::with_workspace(workspace));
+    let mut projected = vec![workspace.take()];
+    for (n, batch) in used.chunks(VIEWS_AT_A_TIME).enumerate() {
+        let done = (n * VIEWS_AT_A_TIME) as u32;
+        let rendered = executor.map_parts_with(
+            &mut projected,
+            buffers.iter_mut().zip(batch),
+            |projected, i, (buffer, (_, view))| {
+                buffer.render(mesh, &view.camera, projected);
+                step(done + i as u32)
+            },
+        );
+        rendered.into_iter().collect::<Result<()>>()?;
+        let parts = candidates.chunks_mut(VERTICES_PER_JOB * kept);
+        let found = executor.map_parts(parts, |part, candidates| {
+            let mut compared: Vec<gains::Sample> = Vec::new();
+            for (&(index, view), buffer) in batch.iter().zip(&buffers) {
+                let vertices = part * VERTICES_PER_JOB..mesh.positions.len();
+                for (v, candidates) in vertices.zip(candidates.chunks_exact_mut(kept)) {
+                    let (position, normal) = (mesh.positions[v], mesh.normals[v]);
+                    let pixel = view.camera.project(position);
+                    let Some(candidate) = sample_view(view, index, buffer, position, normal, pixel) else { continue };
+                    if solved.is_some_and(|params| overlap.compares(v, &candidate, &params)) {
+                        compared.push((v as u32, index, candidate.rgb));
+                    }
+                    insert_best(candidates, candidate);
                 }
-                insert_best(&mut candidates[v * kept..][..kept], candidate);
             }
+            step(done + batch.len() as u32)?;
+            Ok(compared)
+        });
+        for compared in found {
+            overlap.add(&compared?);
         }
-        step(i as u32 + 1)?;
     }
     let gains = match (fixed_gains, &solved) {
         (Some(gains), _) => gains.to_vec(),
-        (None, Some(params)) => overlap.solve(params, workspace),
+        (None, Some(params)) => overlap.solve(params, executor),
         (None, None) => vec![Vec3::ONE; views.len()],
     };
-    buffer.recycle_into(workspace);
+    projected.into_iter().for_each(|projected| workspace.recycle(projected));
+    buffers.into_iter().for_each(|buffer| buffer.recycle_into(workspace));
     overlap.recycle_into(workspace);
     step(views.len() as u32 + 1)?;
-    let mut seen: Vec<Option<Vec3>> = workspace.empty(mesh.positions.len());
-    seen.extend(candidates.chunks_exact(kept).map(|candidates| blend(candidates, blended, &gains)));
+    let mut seen: Vec<Option<Vec3>> = workspace.filled(None, mesh.positions.len());
+    let parts = seen.chunks_mut(VERTICES_PER_JOB).zip(candidates.chunks(VERTICES_PER_JOB * kept));
+    executor.map_parts(parts, |_, (seen, candidates)| {
+        for (seen, candidates) in seen.iter_mut().zip(candidates.chunks_exact(kept)) {
+            *seen = blend(candidates, blended, &gains);
+        }
+    });
     workspace.recycle(candidates);
     step(views.len() as u32 + 2)?;
     let mut colours = workspace.empty(seen.len());

@@ -22,11 +22,10 @@ pub(crate) struct PointColours<'a> {
 impl<'a> PointColours<'a> {
     /// `gains` has one factor per view.
     pub fn new(mesh: &Mesh, views: &'a [View], gains: &'a [Vec3], blended: u32, executor: &impl Executor) -> Self {
-        let buffers = executor.map(views.len(), |i| {
+        let buffers = executor.map_with(&mut Vec::new(), views.len(), |projected, i| {
             let mut buffer = DepthBuffer::default();
             if views[i].is_used() {
-                buffer.render(mesh, &views[i].camera);
-                buffer.forget_vertices();
+                buffer.render(mesh, &views[i].camera, projected);
             }
             buffer
         });

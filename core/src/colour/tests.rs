@@ -1,7 +1,7 @@
 mod gains;
 
 use super::*;
-use crate::{Camera, Lens, Pinhole, Silent, error::Error, silhouette::Silhouette};
+use crate::{Camera, Lens, Pinhole, Serial, Silent, error::Error, silhouette::Silhouette};
 use alloc::sync::Arc;
 use glam::{DMat3, DVec3};
 
@@ -117,8 +117,16 @@ fn seen_vertices_take_the_surface_colour() {
     let views = ring(&balls, 8, |_| Vec3::ONE);
     for blended_views in [1, 3] {
         let mut mesh = mesh(&balls);
-        colour(&mut mesh, &views, None, &ColourParams { blended_views, ..PAPER }, &mut Workspace::default(), &Silent)
-            .unwrap();
+        colour(
+            &mut mesh,
+            &views,
+            None,
+            &ColourParams { blended_views, ..PAPER },
+            &mut Workspace::default(),
+            &Serial,
+            &Silent,
+        )
+        .unwrap();
         let normals = mesh.normals.clone();
         // At the upper pole all cameras look along the surface, and no camera sees the lower pole.
         let error = worst(&mesh, |v| smooth(normals[v]), |v| (-0.3..0.9).contains(&normals[v].z));
@@ -143,7 +151,7 @@ fn what_was_cut_out_of_a_picture_gives_no_colour() {
     for silhouette in [completed, None] {
         views[0] = View { cut_out: true, given: given.clone(), silhouette, ..views[0].clone() };
         let mut mesh = mesh(&balls);
-        colour(&mut mesh, &views, None, &PAPER, &mut Workspace::default(), &Silent).unwrap();
+        colour(&mut mesh, &views, None, &PAPER, &mut Workspace::default(), &Serial, &Silent).unwrap();
         let normals = mesh.normals.clone();
         let error = worst(&mesh, |v| smooth(normals[v]), |v| (-0.3..0.9).contains(&normals[v].z));
         assert!(error < 2.0, "{error}");
@@ -162,6 +170,7 @@ fn hidden_vertices_never_take_the_colour_of_what_hides_them() {
             None,
             &ColourParams { blended_views, ..PAPER },
             &mut Workspace::default(),
+            &Serial,
             &Silent,
         )
         .unwrap();
@@ -184,8 +193,16 @@ fn gains_make_the_cameras_agree() {
     }));
     let error = |gains| {
         let mut mesh = mesh(&balls);
-        colour(&mut mesh, &views, None, &ColourParams { gains, blended_views: 1 }, &mut Workspace::default(), &Silent)
-            .unwrap();
+        colour(
+            &mut mesh,
+            &views,
+            None,
+            &ColourParams { gains, blended_views: 1 },
+            &mut Workspace::default(),
+            &Serial,
+            &Silent,
+        )
+        .unwrap();
         let normals = mesh.normals.clone();
         worst(&mesh, |v| smooth(normals[v]) * mean, |v| normals[v].z > -0.3)
     };
@@ -199,12 +216,12 @@ fn unseen_vertices_continue_their_surroundings() {
     let balls = [Ball(Vec3::new(-0.6, 0.0, 0.0), 0.4, red), Ball(Vec3::new(0.6, 0.0, 0.0), 0.4, blue)];
     let mut mesh = mesh(&balls);
     let views = vec![photograph(&balls, 0, DVec3::new(0.01, 0.0, 4.0), Vec3::ONE)];
-    colour(&mut mesh, &views, None, &PAPER, &mut Workspace::default(), &Silent).unwrap();
+    colour(&mut mesh, &views, None, &PAPER, &mut Workspace::default(), &Serial, &Silent).unwrap();
     let half = mesh.positions.len() / 2;
     let error = worst(&mesh, |v| if v < half { red(Vec3::ZERO) } else { blue(Vec3::ZERO) }, |_| true);
     assert!(error < 8.0, "{error}");
     // Without any view all vertices are grey.
-    colour(&mut mesh, &[], None, &PAPER, &mut Workspace::default(), &Silent).unwrap();
+    colour(&mut mesh, &[], None, &PAPER, &mut Workspace::default(), &Serial, &Silent).unwrap();
     assert!(mesh.colours.iter().all(|&c| c == [128; 3]));
 }
 
@@ -219,7 +236,7 @@ fn cancelling_stops() {
     let balls = [Ball(Vec3::ZERO, 1.0, smooth)];
     let mut mesh = mesh(&balls);
     assert_eq!(
-        colour(&mut mesh, &ring(&balls, 3, |_| Vec3::ONE), None, &PAPER, &mut Workspace::default(), &Stop),
+        colour(&mut mesh, &ring(&balls, 3, |_| Vec3::ONE), None, &PAPER, &mut Workspace::default(), &Serial, &Stop),
         Err(Error::Cancelled)
     );
 }

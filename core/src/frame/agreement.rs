@@ -3,6 +3,7 @@
 use super::state::Frame;
 use crate::{
     error::Result,
+    executor::Executor,
     hull::{AgreementParams, Carving, Completed, apart, carve_agreeing, completed, contradicting, exchanged},
     left_out::LeftOut,
     point_cloud::Mesh,
@@ -17,8 +18,8 @@ use core::ops::Deref;
 const ROUNDS: u32 = 3;
 
 impl<R: Deref<Target = Rig> + Sync> Carving for Frame<R> {
-    fn carve(&mut self, progress: &dyn Progress) -> Result<()> {
-        self.carve_hull(progress)
+    fn carve(&mut self, executor: &impl Executor, progress: &dyn Progress) -> Result<()> {
+        self.carve_hull(executor, progress)
     }
 
     fn parts(&mut self) -> (&mut [View], &mut Mesh, &mut Workspace) {
@@ -32,20 +33,20 @@ impl<R: Deref<Target = Rig> + Sync> Frame<R> {
     ///
     /// # Errors
     /// Those of carving.
-    pub(super) fn carve_agreeing(&mut self, progress: &dyn Progress) -> Result<()> {
+    pub(super) fn carve_agreeing(&mut self, executor: &impl Executor, progress: &dyn Progress) -> Result<()> {
         self.views.iter_mut().for_each(View::take_back);
         let agreement = self.params.agreement;
         let rounds = if agreement.is_some() { ROUNDS } else { 0 };
-        self.contradicting = carve_agreeing(self, agreement.as_ref(), rounds, progress)?;
+        self.contradicting = carve_agreeing(self, agreement.as_ref(), rounds, executor, progress)?;
         let Some(params) = agreement else { return Ok(()) };
-        if self.complete_silhouettes(progress)? {
-            self.carve_hull(progress)?;
+        if self.complete_silhouettes(executor, progress)? {
+            self.carve_hull(executor, progress)?;
             let (views, mesh, workspace) = self.parts();
-            let found = contradicting(views, mesh, AgreementParams::BLAME, workspace, progress)?;
+            let found = contradicting(views, mesh, AgreementParams::BLAME, workspace, executor, progress)?;
             self.contradicting = found.places;
         }
-        let mut wrong = apart(&self.views, &self.intermediates.hull, &params);
-        self.exchanged = exchanged(&self.views, &self.intermediates.hull, progress)?;
+        let mut wrong = apart(&self.views, &self.intermediates.hull, &params, executor);
+        self.exchanged = exchanged(&self.views, &self.intermediates.hull, executor, progress)?;
         wrong.extend(self.exchanged.iter().flatten());
         for place in wrong {
             let view = &mut self.views[usize::from(place)];
@@ -56,9 +57,9 @@ impl<R: Deref<Target = Rig> + Sync> Frame<R> {
     }
 
     /// Adds to the silhouettes what they lack. Returns whether one has changed.
-    fn complete_silhouettes(&mut self, progress: &dyn Progress) -> Result<bool> {
+    fn complete_silhouettes(&mut self, executor: &impl Executor, progress: &dyn Progress) -> Result<bool> {
         let Some(hull) = &self.hull else { return Ok(false) };
-        let completed = completed(&self.views, hull.bounds(), hull.footprint(), progress)?;
+        let completed = completed(&self.views, hull.bounds(), hull.footprint(), executor, progress)?;
         let any = !completed.is_empty();
         for Completed { place, silhouette, added } in completed {
             let view = &mut self.views[usize::from(place)];

@@ -74,7 +74,7 @@ impl<R: Deref<Target = Rig> + Sync> Frame<R> {
     }
 
     fn carve_and_compare(&mut self, executor: &impl Executor, progress: &dyn Progress) -> Result<()> {
-        match self.carve_agreeing(progress) {
+        match self.carve_agreeing(executor, progress) {
             Err(Error::EmptyHull) => {
                 return Err(self.other_convention(executor, progress)?.unwrap_or(Error::EmptyHull));
             }
@@ -142,13 +142,13 @@ fn trial(
     progress: &dyn Progress,
 ) -> Result<Option<f32>> {
     let params = HullParams { voxel_pixels: TRIAL_VOXEL_PIXELS };
-    let carved = VisualHull::with_workspace(views, &params, limit, workspace, progress);
+    let carved = VisualHull::with_workspace(views, &params, limit, workspace, executor, progress);
     let hull = match carved.and_then(|hull| memory::check_hull(views, &hull, limit).map(|()| hull)) {
         Ok(hull) => hull,
         Err(Error::Cancelled) => return Err(Error::Cancelled),
         Err(_) => return Ok(None),
     };
-    let mut mesh = hull.mesh(workspace);
+    let mut mesh = hull.mesh(workspace, executor);
     drop_small_components(&mut mesh, smallest, workspace);
     let found = compare(views, &mesh, executor, progress)?;
     hull.recycle_into(workspace);

@@ -4,6 +4,7 @@ use super::state::Frame;
 use crate::{
     error::{Error, Result},
     executor::Executor,
+    hash::Hash64,
     memory,
     params::Method,
     point_cloud,
@@ -47,8 +48,8 @@ impl<R: Deref<Target = Rig> + Sync> Frame<R> {
             Stage::Coarse => self.make_guide(executor, progress),
             Stage::Detect => self.detect_missing(executor, progress),
             Stage::Merge => self.merge_points(progress),
-            Stage::Mesh => self.mesh_points(progress),
-            Stage::Colour => self.colour_mesh(progress),
+            Stage::Mesh => self.mesh_points(executor, progress),
+            Stage::Colour => self.colour_mesh(executor, progress),
             Stage::Form => Err(Error::WrongOrder {
                 camera: None,
                 problem: "`form` is not a stage of a frame: a finished frame has any number of forms".into(),
@@ -68,14 +69,14 @@ impl<R: Deref<Target = Rig> + Sync> Frame<R> {
     }
 
     /// A 64-bit hash of a stage's output.
-    fn hash(&self, stage: Stage) -> u64 {
+    fn hash(&self, stage: Stage, executor: &impl Executor) -> u64 {
         let of = &self.intermediates;
         match stage {
-            Stage::Views => crate::view::hash(&self.views),
+            Stage::Views => crate::view::hash(&self.views, executor),
             Stage::Hull => of.hull.hash(),
             Stage::Contours => point_cloud::hash(of.frontier.iter().chain(&of.implicit)),
             Stage::Coarse => of.coarse.hash(),
-            Stage::Detect => point_cloud::hash(of.detected.iter().flatten()),
+            Stage::Detect => Hash64::of_parts(executor.map(of.detected.len(), |i| point_cloud::hash(&of.detected[i]))),
             Stage::Merge => point_cloud::hash(&of.merged),
             Stage::Mesh => self.mesh.uncoloured_hash(),
             Stage::Colour | Stage::Form => self.mesh.hash(),
@@ -96,7 +97,7 @@ impl<R: Deref<Target = Rig> + Sync> Frame<R> {
             Some(Stage::Views) if self.reached.is_none() => self.step(Stage::Views, executor, progress)?,
             Some(Stage::Detect) if self.is_detecting() => {
                 self.collect_points()?;
-                self.complete(Stage::Detect);
+                self.complete(Stage::Detect, executor);
             }
             _ => {}
         }
@@ -116,7 +117,7 @@ impl<R: Deref<Target = Rig> + Sync> Frame<R> {
             self.reopen_views();
         }
         result?;
-        self.complete(stage);
+        self.complete(stage, executor);
         Ok(())
     }
 
@@ -146,10 +147,10 @@ impl<R: Deref<Target = Rig> + Sync> Frame<R> {
         ORDER.into_iter().skip(1).try_for_each(|stage| self.step(stage, executor, progress))
     }
 
-    fn complete(&mut self, stage: Stage) {
+    fn complete(&mut self, stage: Stage, executor: &impl Executor) {
         self.reached = Some(stage);
         self.hashes.retain(|&(done, _)| position(done) < position(stage));
-        self.hashes.push((stage, self.hash(stage)));
+        self.hashes.push((stage, self.hash(stage, executor)));
     }
 }
 

@@ -21,15 +21,15 @@ use core::{iter::once, mem::take, ops::Deref};
 
 impl<R: Deref<Target = Rig> + Sync> Frame<R> {
     /// §0: the visual hull, and its mesh without stray components.
-    pub(super) fn carve_hull(&mut self, progress: &dyn Progress) -> Result<()> {
+    pub(super) fn carve_hull(&mut self, executor: &impl Executor, progress: &dyn Progress) -> Result<()> {
         let limit = self.memory.limit();
         let workspace = &mut self.memory.workspace;
         if let Some(old) = self.hull.take() {
             old.recycle_into(workspace);
         }
-        let hull = VisualHull::with_workspace(&self.views, &self.params.hull, limit, workspace, progress)?;
+        let hull = VisualHull::with_workspace(&self.views, &self.params.hull, limit, workspace, executor, progress)?;
         memory::check_hull(&self.views, &hull, limit)?;
-        let mut mesh = hull.mesh(workspace);
+        let mut mesh = hull.mesh(workspace, executor);
         self.counts.components_dropped =
             drop_small_components(&mut mesh, self.params.meshing.smallest_component, workspace);
         memory::check(&self.views, &hull, &mesh, &self.params, limit)?;
@@ -107,7 +107,7 @@ impl<R: Deref<Target = Rig> + Sync> Frame<R> {
     }
 
     /// §6: the mesh of the merged cloud.
-    pub(super) fn mesh_points(&mut self, progress: &dyn Progress) -> Result<()> {
+    pub(super) fn mesh_points(&mut self, executor: &impl Executor, progress: &dyn Progress) -> Result<()> {
         if self.params.method == Method::Hull {
             self.mesh = self.intermediates.hull.clone();
             return Ok(());
@@ -117,7 +117,7 @@ impl<R: Deref<Target = Rig> + Sync> Frame<R> {
         let hull = self.context(progress)?.hull;
         let params = &self.params.meshing;
         let voxel = params.voxel_pixels * hull.footprint();
-        let meshed = mesh::mesh(&self.intermediates.merged, hull, voxel, params, &mut workspace, progress);
+        let meshed = mesh::mesh(&self.intermediates.merged, hull, voxel, params, &mut workspace, executor, progress);
         self.memory.workspace = workspace;
         let meshed = meshed?;
         (self.mesh, self.counts.components_dropped) = (meshed.mesh, meshed.components_dropped);
@@ -125,7 +125,7 @@ impl<R: Deref<Target = Rig> + Sync> Frame<R> {
     }
 
     /// §7: the colours of the mesh.
-    pub(super) fn colour_mesh(&mut self, progress: &dyn Progress) -> Result<()> {
+    pub(super) fn colour_mesh(&mut self, executor: &impl Executor, progress: &dyn Progress) -> Result<()> {
         self.mesh.colours.clear();
         let gains = colour::colour(
             &mut self.mesh,
@@ -133,6 +133,7 @@ impl<R: Deref<Target = Rig> + Sync> Frame<R> {
             self.rig.gains(),
             &self.params.colour,
             &mut self.memory.workspace,
+            executor,
             progress,
         )?;
         self.gains = self.rig.as_given(&gains);

@@ -1,15 +1,16 @@
 //! Carving (§0): finds the blocks that the hull's surface may pass, and evaluates the signed distance at their nodes.
 
 use super::{
+    blocks::{Judged, Judging},
     carver::{Carver, carvers, smallest_distance},
-    judge::{Verdict, judge},
     memory::check_grid,
     search::Search,
     visual_hull::VisualHull,
 };
 use crate::{
     error::{Error, Result},
-    grid::{BLOCK, BLOCK_NODES, SparseGrid},
+    executor::{Executor, Serial},
+    grid::{BLOCK, BLOCK_NODES, BLOCKS_PER_JOB, SparseGrid},
     progress::{self, Progress},
     rig::MIN_VIEWS,
     stage::Stage,
@@ -43,7 +44,7 @@ impl VisualHull {
     /// three views have a silhouette, [`Error::Cameras`] if the silhouettes bound far more space than cameras resolve,
     /// [`Error::Cancelled`].
     pub fn new(views: &[View], params: &HullParams, progress: &dyn Progress) -> Result<Self> {
-        Self::with_workspace(views, params, None, &mut Workspace::default(), progress)
+        Self::with_workspace(views, params, None, &mut Workspace::default(), &Serial, progress)
     }
 
     /// [`Self::new`] with memory for reuse, and with at most `limit` bytes (see [`crate::memory`]).
@@ -55,13 +56,14 @@ impl VisualHull {
         params: &HullParams,
         limit: Option<u64>,
         workspace: &mut Workspace,
+        executor: &impl Executor,
         progress: &dyn Progress,
     ) -> Result<Self> {
         let carvers = carvers(views);
         if (carvers.len() as u32) < MIN_VIEWS {
             return Err(Error::TooFewViews { given: carvers.len() as u32, needed: MIN_VIEWS });
         }
-        let search = Search::new(&carvers, workspace, progress)?;
+        let search = Search::new(&carvers, workspace, executor, progress)?;
         let (lower, upper) = (search.lower, search.upper);
         let footprint = footprint(&carvers, (lower + upper) * 0.5).ok_or(Error::EmptyHull)?;
         let voxel = footprint * params.voxel_pixels;
@@ -71,72 +73,63 @@ impl VisualHull {
         let size = (upper - lower) / edge;
         let dims = [size.x, size.y, size.z].map(|s| (libm::ceilf(s) as u32).saturating_add(2));
 
-        // A block is judged by a ball that contains its nodes and its cells, up to the first nodes of the next block.
-        let radius = 0.5 * edge * 1.7320508 + voxel;
         let longest = longest_edge(&carvers, params.voxel_pixels);
         let table = dims.iter().map(|&n| u64::from(n)).fold(1, u64::saturating_mul);
         if table > MAX_BLOCKS || dims.iter().any(|&n| n > longest) {
             return Err(too_large(dims));
         }
         check_grid(views, table, 0, limit)?;
-        let max_blocks = table as usize;
-        let (mut list_starts, mut needed) = (workspace.empty(max_blocks + 1), workspace.empty(max_blocks));
-        let mut carver_lists = workspace.take();
-        list_starts.push(0);
-        let mut crossing = Vec::new();
-        let mut stopped = Ok(());
-        let grid = SparseGrid::new(origin, voxel, dims, |[x, y, z]| {
-            if x == 0 && stopped.is_ok() {
-                stopped = check_grid(views, table, needed.len() as u64, limit);
-                if y == 0 && stopped.is_ok() {
-                    stopped = progress::step(progress, Stage::Hull, z, 2 * dims[2]);
-                }
-            }
-            if stopped.is_err() {
-                return SparseGrid::OUTSIDE;
-            }
-            let centre = origin + Vec3::new(x as f32 + 0.5, y as f32 + 0.5, z as f32 + 0.5) * edge;
-            let Some(least) = search.needed(centre, 0.5 * edge + voxel) else { return SparseGrid::OUTSIDE };
-            let (verdict, containing, _) = judge(&carvers, centre, radius, (least, 0), &mut crossing);
-            match verdict {
-                Verdict::Outside => SparseGrid::OUTSIDE,
-                Verdict::Inside => SparseGrid::INSIDE,
-                Verdict::Boundary => {
-                    carver_lists.extend_from_slice(&crossing);
-                    list_starts.push(carver_lists.len() as u32);
-                    needed.push(least.saturating_sub(containing));
-                    0
-                }
-            }
-        });
-        stopped?;
-        check_grid(views, table, grid.blocks.len() as u64, limit)?;
+        let judging = Judging { views, carvers: &carvers, search: &search, origin, voxel, dims, limit };
+        let Judged { grid, list_starts, carver_lists, needed } = judging.judge(workspace, executor, progress)?;
         workspace.recycle(search.needed);
 
-        let values = workspace.empty(grid.blocks.len() * BLOCK_NODES);
-        let mut hull = VisualHull { carvers, grid, values, list_starts, carver_lists, needed, lower, upper, footprint };
-        let blocks = hull.grid.blocks.len();
+        let mut values = workspace.filled(0.0, grid.blocks.len() * BLOCK_NODES);
+        let hull = VisualHull {
+            carvers,
+            grid,
+            values: Vec::new(),
+            list_starts,
+            carver_lists,
+            needed,
+            lower: Vec3::INFINITY,
+            upper: Vec3::NEG_INFINITY,
+            footprint,
+        };
+        let parts = values.chunks_mut(BLOCKS_PER_JOB * BLOCK_NODES);
+        let count = parts.len() as u32;
+        let bounds = executor.map_parts(parts, |i, part| {
+            progress::step(progress, Stage::Hull, count + i as u32, 2 * count)?;
+            Ok(hull.evaluate(i * BLOCKS_PER_JOB, part))
+        });
         let (mut lower, mut upper) = (Vec3::INFINITY, Vec3::NEG_INFINITY);
-        for slot in 0..blocks {
-            if slot % 256 == 0 {
-                progress::step(progress, Stage::Hull, (blocks + slot) as u32, 2 * blocks as u32)?;
-            }
-            for local in 0..BLOCK_NODES {
-                let p = block_node(&hull.grid, slot, local);
-                let list = hull.block_carvers(slot).iter().map(|&c| &hull.carvers[c as usize]);
-                let d =
-                    smallest_distance(list, p, u16::MAX, voxel, hull.needed[slot]).0.clamp(-4.0 * voxel, 4.0 * voxel);
-                if d > 0.0 {
-                    (lower, upper) = (lower.min(p), upper.max(p));
-                }
-                hull.values.push(d);
-            }
+        for part in bounds {
+            let part = part?;
+            (lower, upper) = (lower.min(part.0), upper.max(part.1));
         }
         if lower.x > upper.x {
             return Err(Error::EmptyHull);
         }
-        (hull.lower, hull.upper) = (lower - Vec3::splat(voxel), upper + Vec3::splat(voxel));
-        Ok(hull)
+        let margin = Vec3::splat(voxel);
+        Ok(VisualHull { values, lower: lower - margin, upper: upper + margin, ..hull })
+    }
+
+    /// Evaluates the signed distance at the nodes of the stored blocks from slot `first` on, for as many as `values` has.
+    /// Returns the bounds of the nodes inside.
+    fn evaluate(&self, first: usize, values: &mut [f32]) -> (Vec3, Vec3) {
+        let voxel = self.grid.voxel;
+        let (mut lower, mut upper) = (Vec3::INFINITY, Vec3::NEG_INFINITY);
+        for (slot, values) in (first..).zip(values.chunks_exact_mut(BLOCK_NODES)) {
+            for (local, value) in values.iter_mut().enumerate() {
+                let p = block_node(&self.grid, slot, local);
+                let list = self.block_carvers(slot).iter().map(|&c| &self.carvers[c as usize]);
+                let (d, _) = smallest_distance(list, p, u16::MAX, voxel, self.needed[slot]);
+                *value = d.clamp(-4.0 * voxel, 4.0 * voxel);
+                if *value > 0.0 {
+                    (lower, upper) = (lower.min(p), upper.max(p));
+                }
+            }
+        }
+        (lower, upper)
     }
 }
 

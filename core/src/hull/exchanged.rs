@@ -1,7 +1,7 @@
 //! Finds cameras whose pictures are exchanged: each silhouette fits the hull of the others as the other camera sees it.
 
 use super::comparison::compare;
-use crate::{error::Result, executor::Serial, math::ordered, point_cloud::Mesh, progress::Progress, view::View};
+use crate::{error::Result, executor::Executor, math::ordered, point_cloud::Mesh, progress::Progress, view::View};
 use alloc::{vec, vec::Vec};
 
 /// Only views whose silhouettes overlap with the hull by less than this are suspected,
@@ -21,10 +21,15 @@ const REMAINING: f32 = 0.4;
 ///
 /// # Errors
 /// [`crate::Error::Cancelled`].
-pub fn exchanged(views: &[View], mesh: &Mesh, progress: &dyn Progress) -> Result<Vec<[u16; 2]>> {
+pub fn exchanged(
+    views: &[View],
+    mesh: &Mesh,
+    executor: &impl Executor,
+    progress: &dyn Progress,
+) -> Result<Vec<[u16; 2]>> {
     let not_carving = |view: &&View| (!view.is_used() || view.is_set_aside()) && view.silhouette_as_given().is_some();
     let all: Vec<&View> = views.iter().filter(not_carving).collect();
-    let own = overlaps(all.iter().map(|view| in_place_of(view, view)).collect(), mesh, progress)?;
+    let own = overlaps(all.iter().map(|view| in_place_of(view, view)).collect(), mesh, executor, progress)?;
     let mut suspects: Vec<(f32, &View)> = own.into_iter().zip(all).filter(|(own, _)| *own < SUSPICIOUS).collect();
     suspects.sort_by_key(|(own, view)| (ordered(*own), view.index));
     suspects.truncate(MOST);
@@ -34,7 +39,7 @@ pub fn exchanged(views: &[View], mesh: &Mesh, progress: &dyn Progress) -> Result
             if (a.camera.width, a.camera.height) != (b.camera.width, b.camera.height) {
                 continue;
             }
-            let found = overlaps(vec![in_place_of(a, b), in_place_of(b, a)], mesh, progress)?;
+            let found = overlaps(vec![in_place_of(a, b), in_place_of(b, a)], mesh, executor, progress)?;
             let fits = |found: f32, own: f32| found >= CONVINCING && 1.0 - found <= REMAINING * (1.0 - own);
             // Both silhouettes are taken from the other camera.
             if fits(found[0], own_a) && fits(found[1], own_b) {
@@ -58,7 +63,7 @@ fn in_place_of(camera: &View, silhouette: &View) -> View {
     View::of_silhouette(camera.index, camera.camera, silhouette.silhouette_as_given().cloned())
 }
 
-fn overlaps(views: Vec<View>, mesh: &Mesh, progress: &dyn Progress) -> Result<Vec<f32>> {
-    let found = compare(&views, mesh, &Serial, progress)?;
+fn overlaps(views: Vec<View>, mesh: &Mesh, executor: &impl Executor, progress: &dyn Progress) -> Result<Vec<f32>> {
+    let found = compare(&views, mesh, executor, progress)?;
     Ok(found.into_iter().map(|found| found.overlap.unwrap_or(0.0)).collect())
 }

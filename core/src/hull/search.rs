@@ -7,6 +7,7 @@ use super::{
 };
 use crate::{
     error::{Error, Result},
+    executor::Executor,
     progress::Progress,
     workspace::Workspace,
 };
@@ -26,10 +27,15 @@ pub(super) struct Search {
 impl Search {
     /// Subdivides a cube that contains all cameras. Of the cells that no silhouette excludes, those are kept that the
     /// photographs need ([`needed_support`]), if they are connected to one that several of them need.
-    pub fn new(carvers: &[Carver], workspace: &mut Workspace, progress: &dyn Progress) -> Result<Self> {
+    pub fn new(
+        carvers: &[Carver],
+        workspace: &mut Workspace,
+        executor: &impl Executor,
+        progress: &dyn Progress,
+    ) -> Result<Self> {
         let half = half_edge(carvers);
-        let support = support(carvers, half, 0, workspace, progress)?;
-        let mut needed = needed_support(carvers, &support, half, workspace);
+        let support = support(carvers, half, 0, workspace, executor, progress)?;
+        let mut needed = needed_support(carvers, &support, half, workspace, executor);
         workspace.recycle(support);
         keep_objects(&mut needed, workspace);
         let (mut lower, mut upper) = (Vec3::INFINITY, Vec3::NEG_INFINITY);

@@ -6,6 +6,7 @@ use super::{
 };
 use crate::{
     error::Result,
+    executor::Executor,
     math::min,
     progress::{self, Progress},
     stage::Stage,
@@ -35,9 +36,15 @@ pub(super) struct Space {
 
 impl Space {
     /// The cells that at most `tolerated` views exclude.
-    pub fn new(carvers: &[Carver], tolerated: u32, workspace: &mut Workspace, progress: &dyn Progress) -> Result<Self> {
+    pub fn new(
+        carvers: &[Carver],
+        tolerated: u32,
+        workspace: &mut Workspace,
+        executor: &impl Executor,
+        progress: &dyn Progress,
+    ) -> Result<Self> {
         let half = half_edge(carvers);
-        Ok(Self { half, support: support(carvers, half, tolerated, workspace, progress)? })
+        Ok(Self { half, support: support(carvers, half, tolerated, workspace, executor, progress)? })
     }
 
     /// Edge of a cell, in scene units.
@@ -97,34 +104,84 @@ pub(super) fn support(
     half: f32,
     tolerated: u32,
     workspace: &mut Workspace,
+    executor: &impl Executor,
     progress: &dyn Progress,
 ) -> Result<Vec<u16>> {
     let mut support = workspace.filled(0u16, CELLS * CELLS * CELLS);
-    let mut crossing = Vec::new();
-    let mut stack = vec![([0usize; 3], CELLS)];
-    let mut visited = 0u32;
-    while let Some((corner, cells)) = stack.pop() {
-        visited += 1;
-        if visited.is_multiple_of(4096) {
-            progress::step(progress, Stage::Hull, 0, 1)?;
-        }
-        let edge = 2.0 * half * cells as f32 / CELLS as f32;
-        let [x, y, z] = corner.map(|v| v as f32 * 2.0 * half / CELLS as f32 - half + 0.5 * edge);
-        let (verdict, _, supporting) =
-            judge(carvers, Vec3::new(x, y, z), 0.5 * edge * DIAGONAL, (MIN_SILHOUETTES, tolerated), &mut crossing);
-        if verdict == Verdict::Outside {
-            continue;
-        }
-        if cells == 1 {
-            let [x, y, z] = corner;
-            support[(z * CELLS + y) * CELLS + x] = supporting as u16;
-            continue;
-        }
-        let step = cells / 2;
-        for k in 0..8 {
-            let at = |axis: usize| corner[axis] + if k >> axis & 1 == 0 { 0 } else { step };
-            stack.push(([at(0), at(1), at(2)], step));
+    let judging = Judging { carvers, half, tolerated };
+    let whole = Cube { corner: [0; 3], cells: CELLS };
+    let mut parts = Vec::new();
+    judging.subdivide(whole, PART, progress, |part, _| parts.push(part))?;
+    let found = executor.map(parts.len(), |i| {
+        let mut found: Vec<(u32, u16)> = Vec::new();
+        judging.subdivide(parts[i], 1, progress, |Cube { corner: [x, y, z], .. }, supporting| {
+            found.push((((z * CELLS + y) * CELLS + x) as u32, supporting as u16));
+        })?;
+        Ok(found)
+    });
+    for part in found {
+        for (cell, supporting) in part? {
+            support[cell as usize] = supporting;
         }
     }
     Ok(support)
+}
+
+/// Cells along an edge of the parts that are searched independently of each other.
+const PART: usize = CELLS / 8;
+
+/// A cube of cells.
+#[derive(Clone, Copy)]
+struct Cube {
+    /// Numbers of its lowest cell along x, y and z.
+    corner: [usize; 3],
+    /// Cells along an edge.
+    cells: usize,
+}
+
+/// Judges cubes of cells.
+struct Judging<'a> {
+    carvers: &'a [Carver],
+    half: f32,
+    tolerated: u32,
+}
+
+impl Judging<'_> {
+    /// Subdivides a cube into cubes of `smallest` cells, and passes those that are not outside to `found`, with the number of
+    /// views whose silhouette they may lie in.
+    fn subdivide(
+        &self,
+        whole: Cube,
+        smallest: usize,
+        progress: &dyn Progress,
+        mut found: impl FnMut(Cube, u32),
+    ) -> Result<()> {
+        let mut crossing = Vec::new();
+        let mut stack = vec![whole];
+        let mut visited = 0u32;
+        while let Some(Cube { corner, cells }) = stack.pop() {
+            if visited.is_multiple_of(4096) {
+                progress::step(progress, Stage::Hull, 0, 1)?;
+            }
+            visited += 1;
+            let edge = 2.0 * self.half * cells as f32 / CELLS as f32;
+            let [x, y, z] = corner.map(|v| v as f32 * 2.0 * self.half / CELLS as f32 - self.half + 0.5 * edge);
+            let (centre, radius) = (Vec3::new(x, y, z), 0.5 * edge * DIAGONAL);
+            let (verdict, _, supporting) =
+                judge(self.carvers, centre, radius, (MIN_SILHOUETTES, self.tolerated), &mut crossing);
+            if verdict == Verdict::Outside {
+                continue;
+            }
+            if cells == smallest {
+                found(Cube { corner, cells }, supporting);
+                continue;
+            }
+            let step = cells / 2;
+            for k in 0..8 {
+                let at = |axis: usize| corner[axis] + if k >> axis & 1 == 0 { 0 } else { step };
+                stack.push(Cube { corner: [at(0), at(1), at(2)], cells: step });
+            }
+        }
+        Ok(())
+    }
 }

@@ -9,7 +9,7 @@ use super::{
     carver::Carver,
     space::{CELLS, MIN_SILHOUETTES, cell_corner, cell_edge, coordinates},
 };
-use crate::workspace::Workspace;
+use crate::{executor::Executor, workspace::Workspace};
 use alloc::{vec, vec::Vec};
 use glam::Vec3;
 
@@ -17,6 +17,8 @@ use glam::Vec3;
 const NEEDED_BY: usize = 3;
 /// So many silhouettes do not contain a place by accident, however many contain others.
 const SUFFICIENT: u16 = 8;
+/// Cells that one job of an executor looks at.
+const CELLS_PER_JOB: usize = 1024;
 /// Marks a cell that is the best one on the rays of enough views.
 const BEST: u16 = 1 << 15;
 
@@ -54,30 +56,42 @@ impl<'a> Rays<'a> {
 /// For each cell, the number of silhouettes that must contain a point of the object: more than half of what the best cell
 /// has on that ray through the cell on which the best cell is worst, or [`SUFFICIENT`]. Zero for cells whose own `support`
 /// is less. Cells that are the best ones on the rays of enough views are marked by [`BEST`].
-pub(super) fn needed_support(carvers: &[Carver], support: &[u16], half: f32, workspace: &mut Workspace) -> Vec<u16> {
+pub(super) fn needed_support(
+    carvers: &[Carver],
+    support: &[u16],
+    half: f32,
+    workspace: &mut Workspace,
+    executor: &impl Executor,
+) -> Vec<u16> {
     let cell = cell_edge(half);
-    let centre = |i: usize| cell_corner(i, half) + Vec3::splat(0.5 * cell);
-    let mut rays: Vec<Rays> = carvers.iter().map(|carver| Rays::new(carver, cell)).collect();
+    let centre = |i: u32| cell_corner(i as usize, half) + Vec3::splat(0.5 * cell);
     let occupied: Vec<u32> = (0..support.len()).filter(|&i| support[i] > 0).map(|i| i as u32).collect();
-    for &i in &occupied {
-        let p = centre(i as usize);
-        for rays in &mut rays {
-            if let Some(square) = rays.square(p, cell) {
+    let rays: Vec<Rays> = executor.map(carvers.len(), |c| {
+        let mut rays = Rays::new(&carvers[c], cell);
+        for &i in &occupied {
+            if let Some(square) = rays.square(centre(i), cell) {
                 rays.best[square] = rays.best[square].max(support[i as usize]);
             }
         }
-    }
-    let mut needed = workspace.filled(0u16, support.len());
+        rays
+    });
     let enough = NEEDED_BY.min(carvers.len().saturating_sub(1));
-    for &i in &occupied {
-        let (own, p) = (support[i as usize], centre(i as usize));
+    let needed_in = |i: u32| {
+        let (own, p) = (support[i as usize], centre(i));
         let bests = || rays.iter().filter_map(|rays| Some(rays.best[rays.square(p, cell)?]));
         let least = bests().min().unwrap_or(u16::MAX);
         let more_than_half = (least / 2 + 1).clamp(MIN_SILHOUETTES as u16, SUFFICIENT);
-        if own >= more_than_half {
-            let mark = if bests().filter(|&best| best == own).count() >= enough { BEST } else { 0 };
-            needed[i as usize] = more_than_half | mark;
+        if own < more_than_half {
+            return 0;
         }
+        let mark = if bests().filter(|&best| best == own).count() >= enough { BEST } else { 0 };
+        more_than_half | mark
+    };
+    let mut needed = workspace.filled(0u16, support.len());
+    let parts: Vec<&[u32]> = occupied.chunks(CELLS_PER_JOB).collect();
+    let found = executor.map(parts.len(), |part| parts[part].iter().map(|&i| needed_in(i)).collect::<Vec<u16>>());
+    for (&i, found) in occupied.iter().zip(found.into_iter().flatten()) {
+        needed[i as usize] = found;
     }
     needed
 }

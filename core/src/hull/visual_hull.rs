@@ -2,6 +2,7 @@
 
 use super::carver::{Carver, smallest_distance};
 use crate::{
+    executor::Executor,
     grid::{BLOCK, SparseGrid},
     math::{floor, max, min},
     point_cloud::Mesh,
@@ -94,9 +95,9 @@ impl VisualHull {
     }
 
     /// The hull's surface as a closed mesh.
-    pub fn mesh(&self, workspace: &mut Workspace) -> Mesh {
+    pub fn mesh(&self, workspace: &mut Workspace, executor: &impl Executor) -> Mesh {
         let unstored = Unstored { inside: self.grid.voxel, outside: -self.grid.voxel };
-        marching_cubes(&self.grid, &self.values, 0.0, unstored, workspace)
+        marching_cubes(&self.grid, &self.values, 0.0, unstored, workspace, executor)
     }
 
     /// Slot of the block at a point.

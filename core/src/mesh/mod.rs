@@ -12,6 +12,7 @@ pub use weight::{WeightParams, weigh};
 
 use crate::{
     error::{Error, Result},
+    executor::Executor,
     point_cloud::{Mesh, Point},
     progress::{self, Progress},
     stage::Stage,
@@ -88,6 +89,7 @@ pub fn mesh(
     voxel: f32,
     params: &MeshingParams,
     workspace: &mut Workspace,
+    executor: &impl Executor,
     progress: &dyn Progress,
 ) -> Result<Meshed> {
     let (low, high) = envelope.bounds();
@@ -101,8 +103,8 @@ pub fn mesh(
     let screening = params.screening.unwrap_or(0.0);
     let mut surface = |points: &[Point], constraint: Option<&dyn Envelope>| -> Result<Mesh> {
         let pull = poisson::Pull { screening, calm: params.calm };
-        let solution = poisson::solve(points, (low, high), voxel, pull, constraint, workspace, &mut steps)?;
-        let mut mesh = solution.surface(workspace);
+        let solution = poisson::solve(points, (low, high), voxel, pull, constraint, workspace, executor, &mut steps)?;
+        let mut mesh = solution.surface(workspace, executor);
         steps.step()?;
         poisson::smooth_normals(&mut mesh, workspace);
         steps.step()?;

@@ -2,6 +2,7 @@
 
 use super::*;
 use crate::{
+    executor::Serial,
     hull::VisualHull,
     params::{Params, Preset},
     progress::Silent,
@@ -131,7 +132,7 @@ fn rays_through_the_hulls_mesh_run_where_no_silhouette_excludes() {
     let cameras = ring(6, 3.0, 0.8).chain(ring(4, 2.9, -0.9)).map(|from| pinhole(from, Vec3::ZERO, 160, 220.0));
     let views: Vec<_> = cameras.enumerate().map(|(i, c)| silhouette_of(&balls, &c, i as u16)).collect();
     let hull = VisualHull::new(&views, &Params::preset(Preset::Hull).hull, &Silent).expect("there is a hull");
-    let (mesh, footprint) = (hull.mesh(&mut Workspace::default()), hull.footprint());
+    let (mesh, footprint) = (hull.mesh(&mut Workspace::default(), &Serial), hull.footprint());
     // From a camera and from where none stands.
     for from in [views[0].camera.centre, Vec3::new(2.9, 0.3, 0.2)] {
         let camera = pinhole(from, Vec3::ZERO, 64, 88.0);

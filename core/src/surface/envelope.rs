@@ -3,7 +3,7 @@
 use glam::Vec3;
 
 /// The volume that a mesh must stay inside (§6.2): the visual hull, or an analytic shape in tests.
-pub trait Envelope {
+pub trait Envelope: Sync {
     /// Lower and upper corner of its bounding box, in scene units and relative to the rig's origin.
     fn bounds(&self) -> (Vec3, Vec3);
     /// Signed distance in scene units, positive inside. Its slope is at most [`SLOPE`].

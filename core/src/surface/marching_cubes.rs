@@ -2,11 +2,13 @@
 //! mesh.
 
 use alloc::{vec, vec::Vec};
+use core::mem::take;
 use glam::Vec3;
 
 use super::cases::{Cases, EDGES};
 use super::neighbourhood::{Neighbourhood, SIDE};
-use crate::grid::{BLOCK, BLOCK_NODES, SparseGrid};
+use crate::executor::Executor;
+use crate::grid::{BLOCK, BLOCK_NODES, BLOCKS_PER_JOB, SparseGrid};
 use crate::math::min;
 use crate::point_cloud::Mesh;
 use crate::workspace::Workspace;
@@ -38,14 +40,25 @@ pub fn marching_cubes(
     iso: f32,
     unstored: Unstored,
     workspace: &mut Workspace,
+    executor: &impl Executor,
 ) -> Mesh {
+    let mut mesh = Mesh::with_workspace(workspace);
     let mut extractor = Extractor::new(grid, values, iso, unstored, workspace);
-    extractor.vertices();
-    extractor.triangles();
-    let Extractor { mut mesh, active, table, nodes, .. } = extractor;
-    workspace.recycle(active);
-    workspace.recycle(table);
-    workspace.recycle(nodes);
+    let mut nodes = take(&mut extractor.nodes);
+    let parts = nodes.chunks_mut(BLOCKS_PER_JOB * BLOCK_NODES);
+    let found = executor.map_parts(parts, |i, nodes| extractor.vertices(i * BLOCKS_PER_JOB, nodes));
+    for part in &found {
+        extractor.firsts.push(mesh.positions.len() as u32);
+        mesh.positions.extend_from_slice(&part.positions);
+        mesh.normals.extend_from_slice(&part.normals);
+    }
+    extractor.nodes = nodes;
+    let cases = Cases::new();
+    let parts = extractor.active.len().div_ceil(BLOCKS_PER_JOB);
+    for part in executor.map(parts, |i| extractor.triangles(i * BLOCKS_PER_JOB, &cases)) {
+        mesh.triangles.extend_from_slice(&part);
+    }
+    extractor.recycle_into(workspace);
     complete_normals(&mut mesh);
     mesh
 }
@@ -61,9 +74,17 @@ struct Extractor<'a> {
     /// For each block, its index in `active` or [`NO_BLOCK`]. Starts one block below the grid.
     table: Vec<u32>,
     /// For each node of an active block, its first vertex times eight, plus one bit for each axis whose edge has a
-    /// vertex.
+    /// vertex. Vertices are counted from the first one of the job that found them.
     nodes: Vec<u32>,
-    mesh: Mesh,
+    /// The first vertex of each job.
+    firsts: Vec<u32>,
+}
+
+/// Vertices that one job found.
+#[derive(Default)]
+struct Vertices {
+    positions: Vec<Vec3>,
+    normals: Vec<Vec3>,
 }
 
 impl<'a> Extractor<'a> {
@@ -86,8 +107,13 @@ impl<'a> Extractor<'a> {
             }
         }
         let nodes = workspace.filled(0, active.len() * BLOCK_NODES);
-        let mesh = Mesh::with_workspace(workspace);
-        Self { grid, values, iso, unstored, active, table, nodes, mesh }
+        Self { grid, values, iso, unstored, active, table, nodes, firsts: Vec::new() }
+    }
+
+    fn recycle_into(self, workspace: &mut Workspace) {
+        workspace.recycle(self.active);
+        workspace.recycle(self.table);
+        workspace.recycle(self.nodes);
     }
 
     fn load(&self, block: [i32; 3], around: &mut Neighbourhood) {
@@ -108,9 +134,11 @@ impl<'a> Extractor<'a> {
         signs
     }
 
-    fn vertices(&mut self) {
+    /// Finds the vertices of the active blocks from `first` on, for as many as `nodes` has, and sets `nodes`.
+    fn vertices(&self, first: usize, nodes: &mut [u32]) -> Vertices {
+        let mut found = Vertices::default();
         let mut around = Neighbourhood::new();
-        for (index, &block) in core::mem::take(&mut self.active).iter().enumerate() {
+        for (&block, nodes) in self.active[first..].iter().zip(nodes.chunks_exact_mut(BLOCK_NODES)) {
             self.load(block, &mut around);
             let signs = self.signs(&around);
             for z in 0..BLOCK {
@@ -125,20 +153,22 @@ impl<'a> Extractor<'a> {
                         if axes == 0 {
                             continue;
                         }
-                        let first = self.mesh.positions.len() as u32;
-                        self.nodes[index * BLOCK_NODES + (z * BLOCK + y) * BLOCK + x] = first << 3 | u32::from(axes);
+                        let vertex = found.positions.len() as u32;
+                        nodes[(z * BLOCK + y) * BLOCK + x] = vertex << 3 | u32::from(axes);
                         for axis in (0..3).filter(|axis| axes >> axis & 1 == 1) {
-                            self.vertex(&around, block, [x, y, z].map(|v| v as i32), axis);
+                            let (position, normal) = self.vertex(&around, block, [x, y, z].map(|v| v as i32), axis);
+                            found.positions.push(position);
+                            found.normals.push(normal);
                         }
                     }
                 }
             }
-            self.active.push(block);
         }
+        found
     }
 
-    /// Adds the vertex on the edge that starts at a node and runs along an axis.
-    fn vertex(&mut self, around: &Neighbourhood, block: [i32; 3], node: [i32; 3], axis: usize) {
+    /// Position and normal of the vertex on the edge that starts at a node and runs along an axis.
+    fn vertex(&self, around: &Neighbourhood, block: [i32; 3], node: [i32; 3], axis: usize) -> (Vec3, Vec3) {
         let i = Neighbourhood::index(node[0], node[1], node[2]);
         let step = [1, SIDE, SIDE * SIDE][axis];
         let t = crossing([i - step, i, i + step, i + 2 * step].map(|k| around.0[k] - self.iso));
@@ -151,16 +181,15 @@ impl<'a> Extractor<'a> {
         let normal = if length > 1e-20 && length.is_finite() { outward / length } else { Vec3::ZERO };
 
         let first = Vec3::from_array(block.map(|v| (v * BLOCK as i32) as f32));
-        self.mesh.positions.push(self.grid.origin + (first + local) * self.grid.voxel);
-        self.mesh.normals.push(normal);
+        (self.grid.origin + (first + local) * self.grid.voxel, normal)
     }
 
-    fn triangles(&mut self) {
-        let cases = Cases::new();
+    /// The triangles of the active blocks of one job, from `first` on.
+    fn triangles(&self, first: usize, cases: &Cases) -> Vec<[u32; 3]> {
+        let mut triangles = Vec::new();
         let mut around = Neighbourhood::new();
-        for index in 0..self.active.len() {
-            let block = self.active[index];
-            self.load(block, &mut around);
+        for index in first..self.active.len().min(first + BLOCKS_PER_JOB) {
+            self.load(self.active[index], &mut around);
             let signs = self.signs(&around);
             for z in 0..BLOCK {
                 for y in 0..BLOCK {
@@ -171,13 +200,13 @@ impl<'a> Extractor<'a> {
                     for x in (0..BLOCK).filter(|x| mixed >> x & 1 == 1) {
                         let case = (0..4).fold(0, |bits, r| bits | (rows[r] >> x & 3) << (2 * r));
                         for triangle in cases.of(case as u8) {
-                            let corners = triangle.map(|e| self.edge(index, [x, y, z], usize::from(e)));
-                            self.mesh.triangles.push(corners);
+                            triangles.push(triangle.map(|e| self.edge(index, [x, y, z], usize::from(e))));
                         }
                     }
                 }
             }
         }
+        triangles
     }
 
     /// Index of the vertex on an edge of a cube, which is given by its lowest node in the block.
@@ -195,7 +224,7 @@ impl<'a> Extractor<'a> {
         };
         let [x, y, z] = node.map(|v| v % BLOCK);
         let entry = self.nodes[owner * BLOCK_NODES + (z * BLOCK + y) * BLOCK + x];
-        (entry >> 3) + (entry & ((1 << axis) - 1)).count_ones()
+        self.firsts[owner / BLOCKS_PER_JOB] + (entry >> 3) + (entry & ((1 << axis) - 1)).count_ones()
     }
 }
 

@@ -6,7 +6,7 @@ use facts::{
     topology::{assert_sound, components},
 };
 use glam::{DVec3, Vec3};
-use pcmvs_core::{Params, Preset, Rig, Silent, View, Workspace, hull::VisualHull};
+use pcmvs_core::{Params, Preset, Rig, Serial, Silent, View, Workspace, hull::VisualHull};
 use std::sync::LazyLock;
 use studio::{Faults, Ring, Solid, Subject, dome, noise::Random};
 
@@ -67,7 +67,7 @@ fn the_hull_contains_the_object() {
 }
 
 fn volume(views: &[View]) -> f64 {
-    let mesh = carve(views).mesh(&mut Workspace::default());
+    let mesh = carve(views).mesh(&mut Workspace::default(), &Serial);
     components(&mesh).iter().map(|c| c.volume).sum()
 }
 
@@ -100,7 +100,10 @@ fn a_view_without_mask_carves_nothing() {
     unmasked[3].silhouette = None;
     let mut without = all.clone();
     without.remove(3);
-    assert_eq!(carve(&unmasked).mesh(&mut Workspace::default()), carve(&without).mesh(&mut Workspace::default()));
+    assert_eq!(
+        carve(&unmasked).mesh(&mut Workspace::default(), &Serial),
+        carve(&without).mesh(&mut Workspace::default(), &Serial)
+    );
     assert!(volume(&unmasked) > volume(&all));
 }
 
@@ -119,8 +122,8 @@ fn what_a_picture_does_not_show_stays() {
         let distance = hull.signed_distance(single(p, &rig));
         assert!(distance > -0.2 * hull.footprint(), "{p}: {} footprints outside", -distance / hull.footprint());
     }
-    assert_sound(&hull.mesh(&mut Workspace::default()), "cropped");
-    assert_eq!(components(&hull.mesh(&mut Workspace::default())).len(), 1);
+    assert_sound(&hull.mesh(&mut Workspace::default(), &Serial), "cropped");
+    assert_eq!(components(&hull.mesh(&mut Workspace::default(), &Serial)).len(), 1);
     // They carve what they do show.
     let (mut carved, mut random) = (0, Random::new(9, 0));
     for _ in 0..4000 {
@@ -179,7 +182,7 @@ fn the_hulls_mesh_is_closed() {
         let rig = shot.rig();
         let views = shot.views(&rig);
         let hull = carve(&views);
-        let mesh = hull.mesh(&mut Workspace::default());
+        let mesh = hull.mesh(&mut Workspace::default(), &Serial);
         assert_sound(&mesh, name);
         let mut off: Vec<f32> =
             mesh.positions.iter().map(|p| hull.signed_distance(*p).abs() / hull.footprint()).collect();

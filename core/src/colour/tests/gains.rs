@@ -4,7 +4,7 @@ use super::super::{
     candidate::Candidate,
     gains::{GainParams, Overlap},
 };
-use crate::workspace::Workspace;
+use crate::{executor::Serial, workspace::Workspace};
 use alloc::{collections::BTreeMap, vec::Vec};
 use glam::Vec3;
 use nalgebra::{DMatrix, DVector};
@@ -23,9 +23,9 @@ fn solve(seen: &[Seen]) -> Vec<Vec3> {
     let workspace = &mut Workspace::default();
     let mut overlap = Overlap::new(VERTICES, VIEWS, workspace);
     for &(vertex, view, rgb) in seen {
-        overlap.add(vertex, view, &Candidate { score: 0.9, view: view as u16, rgb }, &PARAMS);
+        overlap.add(&[(vertex as u32, view as u16, rgb)]);
     }
-    overlap.solve(&PARAMS, workspace)
+    overlap.solve(&PARAMS, &Serial)
 }
 
 /// What cameras see of surfaces whose colours are random: each vertex is seen by three neighbours on a ring, and what a
@@ -97,11 +97,14 @@ fn what_is_not_trusted_does_not_count() {
     let workspace = &mut Workspace::default();
     let mut overlap = Overlap::new(VERTICES, VIEWS, workspace);
     for &(vertex, view, rgb) in &good {
-        overlap.add(vertex, view, &Candidate { score: 0.9, view: view as u16, rgb }, &PARAMS);
-        let far = (view + 3) % VIEWS;
-        overlap.add(vertex, far, &Candidate { score: 0.4, view: far as u16, rgb: Vec3::splat(100.0) }, &PARAMS);
+        for (view, score, rgb) in [(view, 0.9, rgb), ((view + 3) % VIEWS, 0.4, Vec3::splat(100.0))] {
+            let view = view as u16;
+            if overlap.compares(vertex, &Candidate { score, view, rgb }, &PARAMS) {
+                overlap.add(&[(vertex as u32, view, rgb)]);
+            }
+        }
     }
-    assert_eq!(overlap.solve(&PARAMS, workspace), expected);
+    assert_eq!(overlap.solve(&PARAMS, &Serial), expected);
 }
 
 /// The over-determined system, a row for each pair of views and one for each view's pull towards one, solved by SVD.

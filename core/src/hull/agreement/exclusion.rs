@@ -2,7 +2,6 @@
 
 use super::{
     super::{carver::Carver, space::Space},
-    blame::Blame,
     coverage::PIXELS_PER_SAMPLE,
     excluders::{NOBODY, Sets, TOLERATED},
 };
@@ -11,6 +10,7 @@ use crate::{
     progress::{self, Progress},
     stage::Stage,
 };
+use alloc::vec::Vec;
 
 /// A view excludes a place that it sees by more than this outside its contour, in pixels.
 const OUTSIDE: f32 = -1.0;
@@ -23,27 +23,24 @@ const PLACES_PER_CELL: f32 = 8.0;
 /// Largest number of pixels of one view whose rays are followed. If there are more, each one stands for several.
 const MOST: usize = 1000;
 
-/// Follows the rays of a view's uncovered `pixels` and adds to `blame` which views exclude their most plausible places:
-/// those that the fewest views exclude.
+/// Follows the rays of a view's uncovered `pixels`. Returns, for each of them that is not in doubt, which views exclude its
+/// most plausible places, those that the fewest views exclude, and the number of pixels that each of them stands for.
 pub(super) fn follow_rays(
     carvers: &[Carver],
     space: &Space,
     own: usize,
     pixels: &[[u16; 2]],
-    blame: &mut Blame,
     progress: &dyn Progress,
-) -> Result<()> {
+) -> Result<(f32, Vec<Sets>)> {
     let every = pixels.len().div_ceil(MOST).max(1);
-    let weight = PIXELS_PER_SAMPLE * every as f32;
+    let mut found = Vec::new();
     for (n, &[x, y]) in pixels.iter().step_by(every).enumerate() {
         if n % 64 == 0 {
             progress::step(progress, Stage::Hull, own as u32, carvers.len() as u32)?;
         }
-        if let Some(sets) = follow_ray(carvers, space, own, f32::from(x), f32::from(y)) {
-            blame.add(own as u16, weight, sets);
-        }
+        found.extend(follow_ray(carvers, space, own, f32::from(x), f32::from(y)));
     }
-    Ok(())
+    Ok((PIXELS_PER_SAMPLE * every as f32, found))
 }
 
 /// The sets of views that exclude the places of a pixel's ray. `None` if some place is excluded by no view, or if all

@@ -9,6 +9,7 @@ use super::{
 };
 use crate::{
     error::Result,
+    executor::Executor,
     progress::{self, Progress},
     silhouette::Silhouette,
     stage::Stage,
@@ -43,26 +44,24 @@ pub fn completed(
     views: &[View],
     bounds: (Vec3, Vec3),
     footprint: f32,
+    executor: &impl Executor,
     progress: &dyn Progress,
 ) -> Result<Vec<Completed>> {
     let carvers = carvers(views);
     let object = ObjectColours::new(views);
-    let mut completed = Vec::new();
-    for own in 0..carvers.len() {
+    let completed = executor.map(carvers.len(), |own| {
         progress::step(progress, Stage::Hull, own as u32, carvers.len() as u32)?;
         let view = &views[usize::from(carvers[own].index)];
         let rays = Rays { carvers: &carvers, own, bounds, footprint };
         let silhouette = &carvers[own].silhouette;
         let added = lacking(view, silhouette, &object, &rays).or_else(|| gaps(views, view, silhouette, &rays));
-        if let Some(added) = added {
-            completed.push(Completed {
-                place: carvers[own].index,
-                silhouette: Arc::new(silhouette.with_added(&added)),
-                added: added.iter().filter(|&&is_added| is_added).count() as u32,
-            });
-        }
-    }
-    Ok(completed)
+        Ok(added.map(|added| Completed {
+            place: carvers[own].index,
+            silhouette: Arc::new(silhouette.with_added(&added)),
+            added: added.iter().filter(|&&is_added| is_added).count() as u32,
+        }))
+    });
+    completed.into_iter().filter_map(Result::transpose).collect()
 }
 
 /// Marks the pixels of the parts that a silhouette lacks. `None` if it lacks nothing.

@@ -22,6 +22,7 @@ pub use rounds::{Carving, apart, carve_agreeing};
 use super::{carver::carvers, space::Space};
 use crate::{
     error::Result,
+    executor::Executor,
     math::max,
     point_cloud::Mesh,
     progress::{self, Progress},
@@ -79,27 +80,31 @@ pub fn contradicting(
     mesh: &Mesh,
     blame: f32,
     workspace: &mut Workspace,
+    executor: &impl Executor,
     progress: &dyn Progress,
 ) -> Result<Contradicting> {
     let carvers = carvers(views);
-    let mut uncovered: Vec<Vec<[u16; 2]>> = Vec::with_capacity(carvers.len());
-    let (mut coverage, mut contours) = (Coverage::default(), 0);
-    for (i, carver) in carvers.iter().enumerate() {
-        progress::step(progress, Stage::Hull, i as u32, carvers.len() as u32)?;
-        coverage.draw(mesh, &carver.camera);
-        uncovered.push(coverage.uncovered(&carver.silhouette));
-        contours += coverage::contour_length(&carver.silhouette);
-    }
+    let count = carvers.len() as u32;
+    let drawn = executor.map_with(&mut Vec::<Coverage>::new(), carvers.len(), |coverage, i| {
+        progress::step(progress, Stage::Hull, i as u32, count)?;
+        coverage.draw(mesh, &carvers[i].camera);
+        Ok((coverage.uncovered(&carvers[i].silhouette), coverage::contour_length(&carvers[i].silhouette)))
+    });
+    let (uncovered, lengths): (Vec<_>, Vec<u32>) = drawn.into_iter().collect::<Result<Vec<_>>>()?.into_iter().unzip();
+    let contours: u32 = lengths.iter().sum();
     let limit = |share: f32| max(share * blame * contours as f32 / carvers.len().max(1) as f32, MIN_PIXELS);
     // Every uncovered pixel stands for the pixels around it that were not looked at.
     let pixels = uncovered.iter().map(|pixels| pixels.len() as f32 * coverage::PIXELS_PER_SAMPLE).sum::<f32>();
     if pixels < limit(NAMED) {
         return Ok(Contradicting::default());
     }
-    let space = Space::new(&carvers, excluders::TOLERATED, workspace, progress)?;
+    let space = Space::new(&carvers, excluders::TOLERATED, workspace, executor, progress)?;
+    let followed =
+        executor.map(carvers.len(), |own| exclusion::follow_rays(&carvers, &space, own, &uncovered[own], progress));
     let mut blame = Blame::new(carvers.len());
-    for (own, pixels) in uncovered.iter().enumerate() {
-        exclusion::follow_rays(&carvers, &space, own, pixels, &mut blame, progress)?;
+    for (own, followed) in followed.into_iter().enumerate() {
+        let (weight, sets) = followed?;
+        sets.into_iter().for_each(|sets| blame.add(own as u16, weight, sets));
     }
     space.recycle_into(workspace);
     let found = blame.at_fault(limit(NAMED), carvers.len());

@@ -4,6 +4,7 @@
 use super::{AgreementParams, contradicting, coverage::Coverage};
 use crate::{
     error::{Error, Result},
+    executor::Executor,
     point_cloud::Mesh,
     progress::Progress,
     rig::MIN_VIEWS,
@@ -19,7 +20,7 @@ pub trait Carving {
     ///
     /// # Errors
     /// [`Error::EmptyHull`], after which the hull is carved again if a silhouette is at fault, and others.
-    fn carve(&mut self, progress: &dyn Progress) -> Result<()>;
+    fn carve(&mut self, executor: &impl Executor, progress: &dyn Progress) -> Result<()>;
 
     /// The views, the mesh of the hull, and working memory.
     fn parts(&mut self) -> (&mut [View], &mut Mesh, &mut Workspace);
@@ -35,9 +36,10 @@ pub fn carve_agreeing(
     carving: &mut impl Carving,
     params: Option<&AgreementParams>,
     rounds: u32,
+    executor: &impl Executor,
     progress: &dyn Progress,
 ) -> Result<Vec<u16>> {
-    let mut carved = carving.carve(progress);
+    let mut carved = carving.carve(executor, progress);
     let silhouettes = carving.parts().0.iter().filter(|view| view.is_used() && view.silhouette.is_some()).count();
     let share = params.map_or(0.0, |params| params.largest_share);
     let mut room = ((share * silhouettes as f32) as usize).min(silhouettes.saturating_sub(MIN_VIEWS as usize));
@@ -49,7 +51,7 @@ pub fn carve_agreeing(
             Err(Error::EmptyHull) if round < rounds => take(mesh).recycle_into(workspace),
             Err(error) => return Err(error),
         }
-        let found = contradicting(views, mesh, blame, workspace, progress)?;
+        let found = contradicting(views, mesh, blame, workspace, executor, progress)?;
         let at_fault = if round < rounds { found.certain.min(room) } else { 0 };
         if at_fault == 0 {
             carved?;
@@ -62,7 +64,7 @@ pub fn carve_agreeing(
             let view = &mut views[usize::from(place)];
             view.given = view.silhouette.take();
         }
-        carved = carving.carve(progress);
+        carved = carving.carve(executor, progress);
     }
     unreachable!("the last round returns")
 }
@@ -70,14 +72,14 @@ pub fn carve_agreeing(
 /// Places in the rig's order of the views that are set aside and whose silhouettes, besides lacking something, show what the
 /// hull of the others does not have: their cameras are not where the calibration says, or their pictures are of another
 /// instant. `mesh` is the hull's mesh.
-pub fn apart(views: &[View], mesh: &Mesh, params: &AgreementParams) -> Vec<u16> {
-    let mut coverage = Coverage::default();
-    let mut is_apart = |view: &View| {
+pub fn apart(views: &[View], mesh: &Mesh, params: &AgreementParams, executor: &impl Executor) -> Vec<u16> {
+    let is_apart = |coverage: &mut Coverage, view: &View| {
         let silhouette = view.given.as_deref().filter(|_| view.is_set_aside());
         silhouette.is_some_and(|silhouette| {
             coverage.draw(mesh, &view.camera);
             coverage.uncovered_rim(silhouette) > params.uncovered
         })
     };
-    (0..views.len() as u16).filter(|&place| is_apart(&views[usize::from(place)])).collect()
+    let apart = executor.map_with(&mut Vec::new(), views.len(), |coverage, place| is_apart(coverage, &views[place]));
+    (0..views.len() as u16).filter(|&place| apart[usize::from(place)]).collect()
 }

@@ -6,8 +6,9 @@
 
 use alloc::vec::Vec;
 
+use super::cells::Cells;
 use super::smooth;
-use super::system::Cell;
+use crate::executor::Executor;
 use crate::grid::SparseGrid;
 use crate::workspace::Workspace;
 
@@ -16,16 +17,19 @@ use crate::workspace::Workspace;
 const FAR: f32 = 2.5;
 
 /// For each node the share of the finest detail that goes: 1 where there are no points.
-pub(super) fn shares(cells: &[Cell], nodes: usize, half: f32, workspace: &mut Workspace) -> Vec<f32> {
+pub(super) fn shares(
+    cells: &Cells,
+    nodes: usize,
+    half: f32,
+    workspace: &mut Workspace,
+    executor: &impl Executor,
+) -> Vec<f32> {
     let mut sums = workspace.filled([0.0_f32; 2], nodes);
-    for cell in cells {
-        for (&node, share) in cell.nodes.iter().zip(cell.shares) {
-            let weight = cell.area * share;
-            let sum = &mut sums[node as usize];
-            sum[0] += weight * cell.sigma;
-            sum[1] += weight;
-        }
-    }
+    cells.scatter(&mut sums, executor, |sum, cell, share| {
+        let weight = cell.area * share;
+        sum[0] += weight * cell.sigma;
+        sum[1] += weight;
+    });
     let mut shares = workspace.empty(nodes);
     shares.extend(sums.iter().map(|&[sigma, weight]| {
         // Multiplied out, so that there is no division of zero by zero.
@@ -37,11 +41,17 @@ pub(super) fn shares(cells: &[Cell], nodes: usize, half: f32, workspace: &mut Wo
 }
 
 /// Takes the shares of the finest detail out of the signed distances at a grid's nodes, in voxels.
-pub(super) fn calm(grid: &SparseGrid, distances: &mut [f32], shares: &[f32], workspace: &mut Workspace) {
+pub(super) fn calm(
+    grid: &SparseGrid,
+    distances: &mut [f32],
+    shares: &[f32],
+    workspace: &mut Workspace,
+    executor: &impl Executor,
+) {
     for distance in &mut *distances {
         *distance = distance.clamp(-FAR, FAR);
     }
-    let smoothed = smooth::smooth(grid, distances, [FAR, -FAR], workspace);
+    let smoothed = smooth::smooth(grid, distances, [FAR, -FAR], workspace, executor);
     for ((distance, smoothed), share) in distances.iter_mut().zip(&smoothed).zip(shares) {
         *distance += share * (smoothed - *distance);
     }

@@ -3,6 +3,7 @@
 use alloc::vec::Vec;
 use glam::Vec3;
 
+use crate::executor::Executor;
 use crate::grid::{BLOCK, BLOCK_NODES, SparseGrid};
 use crate::surface::{Envelope, SLOPE};
 use crate::workspace::Workspace;
@@ -45,12 +46,20 @@ pub(super) fn domain(low: Vec3, high: Vec3, voxel: f32) -> (SparseGrid, usize) {
 /// Signed distance to the envelope at the stored nodes, in voxels, positive inside. It is exact where it is within ±
 /// `reach`. Elsewhere only the sign is right, and that the magnitude exceeds `reach`. This saves most of the
 /// evaluations.
-pub(super) fn distances(grid: &SparseGrid, envelope: &dyn Envelope, reach: f32, workspace: &mut Workspace) -> Vec<f32> {
+pub(super) fn distances(
+    grid: &SparseGrid,
+    envelope: &dyn Envelope,
+    reach: f32,
+    workspace: &mut Workspace,
+    executor: &impl Executor,
+) -> Vec<f32> {
     let mut distances = workspace.filled(0.0, grid.blocks.len() * BLOCK_NODES);
-    for (block, out) in grid.blocks.iter().zip(distances.chunks_exact_mut(BLOCK_NODES)) {
-        let first = block.map(|v| i32::from(v) * BLOCK as i32);
-        cube(grid, envelope, reach, first, [0; 3], BLOCK, out);
-    }
+    grid.for_each_part(&mut distances, executor, |blocks| {
+        for (block, out) in blocks {
+            let first = block.map(|v| i32::from(v) * BLOCK as i32);
+            cube(grid, envelope, reach, first, [0; 3], BLOCK, out);
+        }
+    });
     distances
 }
 

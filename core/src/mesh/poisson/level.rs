@@ -3,7 +3,8 @@
 use alloc::{vec, vec::Vec};
 
 use super::samples::{Sample, mark};
-use crate::grid::{BLOCK, BLOCK_NODES, SparseGrid};
+use crate::executor::Executor;
+use crate::grid::{BLOCK, BLOCK_NODES, BLOCKS_PER_JOB, SparseGrid};
 use crate::surface::neighbourhood::Neighbourhood;
 use crate::workspace::Workspace;
 
@@ -50,40 +51,51 @@ impl GridLevel {
         level: usize,
         iso: f32,
         workspace: &mut Workspace,
+        executor: &impl Executor,
     ) -> Self {
         let coarse = &levels[levels.len() - 1];
         let dims = coarse.grid.dims.map(|v| 2 * v);
         let reach = if level == 0 { REACH } else { REACH_COARSE };
-        let marks = mark(samples, dims, level, reach);
-        let states = states(coarse, iso);
+        let marks = mark(samples, dims, level, reach, executor);
+        let states = states(coarse, iso, executor);
         let grid = SparseGrid::new(coarse.grid.origin, coarse.grid.voxel * 0.5, dims, |[x, y, z]| {
             let index = ((z * dims[1] + y) * dims[0] + x) as usize;
             if marks[index] { 0 } else { states[index] }
         });
         let mut chi = workspace.filled(0.0, grid.blocks.len() * BLOCK_NODES);
-        prolong(|node| value(levels, node), &grid, 1.0, &mut chi);
+        prolong(|node| value(levels, node), &grid, 1.0, &mut chi, executor);
         Self { grid, chi }
     }
 }
 
 /// For each block of the next finer level: inside, outside, or 0 if there are nodes on both sides of `iso` in it or
 /// next to it.
-fn states(coarse: &GridLevel, iso: f32) -> Vec<u32> {
+fn states(coarse: &GridLevel, iso: f32, executor: &impl Executor) -> Vec<u32> {
     let grid = &coarse.grid;
     let [w, h, d] = grid.dims.map(|v| 2 * v as usize);
     let mut states = vec![SparseGrid::OUTSIDE; w * h * d];
-    let mut around = Neighbourhood::new();
+    let parts: Vec<&[[u16; 3]]> = grid.blocks.chunks(BLOCKS_PER_JOB).collect();
+    let children: Vec<Vec<[u32; 8]>> = executor.map(parts.len(), |part| {
+        let mut around = Neighbourhood::new();
+        let states = |block: &[u16; 3]| {
+            around.load(grid, &coarse.chi, block.map(i32::from), 1.0, 0.0);
+            core::array::from_fn(|child| state(&around, child, iso))
+        };
+        parts[part].iter().map(states).collect()
+    });
     for block in (0..(w * h * d / 8) as i32).map(|i| {
         let (w, h) = (w as i32 / 2, h as i32 / 2);
         [i % w, i / w % h, i / w / h]
     }) {
         let slot = grid.slot(block[0], block[1], block[2]);
-        if slot < SparseGrid::INSIDE {
-            around.load(grid, &coarse.chi, block, 1.0, 0.0);
-        }
         for child in 0..8 {
             let [x, y, z] = core::array::from_fn(|k| 2 * block[k] as usize + (child >> k & 1));
-            states[(z * h + y) * w + x] = if slot < SparseGrid::INSIDE { state(&around, child, iso) } else { slot };
+            let stored = slot < SparseGrid::INSIDE;
+            states[(z * h + y) * w + x] = if stored {
+                children[slot as usize / BLOCKS_PER_JOB][slot as usize % BLOCKS_PER_JOB][child]
+            } else {
+                slot
+            };
         }
     }
     states
@@ -107,10 +119,16 @@ fn state(around: &Neighbourhood, child: usize, iso: f32) -> u32 {
 
 /// Interpolates a coarse field trilinearly and adds it, times `scale`, to a field on the next finer grid. `coarse`
 /// returns the values at the coarse nodes.
-pub(super) fn prolong(coarse: impl Fn([i32; 3]) -> f32, grid: &SparseGrid, scale: f32, fine: &mut [f32]) {
+pub(super) fn prolong(
+    coarse: impl Fn([i32; 3]) -> f32 + Sync,
+    grid: &SparseGrid,
+    scale: f32,
+    fine: &mut [f32],
+    executor: &impl Executor,
+) {
     const COARSE: usize = BLOCK / 2 + 1;
-    let mut nodes = [0.0; COARSE * COARSE * COARSE];
-    for (block, out) in grid.blocks.iter().zip(fine.chunks_exact_mut(BLOCK_NODES)) {
+    let interpolate = |block: &[u16; 3], out: &mut [f32]| {
+        let mut nodes = [0.0; COARSE * COARSE * COARSE];
         let first = block.map(|v| i32::from(v) * (BLOCK / 2) as i32);
         for (i, node) in nodes.iter_mut().enumerate() {
             let offset = [i % COARSE, i / COARSE % COARSE, i / COARSE / COARSE];
@@ -126,5 +144,6 @@ pub(super) fn prolong(coarse: impl Fn([i32; 3]) -> f32, grid: &SparseGrid, scale
             let sum = mean(low[1], low[2]) + mean(high[1], low[2]) + mean(low[1], high[2]) + mean(high[1], high[2]);
             *out += scale * 0.125 * sum;
         }
-    }
+    };
+    grid.for_each_part(fine, executor, |blocks| blocks.for_each(|(block, out)| interpolate(block, out)));
 }

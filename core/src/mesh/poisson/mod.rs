@@ -8,8 +8,10 @@
 //! finest level χ is converted to the distance to the surface.
 
 mod calm;
+mod cells;
 mod domain;
 mod level;
+mod patch;
 mod profile;
 mod samples;
 mod smooth;
@@ -20,23 +22,24 @@ mod surface;
 mod system;
 
 use alloc::{vec, vec::Vec};
-use core::iter::once;
 use glam::Vec3;
 
 use super::steps::Steps;
 use crate::error::{Error, Result};
+use crate::executor::Executor;
 use crate::grid::{BLOCK_NODES, SparseGrid};
-use crate::math::{from_ordered, max, ordered};
+use crate::math::max;
 use crate::point_cloud::Point;
 use crate::surface::Envelope;
 use crate::workspace::Workspace;
+use cells::Cells;
 pub(super) use domain::blocks;
 use level::GridLevel;
-use samples::{SAMPLES_PER_STEP, Sample};
+use patch::SAMPLES_PER_STEP;
+use samples::Sample;
 use solution::{MARGIN, Solution};
 use solve::Operator;
 pub(super) use surface::smooth_normals;
-use system::Cell;
 
 /// Iterations on each level except the coarsest. Few are sufficient, because the coarser solution is a good initial
 /// value.
@@ -73,14 +76,15 @@ pub(super) fn solve(
     Pull { screening, calm }: Pull,
     envelope: Option<&dyn Envelope>,
     workspace: &mut Workspace,
+    executor: &impl Executor,
     steps: &mut Steps,
 ) -> Result<Solution> {
     let (finest, count) = domain::domain(low, high, voxel);
-    let mut samples = samples::collect(points, &finest, workspace, || steps.step())?;
+    let mut samples = samples::collect(points, &finest, workspace, executor, || steps.step())?;
     if samples.is_empty() {
         return Err(Error::NoSurface);
     }
-    samples::weigh(&mut samples, &finest, count, workspace, || steps.step())?;
+    samples::weigh(&mut samples, &finest, count, workspace, executor, || steps.step())?;
     // Samples whose detail is finer than a level act on that level as a whole, so that they can be merged.
     let mut samples = vec![samples];
     for level in 1..count {
@@ -90,23 +94,24 @@ pub(super) fn solve(
 
     let mut levels: Vec<GridLevel> = Vec::with_capacity(count);
     let mut sparse: Vec<f32> = Vec::new();
-    let (mut iso, mut cells, mut held) = (0.5, Vec::new(), None);
+    let (mut iso, mut cells, mut held) = (0.5, Cells::default(), None);
     for level in (0..count).rev() {
         let samples = samples.pop().expect("there is one list per level");
         let mut next = if levels.is_empty() {
             GridLevel::coarsest(&finest, level, workspace)
         } else {
-            GridLevel::refine(&levels, &samples, level, iso, workspace)
+            GridLevel::refine(&levels, &samples, level, iso, workspace, executor)
         };
         steps.step()?;
-        let mut rhs = right_hand_side(&levels, &mut sparse, &samples, &next.grid, level, workspace, || steps.step())?;
+        let below = Below { samples: &samples, grid: &next.grid, level };
+        let mut rhs = right_hand_side(&levels, &mut sparse, below, workspace, executor, || steps.step())?;
         steps.step()?;
-        workspace.recycle(cells);
-        cells = system::cells(&samples, &next.grid, level, workspace);
+        cells.recycle_into(workspace);
+        cells = Cells::new(&samples, &next.grid, level, workspace, executor);
         workspace.recycle(samples);
         steps.step()?;
         held.into_iter().for_each(|above| workspace.recycle(above));
-        held = envelope.map(|envelope| domain::distances(&next.grid, envelope, MARGIN, workspace));
+        held = envelope.map(|envelope| domain::distances(&next.grid, envelope, MARGIN, workspace, executor));
         let outside = |node: usize| held.as_ref().is_some_and(|held: &Vec<f32>| held[node] < -MARGIN);
         for (node, chi) in next.chi.iter_mut().enumerate() {
             if outside(node) {
@@ -115,21 +120,19 @@ pub(super) fn solve(
         }
         steps.step()?;
         let neighbours = system::neighbours(&next.grid);
-        let inverse_diagonal = system::inverse_diagonal(&neighbours, &cells, screening, outside, workspace);
-        for cell in &cells {
-            for (&node, share) in cell.nodes.iter().zip(cell.shares) {
-                rhs[node as usize] += cell.chi * screening * cell.area * share;
-            }
-        }
+        let inverse_diagonal = system::inverse_diagonal(&neighbours, &cells, screening, outside, workspace, executor);
+        cells.scatter(&mut rhs, executor, |value, cell, share| {
+            *value += cell.chi * screening * cell.area * share;
+        });
         steps.step()?;
         let operator =
             Operator { neighbours: &neighbours, cells: &cells, screening, inverse_diagonal: &inverse_diagonal };
         if levels.is_empty() {
-            operator.solve(&mut rhs, &mut next.chi, ITERATIONS_COARSEST, TOLERANCE, workspace, || Ok(()))?;
+            operator.solve(&mut rhs, &mut next.chi, ITERATIONS_COARSEST, TOLERANCE, workspace, executor, || Ok(()))?;
         } else {
-            operator.solve(&mut rhs, &mut next.chi, ITERATIONS, TOLERANCE, workspace, || steps.step())?;
+            operator.solve(&mut rhs, &mut next.chi, ITERATIONS, TOLERANCE, workspace, executor, || steps.step())?;
         }
-        iso = median(&cells, &next.chi, workspace).unwrap_or(iso);
+        iso = cells.median(&next.chi, workspace).unwrap_or(iso);
         levels.push(next);
         workspace.recycle(rhs);
         workspace.recycle(inverse_diagonal);
@@ -138,14 +141,22 @@ pub(super) fn solve(
     workspace.recycle(sparse);
     levels.into_iter().for_each(|level| workspace.recycle(level.chi));
     steps.step()?;
-    let mut distances = surface::distances(&finest, iso, held.as_ref(), workspace);
+    let mut distances = surface::distances(&finest, iso, held.as_ref(), workspace, executor);
     steps.step()?;
-    let at_points = median(&cells, &distances, workspace).unwrap_or(0.0);
+    let at_points = cells.median(&distances, workspace).unwrap_or(0.0);
     distances.iter_mut().for_each(|distance| *distance -= at_points);
-    let calm_shares = calm.map(|half| calm::shares(&cells, distances.len(), half, workspace));
-    workspace.recycle(cells);
+    let calm_shares = calm.map(|half| calm::shares(&cells, distances.len(), half, workspace, executor));
+    cells.recycle_into(workspace);
     workspace.recycle(finest.chi);
     Ok(Solution { grid: finest.grid, distances, calm_shares, envelope: held })
+}
+
+/// The level to solve.
+#[derive(Clone, Copy)]
+struct Below<'a> {
+    samples: &'a [Sample],
+    grid: &'a SparseGrid,
+    level: usize,
 }
 
 /// The right-hand side of a level. Samples of this level's detail or finer are splatted here. Coarser samples act
@@ -154,60 +165,39 @@ pub(super) fn solve(
 fn right_hand_side(
     levels: &[GridLevel],
     sparse: &mut Vec<f32>,
-    samples: &[Sample],
-    grid: &SparseGrid,
-    level: usize,
+    Below { samples, grid, level }: Below,
     workspace: &mut Workspace,
-    mut step: impl FnMut() -> Result<()>,
+    executor: &impl Executor,
+    step: impl FnMut() -> Result<()>,
 ) -> Result<Vec<f32>> {
     let here = level as f32;
     let mut rhs = workspace.filled(0.0, grid.blocks.len() * BLOCK_NODES);
     if let Some(above) = levels.last() {
         // Measured in voxels of this level, the same divergence is a quarter as large.
         let part = |[x, y, z]: [i32; 3]| above.grid.value(sparse, x, y, z, 0.0, 0.0);
-        level::prolong(part, grid, 0.25, &mut rhs);
+        level::prolong(part, grid, 0.25, &mut rhs, executor);
     }
     // Finer samples act in full. The share of a sample that belongs to a level decreases linearly to 0 at one level
     // from its own.
     let whole = |detail: f32| (1.0 - (detail - here)).clamp(0.0, 1.0);
-    let shares = |detail: f32| [whole(detail), max(1.0 - (detail - here).abs(), 0.0)];
-    // The finest level passes nothing on.
-    let mut own = (level > 0).then(|| {
+    if level == 0 {
+        // The finest level passes nothing on.
+        system::splat(samples, grid, level, |detail| [whole(detail)], [&mut rhs], executor, step)?;
+        workspace.recycle(core::mem::take(sparse));
+    } else {
         let mut own = workspace.empty(rhs.len());
         own.extend_from_slice(&rhs);
-        own
-    });
-    let mut fields: Vec<&mut [f32]> = once(&mut rhs[..]).chain(own.as_deref_mut()).collect();
-    for part in samples.chunks(SAMPLES_PER_STEP) {
-        step()?;
-        system::splat(part, grid, level, shares, &mut fields);
+        let shares = |detail: f32| [whole(detail), max(1.0 - (detail - here).abs(), 0.0)];
+        system::splat(samples, grid, level, shares, [&mut rhs, &mut own], executor, step)?;
+        workspace.recycle(core::mem::replace(sparse, own));
     }
-    workspace.recycle(core::mem::replace(sparse, own.unwrap_or_default()));
     Ok(rhs)
-}
-
-/// Median of a field at the points, weighted by area. `None` without points. Stray points lie on both sides of the
-/// surface, but not outside the envelope, so that a mean would be biased to the inside.
-fn median(cells: &[Cell], field: &[f32], workspace: &mut Workspace) -> Option<f32> {
-    let key = |cell: &Cell| u64::from(ordered(cell.value(field))) << 32 | u64::from(cell.area.to_bits());
-    let area = |key: u64| f64::from(f32::from_bits(key as u32));
-    let mut keys: Vec<u64> = workspace.empty(cells.len());
-    keys.extend(cells.iter().map(key));
-    keys.sort_unstable();
-    let half = 0.5 * keys.iter().fold(0.0, |sum, &key| sum + area(key));
-    let mut sum = 0.0;
-    let middle = keys.iter().find(|&&key| {
-        sum += area(key);
-        sum >= half
-    });
-    let median = middle.map(|&key| from_ordered((key >> 32) as u32));
-    workspace.recycle(keys);
-    median
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::executor::Serial;
     use crate::point_cloud::Rank;
     use crate::progress::Silent;
     use crate::{Params, Preset, mesh};
@@ -246,8 +236,8 @@ mod tests {
             })
             .collect();
         let params = Params::preset(Preset::Default).meshing;
-        let meshed =
-            mesh::mesh(&points, &Anywhere, 1.0, &params, &mut Workspace::default(), &Silent).expect("a sphere");
+        let meshed = mesh::mesh(&points, &Anywhere, 1.0, &params, &mut Workspace::default(), &Serial, &Silent)
+            .expect("a sphere");
         let errors = meshed.mesh.positions.iter().map(|p| (p.distance(centre) - radius).abs());
         let (sum, worst) = errors.clone().fold((0.0, 0.0), |(sum, worst), e| (sum + e, max(worst, e)));
         (sum / errors.count() as f32, worst)

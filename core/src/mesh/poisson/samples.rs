@@ -3,12 +3,19 @@
 use alloc::{vec, vec::Vec};
 use glam::Vec3;
 
+use super::patch::{self, Patch, SAMPLES_PER_STEP};
 use super::spline::{ABSENT, Stencil};
 use crate::error::Result;
+use crate::executor::Executor;
 use crate::grid::{BLOCK, BLOCK_NODES, SparseGrid};
 use crate::math::{max, min, sqrt};
 use crate::point_cloud::Point;
 use crate::workspace::Workspace;
+
+/// Points that one job of an executor works on.
+const POINTS_PER_JOB: usize = 1 << 14;
+/// Bits of a coordinate by which points are distributed to jobs.
+const BUCKET_BITS: u32 = 4;
 
 /// Edge length of the cells in which points are merged, in voxels.
 const MERGED: f32 = 0.5;
@@ -37,37 +44,91 @@ pub(super) fn collect(
     points: &[Point],
     grid: &SparseGrid,
     workspace: &mut Workspace,
+    executor: &impl Executor,
     mut step: impl FnMut() -> Result<()>,
 ) -> Result<Vec<Sample>> {
-    let mut keyed: Vec<(u64, u32)> = workspace.empty(points.len());
+    let parts: Vec<&[Point]> = points.chunks(POINTS_PER_JOB).collect();
+    let found = executor.map(parts.len(), |i| keyed(parts[i], (i * POINTS_PER_JOB) as u32, grid));
+    step()?;
+    let (mut keyed, ends) = distributed(&found, grid, workspace);
+    drop(found);
+    step()?;
+    let mut rest = &mut keyed[..];
+    let mut start = 0;
+    let parts = ends.iter().map(|&end| {
+        let (part, others) = core::mem::take(&mut rest).split_at_mut(end - start);
+        (rest, start) = (others, end);
+        part
+    });
+    let merged = executor.map_parts(parts, |_, part| merged_cells(part, points, grid));
+    let mut samples = workspace.empty(merged.iter().map(Vec::len).sum());
+    merged.iter().for_each(|part| samples.extend_from_slice(part));
+    workspace.recycle(keyed);
+    step()?;
+    Ok(samples)
+}
+
+/// The Morton codes of the cells of usable points, and the points' indices, which start at `first`.
+fn keyed(points: &[Point], first: u32, grid: &SparseGrid) -> Vec<(u64, u32)> {
     let size = grid.dims.map(|v| (v as usize * BLOCK) as f32);
-    for (i, point) in points.iter().enumerate() {
+    let key = |(i, point): (u32, &Point)| {
         let at = (point.position - grid.origin) / grid.voxel;
         let usable = point.weight > 0.0
             && (point.weight + point.sigma).is_finite()
             && at.is_finite()
             && point.normal.length() > 0.5;
-        if usable && (0..3).all(|k| at[k] >= 2.0 && at[k] < size[k] - 3.0) {
+        let within = usable && (0..3).all(|k| at[k] >= 2.0 && at[k] < size[k] - 3.0);
+        within.then(|| {
             let [x, y, z] = (at / MERGED).to_array().map(|v| v as u64);
-            keyed.push((spread(x) | spread(y) << 1 | spread(z) << 2, i as u32));
+            (spread(x) | spread(y) << 1 | spread(z) << 2, i)
+        })
+    };
+    (first..).zip(points).filter_map(key).collect()
+}
+
+/// The keys of all parts, sorted by the first bits of their codes only, and the ends of jobs of at least [`POINTS_PER_JOB`]
+/// keys, but for the last. Keys of the same cell belong to the same job.
+fn distributed(
+    parts: &[Vec<(u64, u32)>],
+    grid: &SparseGrid,
+    workspace: &mut Workspace,
+) -> (Vec<(u64, u32)>, Vec<usize>) {
+    let longest = grid.dims.into_iter().max().unwrap_or(1) as usize * (BLOCK as f32 / MERGED) as usize;
+    let dropped = 3 * longest.next_power_of_two().trailing_zeros().saturating_sub(BUCKET_BITS);
+    let bucket = |key: u64| (key >> dropped) as usize;
+    let mut starts = vec![0; (1 << (3 * BUCKET_BITS)) + 1];
+    parts.iter().flatten().for_each(|&(key, _)| starts[bucket(key) + 1] += 1);
+    let mut ends = Vec::new();
+    for i in 1..starts.len() {
+        starts[i] += starts[i - 1];
+        if starts[i] - ends.last().copied().unwrap_or(0) >= POINTS_PER_JOB {
+            ends.push(starts[i]);
         }
     }
-    step()?;
-    keyed.sort_unstable();
-    step()?;
+    ends.push(starts[starts.len() - 1]);
+    let mut keyed = workspace.filled((0, 0), starts[starts.len() - 1]);
+    for &(key, i) in parts.iter().flatten() {
+        let next = &mut starts[bucket(key)];
+        keyed[*next] = (key, i);
+        *next += 1;
+    }
+    (keyed, ends)
+}
+
+/// Sorts the keys and merges the points of each cell.
+fn merged_cells(keyed: &mut [(u64, u32)], points: &[Point], grid: &SparseGrid) -> Vec<Sample> {
     let bits = |&(_, i): &(u64, u32)| {
         let p = &points[i as usize];
         let place = (p.position.to_array().map(f32::to_bits), p.normal.to_array().map(f32::to_bits));
         (place, p.weight.to_bits(), p.sigma.to_bits())
     };
-    let mut samples = workspace.empty(keyed.len() / 2);
+    keyed.sort_unstable();
+    let mut samples = Vec::with_capacity(keyed.len() / 2);
     for cell in keyed.chunk_by_mut(|a, b| a.0 == b.0) {
         cell.sort_unstable_by_key(bits);
         samples.push(merged(cell, points, grid));
     }
-    workspace.recycle(keyed);
-    step()?;
-    Ok(samples)
+    samples
 }
 
 /// Spreads the lowest 21 bits to every third bit (Morton, A Computer Oriented Geodetic Data Base, 1966).
@@ -127,9 +188,6 @@ const PLANE: f32 = 0.556;
 /// Smallest number of points per square voxel for which the density can be measured at a level.
 const DENSE: f32 = 1.0;
 
-/// Number of samples that are processed between two progress reports: at most 25 ms of work.
-pub(super) const SAMPLES_PER_STEP: usize = 1 << 17;
-
 /// Width of a sample's spline, relative to the spacing of the samples around it.
 const SPREAD: f32 = 1.5;
 
@@ -141,6 +199,7 @@ pub(super) fn weigh(
     finest: &SparseGrid,
     levels: usize,
     workspace: &mut Workspace,
+    executor: &impl Executor,
     mut step: impl FnMut() -> Result<()>,
 ) -> Result<()> {
     let mut waiting: Vec<u32> = workspace.empty(samples.len());
@@ -151,30 +210,38 @@ pub(super) fn weigh(
         let next = coarser(if level == 1 { samples } else { &merged }, |_| true, workspace);
         workspace.recycle(core::mem::replace(&mut merged, next));
         let scale = 1.0 / (1 << level) as f32;
-        let grid = around(&merged, finest, level, 2.0);
+        let grid = around(&merged, finest, level, 2.0, executor);
         step()?;
-        let density = density(&merged, &grid, scale, workspace);
-        step()?;
+        let density = density(&merged, &grid, scale, workspace, executor, &mut step)?;
         let last = level == levels - 1;
-        // Samples for which the density is too low here are moved to the front and wait for the next level.
-        let mut left = 0;
-        for n in 0..waiting.len() {
-            if n % SAMPLES_PER_STEP == 0 {
-                step()?;
-            }
-            let i = waiting[n];
-            let sample = &samples[i as usize];
-            let [count, weight] = Stencil::new(&grid, sample.at * scale).gather(&density);
+        let weighed = |sample: &Sample| {
+            let [count, weight] = Stencil::new(&grid, sample.at * scale, |slot| slot).gather(&density);
             let count = count / PLANE;
-            if count >= DENSE || last {
+            (count >= DENSE || last).then(|| {
                 // Converted from square voxels of this level to those of the finest level.
                 let area = PLANE * sample.area / weight / (scale * scale);
                 let spacing = 1.0 / (scale * sqrt(count));
                 let detail = libm::log2f(SPREAD * spacing).clamp(0.0, (levels - 1) as f32);
-                shares[i as usize] = (area, detail);
-            } else {
-                waiting[left] = i;
-                left += 1;
+                (area, detail)
+            })
+        };
+        // Samples for which the density is too low here are moved to the front and wait for the next level.
+        let mut left = 0;
+        for first in (0..waiting.len()).step_by(SAMPLES_PER_STEP) {
+            step()?;
+            let batch = first..waiting.len().min(first + SAMPLES_PER_STEP);
+            let parts: Vec<&[u32]> = waiting[batch.clone()].chunks(POINTS_PER_JOB).collect();
+            let found: Vec<Vec<_>> =
+                executor.map(parts.len(), |part| parts[part].iter().map(|&i| weighed(&samples[i as usize])).collect());
+            for (n, found) in batch.zip(found.into_iter().flatten()) {
+                let i = waiting[n];
+                match found {
+                    Some(found) => shares[i as usize] = found,
+                    None => {
+                        waiting[left] = i;
+                        left += 1;
+                    }
+                }
             }
         }
         waiting.truncate(left);
@@ -195,31 +262,63 @@ pub(super) fn weigh(
 }
 
 /// Number of points and sum of their weights per cubic voxel, smoothed by the B-spline.
-fn density(samples: &[Sample], grid: &SparseGrid, scale: f32, workspace: &mut Workspace) -> Vec<[f32; 2]> {
+fn density(
+    samples: &[Sample],
+    grid: &SparseGrid,
+    scale: f32,
+    workspace: &mut Workspace,
+    executor: &impl Executor,
+    step: impl FnMut() -> Result<()>,
+) -> Result<Vec<[f32; 2]>> {
     let mut density = workspace.filled([0.0; 2], grid.blocks.len() * BLOCK_NODES);
-    for sample in samples {
-        let stencil = Stencil::new(grid, sample.at * scale);
+    let contribute = |sample: &Sample, patch: &mut Patch<2>| {
+        let stencil = Stencil::new(grid, sample.at * scale, |slot| patch.place(slot));
         let [vx, vy, vz] = &stencil.values;
         for (i, &node) in stencil.nodes.iter().enumerate() {
             if node != ABSENT {
                 let value = vx[i % 3] * vy[i / 3 % 3] * vz[i / 9];
-                density[node as usize][0] += value * sample.count;
-                density[node as usize][1] += value * sample.area;
+                let [count, weight] = patch.at(node);
+                *count += value * sample.count;
+                *weight += value * sample.area;
             }
         }
-    }
-    density
+    };
+    let add = |first: usize, sums: &[[f32; 2]]| {
+        for (density, sum) in density[first..].iter_mut().zip(sums) {
+            density[0] += sum[0];
+            density[1] += sum[1];
+        }
+    };
+    patch::accumulate(samples, grid, contribute, add, executor, step)?;
+    Ok(density)
 }
 
 /// Marks the blocks of a level's grid that contain a node within `reach` voxels of a sample.
-pub(super) fn mark(samples: &[Sample], dims: [u32; 3], level: usize, reach: f32) -> Vec<bool> {
-    let mut marks = vec![false; (dims[0] * dims[1] * dims[2]) as usize];
+pub(super) fn mark(
+    samples: &[Sample],
+    dims: [u32; 3],
+    level: usize,
+    reach: f32,
+    executor: &impl Executor,
+) -> Vec<bool> {
     let scale = 1.0 / (1 << level) as f32;
-    for sample in samples {
-        let at = sample.at * scale;
-        let block = |v: f32, k: usize| min(max(v, 0.0) / BLOCK as f32, (dims[k] - 1) as f32) as u32;
-        let low: [u32; 3] = core::array::from_fn(|k| block(at[k] - reach, k));
-        let high: [u32; 3] = core::array::from_fn(|k| block(at[k] + reach, k));
+    let block = |v: f32, k: usize| min(max(v, 0.0) / BLOCK as f32, (dims[k] - 1) as f32) as u32;
+    let parts: Vec<&[Sample]> = samples.chunks(POINTS_PER_JOB).collect();
+    let reached = executor.map(parts.len(), |part| {
+        // Lowest and highest block, each once for samples in a row.
+        let mut reached: Vec<[[u32; 3]; 2]> = Vec::new();
+        for sample in parts[part] {
+            let at = sample.at * scale;
+            let range = [at - Vec3::splat(reach), at + Vec3::splat(reach)];
+            let range = range.map(|v| core::array::from_fn(|k| block(v[k], k)));
+            if reached.last() != Some(&range) {
+                reached.push(range);
+            }
+        }
+        reached
+    });
+    let mut marks = vec![false; (dims[0] * dims[1] * dims[2]) as usize];
+    for [low, high] in reached.into_iter().flatten() {
         for z in low[2]..=high[2] {
             for y in low[1]..=high[1] {
                 for x in low[0]..=high[0] {
@@ -232,9 +331,9 @@ pub(super) fn mark(samples: &[Sample], dims: [u32; 3], level: usize, reach: f32)
 }
 
 /// A level's grid, which stores the blocks around the samples.
-fn around(samples: &[Sample], finest: &SparseGrid, level: usize, reach: f32) -> SparseGrid {
+fn around(samples: &[Sample], finest: &SparseGrid, level: usize, reach: f32, executor: &impl Executor) -> SparseGrid {
     let dims = finest.dims.map(|v| v >> level);
-    let marks = mark(samples, dims, level, reach);
+    let marks = mark(samples, dims, level, reach, executor);
     let voxel = finest.voxel * (1 << level) as f32;
     SparseGrid::new(finest.origin, voxel, dims, |[x, y, z]| {
         if marks[((z * dims[1] + y) * dims[0] + x) as usize] { 0 } else { SparseGrid::OUTSIDE }

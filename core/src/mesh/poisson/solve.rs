@@ -1,15 +1,19 @@
 //! Conjugate gradients on one level with the Jacobi preconditioner (Hestenes & Stiefel, 1952).
 
+use super::cells::Cells;
 use super::spline::ABSENT;
-use super::system::Cell;
 use crate::error::Result;
-use crate::grid::{BLOCK, BLOCK_NODES};
+use crate::executor::Executor;
+use crate::grid::{BLOCK, BLOCK_NODES, BLOCKS_PER_JOB};
 use crate::workspace::Workspace;
+
+/// Nodes that one job of an executor works on.
+const NODES: usize = BLOCKS_PER_JOB * BLOCK_NODES;
 
 /// The operator A: six times the node minus its neighbours (the negative Laplacian), plus the screening of the cells.
 pub(super) struct Operator<'a> {
     pub(super) neighbours: &'a [[u32; 6]],
-    pub(super) cells: &'a [Cell],
+    pub(super) cells: &'a Cells,
     pub(super) screening: f32,
     /// Reciprocal of the diagonal; 0 at nodes whose value is fixed.
     pub(super) inverse_diagonal: &'a [f32],
@@ -26,14 +30,21 @@ fn row(block: &[f32], z: usize, y: usize) -> &Row {
 
 impl Operator<'_> {
     /// Computes `out` = A `v` and returns v · A v. `v` must be 0 at fixed nodes for the product to be right.
-    fn apply(&self, v: &[f32], out: &mut [f32]) -> f64 {
+    fn apply(&self, v: &[f32], out: &mut [f32], executor: &impl Executor) -> f64 {
+        let parts = out.chunks_mut(NODES);
+        let products = executor.map_parts(parts, |i, part| self.apply_to_part(v, i * BLOCKS_PER_JOB, part));
+        products.into_iter().sum()
+    }
+
+    /// [`Self::apply`] for the blocks from `first` on, for as many as `out` has.
+    fn apply_to_part(&self, v: &[f32], first: usize, out: &mut [f32]) -> f64 {
         let mut product = 0.0;
         let block = |slot: u32| -> &[f32] {
             if slot == ABSENT { &NOTHING } else { &v[slot as usize * BLOCK_NODES..][..BLOCK_NODES] }
         };
-        for (slot, (around, out)) in self.neighbours.iter().zip(out.chunks_exact_mut(BLOCK_NODES)).enumerate() {
+        for (slot, out) in (first..).zip(out.chunks_exact_mut(BLOCK_NODES)) {
             let own = block(slot as u32);
-            let [left, right, front, back, below, above] = around.map(block);
+            let [left, right, front, back, below, above] = self.neighbours[slot].map(block);
             let mut lanes = [0.0; BLOCK];
             for z in 0..BLOCK {
                 for y in 0..BLOCK {
@@ -55,15 +66,14 @@ impl Operator<'_> {
                 }
             }
             product += sum_lanes(lanes);
-        }
-        if self.screening > 0.0 {
-            for cell in self.cells {
-                let value = cell.value(v);
-                let force = self.screening * cell.area * value;
-                for (&node, share) in cell.nodes.iter().zip(cell.shares) {
-                    out[node as usize] += force * share;
+            if self.screening > 0.0 {
+                for cell in self.cells.of_block(slot) {
+                    let force = self.screening * cell.area * cell.value(v);
+                    for (local, share) in cell.corners_in(slot) {
+                        out[local] += force * share;
+                        product += f64::from(force * share * own[local]);
+                    }
                 }
-                product += f64::from(force * value);
             }
         }
         product
@@ -78,45 +88,44 @@ impl Operator<'_> {
         iterations: u32,
         tolerance: f64,
         workspace: &mut Workspace,
+        executor: &impl Executor,
         mut step: impl FnMut() -> Result<()>,
     ) -> Result<()> {
-        let target = dot(rhs, rhs, self.inverse_diagonal) * tolerance * tolerance;
+        let weights = self.inverse_diagonal;
+        let target = norm(rhs, weights) * tolerance * tolerance;
         let mut image = workspace.filled(0.0, x.len());
-        self.apply(x, &mut image);
+        self.apply(x, &mut image, executor);
         let residual = rhs;
         for (r, a) in residual.iter_mut().zip(&image) {
             *r -= a;
         }
         let mut direction = workspace.empty(x.len());
-        direction.extend(residual.iter().zip(self.inverse_diagonal).map(|(r, d)| r * d));
-        let mut size = dot(residual, residual, self.inverse_diagonal);
+        direction.extend(residual.iter().zip(weights).map(|(r, d)| r * d));
+        let mut size = norm(residual, weights);
         for _ in 0..iterations {
             step()?;
             if size <= target {
                 break;
             }
-            let curvature = self.apply(&direction, &mut image);
+            let curvature = self.apply(&direction, &mut image, executor);
             let alpha = (size / curvature) as f32;
             let previous = size;
-            size = 0.0;
-            let blocks = x
-                .chunks_exact_mut(BLOCK_NODES)
-                .zip(residual.chunks_exact_mut(BLOCK_NODES))
-                .zip(direction.chunks_exact(BLOCK_NODES).zip(image.chunks_exact(BLOCK_NODES)))
-                .zip(self.inverse_diagonal.chunks_exact(BLOCK_NODES));
-            for (((x, r), (p, a)), d) in blocks {
-                let mut lanes = [0.0; BLOCK];
-                for i in 0..BLOCK_NODES {
+            let parts = x.chunks_mut(NODES).zip(residual.chunks_mut(NODES)).zip(direction.chunks(NODES));
+            let sizes = executor.map_parts(parts, |part, ((x, r), p)| {
+                let (a, d) = (&image[part * NODES..], &weights[part * NODES..]);
+                for i in 0..x.len() {
                     x[i] += alpha * p[i];
                     r[i] -= alpha * a[i];
-                    lanes[i % BLOCK] += r[i] * r[i] * d[i];
                 }
-                size += sum_lanes(lanes);
-            }
+                norm(r, d)
+            });
+            size = sizes.into_iter().sum();
             let beta = (size / previous) as f32;
-            for ((p, r), d) in direction.iter_mut().zip(residual.iter()).zip(self.inverse_diagonal) {
-                *p = r * d + beta * *p;
-            }
+            executor.map_parts(direction.chunks_mut(NODES).zip(residual.chunks(NODES)), |part, (p, r)| {
+                for ((p, r), d) in p.iter_mut().zip(r).zip(&weights[part * NODES..]) {
+                    *p = r * d + beta * *p;
+                }
+            });
         }
         workspace.recycle(image);
         workspace.recycle(direction);
@@ -128,12 +137,15 @@ fn sum_lanes(lanes: [f32; BLOCK]) -> f64 {
     lanes.iter().fold(0.0, |sum, &lane| sum + f64::from(lane))
 }
 
-/// Σ a b d, summed in the order of the nodes.
-fn dot(a: &[f32], b: &[f32], d: &[f32]) -> f64 {
+/// Σ r² d, summed in the order of the nodes.
+fn norm(r: &[f32], d: &[f32]) -> f64 {
     let mut sum = 0.0;
-    let blocks = a.chunks_exact(BLOCK).zip(b.chunks_exact(BLOCK)).zip(d.chunks_exact(BLOCK));
-    for ((a, b), d) in blocks {
-        sum += sum_lanes(core::array::from_fn(|i| a[i] * b[i] * d[i]));
+    for (r, d) in r.chunks_exact(BLOCK_NODES).zip(d.chunks_exact(BLOCK_NODES)) {
+        let mut lanes = [0.0; BLOCK];
+        for i in 0..BLOCK_NODES {
+            lanes[i % BLOCK] += r[i] * r[i] * d[i];
+        }
+        sum += sum_lanes(lanes);
     }
     sum
 }

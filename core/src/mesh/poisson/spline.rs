@@ -27,11 +27,11 @@ pub(super) struct Stencil {
 }
 
 impl Stencil {
-    /// The stencil of a point in the grid's coordinates (nodes at integers).
-    pub(super) fn new(grid: &SparseGrid, point: Vec3) -> Self {
+    /// The stencil of a point in the grid's coordinates (nodes at integers). `place` is that of [`Cube::new`].
+    pub(super) fn new(grid: &SparseGrid, point: Vec3, place: impl FnMut(u32) -> u32) -> Self {
         let nearest = point.to_array().map(|v| floor(v + 0.5));
         let values = core::array::from_fn(|k| quadratic(point[k] - nearest[k] as f32));
-        Self { nodes: cube::<3, 27>(grid, nearest.map(|v| v - 1)), values }
+        Self { nodes: cube::<3, 27>(grid, nearest.map(|v| v - 1), place), values }
     }
 
     /// Sums a field over the stencil, weighted by the spline.
@@ -62,8 +62,9 @@ pub(super) struct Cube {
 }
 
 impl Cube {
-    /// The cube of `side` nodes along each axis that starts at node `first`.
-    pub(super) fn new(grid: &SparseGrid, first: [i32; 3], side: usize) -> Self {
+    /// The cube of `side` nodes along each axis that starts at node `first`. Indices are those of the grid if `place` returns
+    /// the slot that it gets, and otherwise those of an array in which each block has the place that it returns.
+    pub(super) fn new(grid: &SparseGrid, first: [i32; 3], side: usize, mut place: impl FnMut(u32) -> u32) -> Self {
         let shift = BLOCK.trailing_zeros();
         let mask = BLOCK as i32 - 1;
         let low = first.map(|v| v >> shift);
@@ -74,7 +75,7 @@ impl Cube {
             if (0..3).all(|k| i >> k & 1 == 0 || high[k] != low[k]) {
                 let slot = grid.slot(at(0), at(1), at(2));
                 if slot < SparseGrid::INSIDE {
-                    *block = slot * BLOCK_NODES as u32;
+                    *block = place(slot) * BLOCK_NODES as u32;
                 }
             }
         }
@@ -99,9 +100,14 @@ impl Cube {
     }
 }
 
-/// Indices of the values of the N³ nodes of the cube that starts at node `first`, x fastest.
-pub(super) fn cube<const N: usize, const NODES: usize>(grid: &SparseGrid, first: [i32; 3]) -> [u32; NODES] {
-    let cube = Cube::new(grid, first, N);
+/// Indices of the values of the N³ nodes of the cube that starts at node `first`, x fastest. `place` is that of
+/// [`Cube::new`].
+pub(super) fn cube<const N: usize, const NODES: usize>(
+    grid: &SparseGrid,
+    first: [i32; 3],
+    place: impl FnMut(u32) -> u32,
+) -> [u32; NODES] {
+    let cube = Cube::new(grid, first, N, place);
     let mut nodes = [ABSENT; NODES];
     for (i, row) in nodes.chunks_exact_mut(N).enumerate() {
         row.copy_from_slice(&cube.row(i % N, i / N)[..N]);

@@ -8,6 +8,8 @@ use super::level::GridLevel;
 use super::profile::{SMOOTHED, SOLVED};
 use super::smooth;
 use super::solution::{MARGIN, Solution};
+use crate::executor::Executor;
+use crate::grid::{BLOCK_NODES, BLOCKS_PER_JOB};
 use crate::math::{max, min};
 use crate::point_cloud::Mesh;
 use crate::surface::{Unstored, marching_cubes};
@@ -26,28 +28,33 @@ pub(super) fn distances(
     iso: f32,
     envelope: Option<&Vec<f32>>,
     workspace: &mut Workspace,
+    executor: &impl Executor,
 ) -> Vec<f32> {
-    let mut distances = smooth::smooth(&level.grid, &level.chi, [1.0, 0.0], workspace);
-    for (node, (distance, &chi)) in distances.iter_mut().zip(&level.chi).enumerate() {
-        let share = envelope.map_or(1.0, |envelope| min(max(envelope[node] + (MARGIN - smooth::REACH), 0.0), 1.0));
-        let (smoothed, solved) = (SMOOTHED.distance(*distance - iso), SOLVED.distance(chi - iso));
-        *distance = share * smoothed + (1.0 - share) * solved;
-    }
+    const NODES: usize = BLOCKS_PER_JOB * BLOCK_NODES;
+    let mut distances = smooth::smooth(&level.grid, &level.chi, [1.0, 0.0], workspace, executor);
+    executor.map_parts(distances.chunks_mut(NODES), |part, distances| {
+        for (node, distance) in (part * NODES..).zip(distances) {
+            let share = envelope.map_or(1.0, |envelope| min(max(envelope[node] + (MARGIN - smooth::REACH), 0.0), 1.0));
+            let (smoothed, solved) = (SMOOTHED.distance(*distance - iso), SOLVED.distance(level.chi[node] - iso));
+            *distance = share * smoothed + (1.0 - share) * solved;
+        }
+    });
     distances
 }
 
 impl Solution {
     /// The surface, clipped at the envelope, calmed and clipped again: calming smooths the edges that the first clip
     /// leaves, where the hull has creases, and may move the surface over the envelope again.
-    pub(in crate::mesh) fn surface(self, workspace: &mut Workspace) -> Mesh {
+    pub(in crate::mesh) fn surface(self, workspace: &mut Workspace, executor: &impl Executor) -> Mesh {
         let Self { grid, mut distances, calm_shares, envelope } = self;
         clip(&mut distances, envelope.as_deref());
         if let Some(shares) = calm_shares {
-            calm::calm(&grid, &mut distances, &shares, workspace);
+            calm::calm(&grid, &mut distances, &shares, workspace, executor);
             clip(&mut distances, envelope.as_deref());
             workspace.recycle(shares);
         }
-        let mesh = marching_cubes(&grid, &distances, 0.0, Unstored { inside: 1.0, outside: -1.0 }, workspace);
+        let unstored = Unstored { inside: 1.0, outside: -1.0 };
+        let mesh = marching_cubes(&grid, &distances, 0.0, unstored, workspace, executor);
         workspace.recycle(distances);
         envelope.into_iter().for_each(|envelope| workspace.recycle(envelope));
         mesh

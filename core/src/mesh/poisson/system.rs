@@ -2,66 +2,43 @@
 //! with V the smoothed field of inward normals, where the screening acts at the points (Kazhdan & Hoppe 2013).
 
 use alloc::vec::Vec;
-use glam::Vec3;
 
-use super::profile;
+use super::cells::Cells;
+use super::patch::{self, Patch};
 use super::samples::Sample;
-use super::spline::{ABSENT, Cube, WIDEST, along_edges, cube};
-use crate::grid::{BLOCK, BLOCK_NODES, SparseGrid};
-use crate::math::{floor, min};
+use super::spline::{ABSENT, Cube, WIDEST, along_edges};
+use crate::error::Result;
+use crate::executor::Executor;
+use crate::grid::{BLOCK, BLOCK_NODES, BLOCKS_PER_JOB, SparseGrid};
+use crate::math::floor;
 use crate::surface::bspline::quadratic;
 use crate::workspace::Workspace;
 
-/// The merged points of one cell of the grid. The screening term pulls the surface to their mean position.
-pub(super) struct Cell {
-    /// Indices of the values at the cell's corners, x fastest.
-    pub(super) nodes: [u32; 8],
-    /// Trilinear weights of the corners.
-    pub(super) shares: [f32; 8],
-    /// Area of surface in square voxels.
-    pub(super) area: f32,
-    /// Mean standard deviation of the points.
-    pub(super) sigma: f32,
-    /// Target of the interpolated χ at the mean position: its value if the surface passes there with the mean normal.
-    /// It differs slightly from 1/2 because χ is curved between the corners.
-    pub(super) chi: f32,
-}
-
-impl Cell {
-    /// χ at the mean position, interpolated from the corners.
-    #[inline]
-    pub(super) fn value(&self, chi: &[f32]) -> f32 {
-        let mut sum = 0.0;
-        for (&node, share) in self.nodes.iter().zip(self.shares) {
-            sum += share * chi[node as usize];
-        }
-        sum
-    }
-}
-
 /// Adds the right-hand side of the samples: -div V with V = -n a B(x - p), where n is the normal, a the area, p the
-/// position and B the quadratic B-spline. `shares` maps a sample's level of detail to its share in each of the one or
-/// two fields.
+/// position and B the quadratic B-spline. `shares` maps a sample's level of detail to its share in each of the fields.
+/// `step` is called before each part of the samples.
 ///
 /// The divergence at a node is computed as the difference of the integrals of V over the edges that meet there.
 /// Differences of χ along edges are then equal to those integrals. Therefore χ at the nodes is exactly the smoothed
 /// indicator function, for any orientation of the surface.
-pub(super) fn splat(
+pub(super) fn splat<const N: usize>(
     samples: &[Sample],
     grid: &SparseGrid,
     level: usize,
-    shares: impl Fn(f32) -> [f32; 2],
-    fields: &mut [&mut [f32]],
-) {
+    shares: impl Fn(f32) -> [f32; N] + Sync,
+    mut fields: [&mut [f32]; N],
+    executor: &impl Executor,
+    step: impl FnMut() -> Result<()>,
+) -> Result<()> {
     let scale = 1.0 / (1 << level) as f32;
-    for sample in samples {
+    let contribute = |sample: &Sample, patch: &mut Patch<N>| {
         let shares = shares(sample.detail);
-        if shares == [0.0; 2] {
-            continue;
+        if shares == [0.0; N] {
+            return;
         }
         let at = (sample.at * scale).to_array();
         let nearest = at.map(|v| floor(v + 0.5));
-        let cube = Cube::new(grid, nearest.map(|v| v - 2), WIDEST);
+        let cube = Cube::new(grid, nearest.map(|v| v - 2), WIDEST, |slot| patch.place(slot));
         let (mut values, mut differences) = ([[0.0; WIDEST]; 3], [[0.0; WIDEST]; 3]);
         for k in 0..3 {
             let d = at[k] - nearest[k] as f32;
@@ -83,91 +60,49 @@ pub(super) fn splat(
             let nodes = cube.row(y, z);
             for x in reached {
                 if nodes[x] != ABSENT {
-                    for (field, share) in fields.iter_mut().zip(shares) {
-                        field[nodes[x] as usize] += share * row[x];
+                    for (sum, share) in patch.at(nodes[x]).iter_mut().zip(shares) {
+                        *sum += share * row[x];
                     }
                 }
             }
         }
-    }
-}
-
-/// Merges the samples in the cells of the grid.
-pub(super) fn cells(samples: &[Sample], grid: &SparseGrid, level: usize, workspace: &mut Workspace) -> Vec<Cell> {
-    const NONE: u32 = u32::MAX;
-    let scale = 1.0 / (1 << level) as f32;
-    let mut index = workspace.filled(NONE, grid.blocks.len() * BLOCK_NODES);
-    // Sums of area, area times the offset from the cell's first corner, area times normal, and area times standard
-    // deviation; then that corner.
-    let mut sums: Vec<([f32; 8], [i32; 3])> = workspace.take();
-    for sample in samples {
-        let at = sample.at * scale;
-        let corner = [at.x, at.y, at.z].map(floor);
-        let (slot, local) = grid.locate(corner[0], corner[1], corner[2]);
-        if slot >= SparseGrid::INSIDE {
-            continue;
+    };
+    let add = |first: usize, sums: &[[f32; N]]| {
+        for (k, field) in fields.iter_mut().enumerate() {
+            for (value, sum) in field[first..].iter_mut().zip(sums) {
+                *value += sum[k];
+            }
         }
-        let entry = &mut index[slot as usize * BLOCK_NODES + local];
-        if *entry == NONE {
-            *entry = sums.len() as u32;
-            sums.push(([0.0; 8], corner));
-        }
-        let area = sample.area * scale * scale;
-        let sum = &mut sums[*entry as usize].0;
-        sum[0] += area;
-        sum[7] += area * sample.sigma;
-        for k in 0..3 {
-            sum[1 + k] += area * (at[k] - corner[k] as f32);
-            sum[4 + k] += area * sample.normal[k];
-        }
-    }
-    workspace.recycle(index);
-    let mut cells = workspace.empty(sums.len());
-    for &([area, x, y, z, nx, ny, nz, sigma], corner) in &sums {
-        let nodes: [u32; 8] = cube::<2, 8>(grid, corner);
-        if area <= 0.0 || nodes.contains(&ABSENT) {
-            continue;
-        }
-        let offset = [x, y, z].map(|v| v / area);
-        let share = |i: usize, k: usize| if i >> k & 1 == 1 { offset[k] } else { 1.0 - offset[k] };
-        let shares: [f32; 8] = core::array::from_fn(|i| share(i, 0) * share(i, 1) * share(i, 2));
-        let normal = Vec3::new(nx, ny, nz).normalize_or_zero();
-        let chi = (0..8).fold(0.5, |sum, i| {
-            let outward = Vec3::from_array(core::array::from_fn(|k| (i >> k & 1) as f32 - offset[k])).dot(normal);
-            sum + shares[i] * profile::chi(-outward)
-        });
-        // A sample of a coarser level represents more surface than this cell contains.
-        cells.push(Cell { nodes, shares, area: min(area, 1.0), sigma: sigma / area, chi });
-    }
-    workspace.recycle(sums);
-    cells
+    };
+    patch::accumulate(samples, grid, contribute, add, executor, step)
 }
 
 /// Reciprocal of the system's diagonal. It is 0 where χ is given: at nodes that are `fixed`, and at the border of the
 /// stored blocks.
 pub(super) fn inverse_diagonal(
     neighbours: &[[u32; 6]],
-    cells: &[Cell],
+    cells: &Cells,
     screening: f32,
-    fixed: impl Fn(usize) -> bool,
+    fixed: impl Fn(usize) -> bool + Sync,
     workspace: &mut Workspace,
+    executor: &impl Executor,
 ) -> Vec<f32> {
     let mut diagonal = workspace.filled(6.0_f32, neighbours.len() * BLOCK_NODES);
-    for cell in cells {
-        for (&node, share) in cell.nodes.iter().zip(cell.shares) {
-            diagonal[node as usize] += screening * cell.area * share * share;
+    cells.scatter(&mut diagonal, executor, |value, cell, share| {
+        *value += screening * cell.area * share * share;
+    });
+    executor.map_parts(diagonal.chunks_mut(BLOCKS_PER_JOB * BLOCK_NODES), |i, part| {
+        for (slot, block) in (i * BLOCKS_PER_JOB..).zip(part.chunks_exact_mut(BLOCK_NODES)) {
+            let around = &neighbours[slot];
+            for (local, value) in block.iter_mut().enumerate() {
+                let at = [local % BLOCK, local / BLOCK % BLOCK, local / BLOCK / BLOCK];
+                let border = (0..3).any(|k| {
+                    (at[k] == 0 && around[2 * k] == ABSENT) || (at[k] == BLOCK - 1 && around[2 * k + 1] == ABSENT)
+                });
+                *value = if border || fixed(slot * BLOCK_NODES + local) { 0.0 } else { 1.0 / *value };
+            }
         }
-    }
-    for (slot, around) in neighbours.iter().enumerate() {
-        for local in 0..BLOCK_NODES {
-            let at = [local % BLOCK, local / BLOCK % BLOCK, local / BLOCK / BLOCK];
-            let border = (0..3).any(|k| {
-                (at[k] == 0 && around[2 * k] == ABSENT) || (at[k] == BLOCK - 1 && around[2 * k + 1] == ABSENT)
-            });
-            let node = slot * BLOCK_NODES + local;
-            diagonal[node] = if border || fixed(node) { 0.0 } else { 1.0 / diagonal[node] };
-        }
-    }
+    });
     diagonal
 }
 
@@ -194,8 +129,10 @@ pub(super) fn neighbours(grid: &SparseGrid) -> Vec<[u32; 6]> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::mesh::poisson::samples;
+    use crate::executor::Serial;
+    use crate::mesh::poisson::{profile, samples};
     use crate::point_cloud::{Point, Rank};
+    use glam::Vec3;
 
     /// For a plane of points, χ at the nodes is its profile, and the right-hand side is minus the second difference of
     /// the profile. Summing the contributions of one point over a plane of nodes is equivalent to a plane of points.
@@ -209,9 +146,9 @@ mod tests {
             let point =
                 Point { position, normal, fidelity: 1.0, sigma: 0.0, weight: 1.0, view: 0, rank: Rank::Detected };
             let workspace = &mut Workspace::default();
-            let samples = samples::collect(&[point], &grid, workspace, || Ok(())).expect("nothing cancels");
+            let samples = samples::collect(&[point], &grid, workspace, &Serial, || Ok(())).expect("nothing cancels");
             let mut rhs = workspace.filled(0.0, grid.blocks.len() * BLOCK_NODES);
-            splat(&samples, &grid, 0, |_| [1.0, 0.0], &mut [&mut rhs]);
+            splat(&samples, &grid, 0, |_| [1.0], [&mut rhs[..]], &Serial, || Ok(())).expect("nothing cancels");
             for layer in 1..15 {
                 let mut sum = 0.0;
                 for (u, v) in (0..16).flat_map(|u| (0..16).map(move |v| (u, v))) {
