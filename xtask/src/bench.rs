@@ -63,7 +63,7 @@ const CONFIGURATIONS: [(&str, Option<&str>); 3] = [
 ];
 
 /// The tables. Each can be renewed by itself.
-const PARTS: [&str; 10] = [
+const PARTS: [&str; 11] = [
     "scores",
     "ablations-default",
     "faults",
@@ -71,6 +71,7 @@ const PARTS: [&str; 10] = [
     "ablations-paper",
     "scaling",
     "threads",
+    "schedule",
     "meshing",
     "instructions",
     "wasm",
@@ -81,6 +82,7 @@ fn without_captures(name: &str) -> Option<Result<String>> {
     Some(match name {
         "scaling" => speed::scaling(),
         "threads" => speed::threads(),
+        "schedule" => speed::schedule(),
         "meshing" => speed::meshing(),
         "instructions" => instructions::table(),
         "wasm" => browser::table(),

@@ -6,7 +6,7 @@ use crate::{
     setup::{self, Package},
     tables::{Table, content, figure},
 };
-use golden::case::Case;
+use golden::case::{Case, LARGE};
 use std::{fs, path::PathBuf};
 
 /// Small enough for callgrind, which interprets the program.
@@ -21,7 +21,7 @@ const FILE: &str = "BENCHMARKS.md";
 /// Counts, compares with the committed table, and prints the changes.
 pub fn table() -> Result<String> {
     setup::debian(&[VALGRIND])?;
-    let counts = count()?;
+    let counts = count(&CAPTURE, false)?;
     match committed() {
         Ok(before) => compare(&before, &counts),
         Err(why) => eprintln!("warning: there is no committed table to compare with: {why}"),
@@ -49,10 +49,20 @@ pub fn capture(case: &Case) -> Result<PathBuf> {
     Ok(path)
 }
 
-/// Millions of instructions of each stage, between the stages, and in total.
-fn count() -> Result<Vec<(String, f64)>> {
+/// Share of a frame's instructions that no number of threads makes faster: those outside of the jobs of the host's executor.
+pub fn serial_share() -> Result<f64> {
+    setup::debian(&[VALGRIND])?;
+    let all = |outside: bool| -> Result<f64> {
+        let counts = count(&LARGE, outside)?;
+        Ok(counts.iter().filter(|(stage, _)| stage != "glb" && stage != "all").map(|(_, millions)| millions).sum())
+    };
+    Ok(all(true)? / all(false)?)
+}
+
+/// Millions of instructions of each stage, between the stages, and in total; with `outside` only those outside of jobs.
+fn count(case: &Case, outside: bool) -> Result<Vec<(String, f64)>> {
     run(&mut cargo("build --quiet --release --package speed"))?;
-    let capture = capture(&CAPTURE)?;
+    let capture = capture(case)?;
     let folder = target().join("speed/callgrind");
     let fail = |e| format!("{}: {e}", folder.display());
     if folder.exists() {
@@ -60,6 +70,9 @@ fn count() -> Result<Vec<(String, f64)>> {
     }
     fs::create_dir_all(&folder).map_err(fail)?;
     let mut valgrind = program("valgrind", "--quiet --tool=callgrind --dump-before=speed::boundary");
+    if outside {
+        valgrind.args(["--collect-atstart=yes", "--toggle-collect=speed::jobs::all*"]);
+    }
     valgrind.arg(format!("--callgrind-out-file={}", folder.join("out").display()));
     let printed = run(valgrind.arg(target().join("release/speed")).arg(capture).arg("1"))?;
     // The last two lines are the frame and the hash.

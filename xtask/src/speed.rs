@@ -1,11 +1,12 @@
 //! Measures how time grows with views and pixels, the gain of a second thread, and meshing against another solver.
 
 use crate::{
-    Result,
+    Result, instructions,
     measure::{Measured, build, install_packages, python, reported_frames},
     process::{cargo, program, run, target},
     tables::{Table, figure},
 };
+use golden::case::LARGE;
 use std::{
     fs,
     path::{Path, PathBuf},
@@ -97,6 +98,27 @@ pub fn threads() -> Result<String> {
     let clip = capture(20, (1024, 768), 8)?;
     row("eight frames", best(&clip, 1)?.wall, best(&clip, 2)?.wall);
     Ok(table.text())
+}
+
+/// What any number of threads can gain: the share of the work that they cannot share, and a simulation with measured jobs.
+pub fn schedule() -> Result<String> {
+    run(&mut cargo("build --quiet --release --package speed"))?;
+    let capture = instructions::capture(&LARGE)?;
+    let simulated = || -> Result<Vec<(u32, f64)>> {
+        let printed = run(program(target().join("release/speed"), "").arg(&capture).arg("schedule"))?;
+        let row = |line: &str| line.split_once(' ').and_then(|(n, s)| Some((n.parse().ok()?, s.parse().ok()?)));
+        printed.lines().map(|line| row(line).ok_or_else(|| format!("speed: `{line}` is not a row"))).collect()
+    };
+    // The faster of two runs.
+    let (a, b) = (simulated()?, simulated()?);
+    let times = if a[0].1 < b[0].1 { a } else { b };
+    let mut table = Table::new(&["threads", "s", "times"]);
+    for (threads, seconds) in &times {
+        let gain = times[0].1 / seconds;
+        table.row(&[threads.to_string(), figure(Some(*seconds), 2), figure(Some(gain), 2)]);
+    }
+    let serial = 100.0 * instructions::serial_share()?;
+    Ok(format!("{}\n\n{serial:.1} % of a frame's instructions are outside of jobs.", table.text()))
 }
 
 /// Meshes the same points with Open3D, which uses Kazhdan's PoissonRecon. Seconds of processor time on one thread.

@@ -1,6 +1,6 @@
 //! Colours of the object as all views show it, against those of a view's own background.
 
-use crate::{silhouette::Silhouette, view::View};
+use crate::{executor::Executor, silhouette::Silhouette, view::View};
 use alloc::{vec, vec::Vec};
 
 /// Bits of a channel that bins leave out, and bins along each axis.
@@ -41,15 +41,21 @@ pub(super) struct ObjectColours(Histogram);
 
 impl ObjectColours {
     /// Counts them.
-    pub(super) fn new(views: &[View]) -> Self {
+    pub(super) fn new(views: &[View], executor: &impl Executor) -> Self {
         let inside = (INSIDE * Silhouette::UNITS) as i16;
-        let mut histogram = Histogram::new();
-        for view in views.iter().filter(|view| view.is_used()) {
-            if let Some(silhouette) = &view.silhouette {
-                histogram.count(view, silhouette, |d| d > inside);
+        let counted = executor.map(views.len(), |i| {
+            let mut histogram = Histogram::new();
+            if let Some(silhouette) = views[i].silhouette.as_ref().filter(|_| views[i].is_used()) {
+                histogram.count(&views[i], silhouette, |d| d > inside);
             }
+            histogram
+        });
+        let mut all = Histogram::new();
+        for Histogram { counts, total } in counted {
+            all.counts.iter_mut().zip(counts).for_each(|(sum, count)| *sum += count);
+            all.total += total;
         }
-        Self(histogram)
+        Self(all)
     }
 
     /// For every colour, how many times more frequent it is on the object than in a view's background.

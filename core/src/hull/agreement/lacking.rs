@@ -48,7 +48,7 @@ pub fn completed(
     progress: &dyn Progress,
 ) -> Result<Vec<Completed>> {
     let carvers = carvers(views);
-    let object = ObjectColours::new(views);
+    let object = ObjectColours::new(views, executor);
     let completed = executor.map(carvers.len(), |own| {
         progress::step(progress, Stage::Hull, own as u32, carvers.len() as u32)?;
         let view = &views[usize::from(carvers[own].index)];
