@@ -2,7 +2,7 @@
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use pcmvs_core::{Preset, texture::SIZES as TEXTURE_SIZES};
-use std::{num::NonZeroUsize, path::PathBuf};
+use std::{num::NonZeroUsize, ops::RangeInclusive, path::PathBuf};
 
 /// Multi-view stereo for free-viewpoint video.
 #[derive(Debug, Parser)]
@@ -42,6 +42,12 @@ pub enum Command {
     /// Writes SCENE/scene.json, and copies the pictures to SCENE/images and the masks to SCENE/masks.
     #[command(after_help = EXIT_STATUS)]
     Import(Import),
+    /// Pack the frames of a clip into one GLB file that ordinary players play
+    ///
+    /// Reads the frames that OUT/sequence.json lists, in any form. Each of them has its node, and an animation shows one after
+    /// the other. Nothing is written if a frame is missing, or of another version or form than the others.
+    #[command(after_help = EXIT_STATUS)]
+    Pack(Pack),
 }
 
 #[derive(Debug, Args)]
@@ -167,6 +173,54 @@ pub struct Import {
     pub output: PathBuf,
 }
 
+#[derive(Debug, Args)]
+pub struct Pack {
+    /// Folder with sequence.json and the frames, as `pcmvs reconstruct` makes it
+    #[arg(value_name = "OUT")]
+    pub folder: PathBuf,
+    /// The file of the clip; with --manifest, the folder to publish
+    #[arg(short, long = "output", value_name = "CLIP.glb")]
+    pub output: PathBuf,
+    /// Frames per second [default: those of sequence.json]
+    #[arg(long, value_name = "N", value_parser = parse_fps)]
+    pub fps: Option<f64>,
+    /// Frames to pack, in this order, such as 0,3,10..20 (20 is included) [default: all]
+    #[arg(long, value_name = "LIST", value_parser = parse_list)]
+    pub frames: Option<List>,
+    /// Also animate KHR_node_visibility, for players that know it and KHR_animation_pointer. They need not draw hidden frames
+    #[arg(long)]
+    pub visibility: bool,
+    /// Write a folder to publish instead of one file: packed clips, and a sequence.json that lists them. OUT is the quality
+    /// `full`
+    #[arg(long)]
+    pub manifest: bool,
+    /// Another quality of the same frames, such as web=OUT_WEB or mobile=OUT_MOBILE. May be given several times, the best first
+    #[arg(long = "quality", value_name = "NAME=OUT", value_parser = parse_quality, requires = "manifest")]
+    pub qualities: Vec<Quality>,
+    /// Divide every quality into files of about this many seconds [default: one file]
+    #[arg(long, value_name = "SECONDS", value_parser = parse_seconds, requires = "manifest")]
+    pub segment: Option<f64>,
+    /// Sound of the clip, which is copied to the folder
+    #[arg(long, value_name = "FILE", requires = "manifest")]
+    pub audio: Option<PathBuf>,
+    /// Picture to show before the clip plays, which is copied to the folder
+    #[arg(long, value_name = "FILE", requires = "manifest")]
+    pub poster: Option<PathBuf>,
+}
+
+/// A quality of a clip to publish.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Quality {
+    /// The beginning of its files' names.
+    pub name: String,
+    pub folder: PathBuf,
+}
+
+impl Quality {
+    /// Name of the quality that `OUT` is.
+    pub const BEST: &str = "full";
+}
+
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum Source {
     /// Whichever of the others PATH contains
@@ -278,6 +332,30 @@ fn texture_size(text: &str) -> Result<u32, String> {
     let [smallest, largest] = TEXTURE_SIZES;
     let size = text.parse().ok().filter(|size| (smallest..=largest).contains(size));
     size.ok_or_else(|| format!("`{text}` is no size of a texture: choose {smallest} to {largest}"))
+}
+
+/// Frames per second that a clip can have, so that single precision tells its moments apart.
+pub const FPS_RANGE: RangeInclusive<f64> = 0.001..=10_000.0;
+
+fn parse_fps(text: &str) -> Result<f64, String> {
+    let fps = text.parse().ok().filter(|fps| FPS_RANGE.contains(fps));
+    let (low, high) = (FPS_RANGE.start(), FPS_RANGE.end());
+    fps.ok_or_else(|| format!("`{text}` is no number of frames per second: choose {low} to {high}"))
+}
+
+fn parse_quality(text: &str) -> Result<Quality, String> {
+    let (name, folder) =
+        text.split_once('=').ok_or_else(|| format!("`{text}` is not a name and a folder: web=OUT_WEB"))?;
+    let is_safe = |c: char| c.is_ascii_lowercase() || c.is_ascii_digit() || c == '-';
+    if name.is_empty() || !name.chars().all(is_safe) {
+        return Err(format!("`{name}` is no name of a quality: use small letters, digits and hyphens"));
+    }
+    Ok(Quality { name: name.to_owned(), folder: folder.into() })
+}
+
+fn parse_seconds(text: &str) -> Result<f64, String> {
+    let seconds = text.parse().ok().filter(|&seconds: &f64| seconds > 0.0 && seconds.is_finite());
+    seconds.ok_or_else(|| format!("`{text}` is no number of seconds, such as 2 or 0.5"))
 }
 
 /// Numbers and inclusive ranges, in the order given.

@@ -9,9 +9,11 @@ mod frame;
 mod import;
 mod inputs;
 mod json;
+mod manifest;
 mod mesh_file;
 mod output;
 mod overrides;
+mod pack;
 mod progress;
 mod reconstruct;
 mod refine;
@@ -45,6 +47,7 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>, cancelled: &AtomicBool
         Command::Check(options) => check::run(&options, cancelled).map(|fine| if fine { 0 } else { DOUBTFUL }),
         Command::Refine(options) => refine::run(&options, cancelled).map(|()| 0),
         Command::Import(options) => import::run(&options).map(|()| 0),
+        Command::Pack(options) => pack::run(&options, cancelled).map(|()| 0),
     };
     match result {
         Ok(status) => status,

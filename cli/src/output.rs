@@ -1,21 +1,12 @@
-//! The result folder: files that are either complete or missing, and the manifest of the clip.
+//! Files that are either complete or missing.
 
-use crate::{
-    mesh_file::MeshFile,
-    report::{FrameReport, Report},
-};
-use pcmvs_core::glam::{DQuat, DVec3};
-use pcmvs_scene::{Failure, Scene};
+use pcmvs_scene::Failure;
 use serde::Serialize;
 use std::{
-    fs,
+    fs::{self, File},
+    io::{BufWriter, Write},
     path::{Path, PathBuf},
 };
-
-/// Name of the clip's manifest.
-pub const MANIFEST: &str = "sequence.json";
-/// Frames per second if the scene does not state it.
-const FPS: f64 = 30.0;
 
 /// Path under which a file is written before it is renamed: hidden, in the same folder.
 pub fn temporary(path: &Path) -> PathBuf {
@@ -25,17 +16,31 @@ pub fn temporary(path: &Path) -> PathBuf {
 
 /// Writes a file under a temporary name and renames it. Creates its folder if necessary.
 pub fn write(path: &Path, bytes: &[u8]) -> Result<(), Failure> {
+    write_parts(path, |put| put(bytes))
+}
+
+/// Puts the next bytes of a file.
+pub type Put<'a> = &'a mut dyn FnMut(&[u8]) -> Result<(), Failure>;
+
+/// Writes a file part by part under a temporary name, and renames it when all parts are written. Creates its folder if
+/// necessary.
+pub fn write_parts(path: &Path, parts: impl FnOnce(Put) -> Result<(), Failure>) -> Result<(), Failure> {
     let unwritable = |e| Failure::unwritable(path, &e);
     if let Some(folder) = path.parent() {
         fs::create_dir_all(folder).map_err(unwritable)?;
     }
     let temporary = temporary(path);
-    let written = fs::write(&temporary, bytes).and_then(|()| fs::rename(&temporary, path));
-    written.map_err(|e| {
+    let written = File::create(&temporary).map_err(unwritable).and_then(|file| {
+        let mut file = BufWriter::new(file);
+        parts(&mut |bytes| file.write_all(bytes).map_err(unwritable))?;
+        file.flush().map_err(unwritable)?;
+        fs::rename(&temporary, path).map_err(unwritable)
+    });
+    if written.is_err() {
         // Report the error of the write, not one of the clean-up.
         let _ = fs::remove_file(&temporary);
-        unwritable(e)
-    })
+    }
+    written
 }
 
 /// Writes a value as indented JSON.
@@ -49,77 +54,4 @@ pub fn write_json(path: &Path, value: &impl Serialize) -> Result<(), Failure> {
 /// File name of a frame's mesh.
 pub fn frame_name(index: u32, extension: &str) -> String {
     format!("frame_{index:04}.{extension}")
-}
-
-/// The manifest that players read. `up` and `bounds` are in the frame of the files.
-#[derive(Serialize)]
-struct Manifest<'a> {
-    version: u32,
-    generator: String,
-    units: Option<&'a str>,
-    up: Option<[f64; 3]>,
-    /// Quaternion x, y, z, w that turns the scene's frame to that of the files; left out if they are the same.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    rotation: Option<[f64; 4]>,
-    fps: f64,
-    frame_count: usize,
-    /// printf pattern that gives the file name of a frame index.
-    url: String,
-    bounds: Option<[[f64; 3]; 2]>,
-    frames: Vec<ManifestFrame<'a>>,
-}
-
-#[derive(Serialize)]
-struct ManifestFrame<'a> {
-    index: u32,
-    /// Seconds from the scene's first frame.
-    time: f64,
-    url: &'a str,
-    bytes: u64,
-    sha256: &'a str,
-}
-
-impl<'a> ManifestFrame<'a> {
-    fn new(frame: &'a FrameReport, first_index: u32, fps: f64) -> Self {
-        let time = f64::from(frame.index.saturating_sub(first_index)) / fps;
-        Self { index: frame.index, time, url: &frame.file, bytes: frame.bytes, sha256: &frame.sha256 }
-    }
-}
-
-/// Writes the manifest with all frames of the report.
-pub fn write_manifest(
-    folder: &Path,
-    scene: &Scene,
-    first_index: u32,
-    mesh_file: &MeshFile,
-    report: &Report,
-) -> Result<(), Failure> {
-    let (extension, rotation) = (mesh_file.extension(), mesh_file.rotation());
-    let fps = scene.fps.unwrap_or(FPS);
-    let manifest = Manifest {
-        version: 1,
-        generator: format!("pcmvs {}", env!("CARGO_PKG_VERSION")),
-        units: scene.units.as_deref(),
-        up: mesh_file.up(),
-        rotation,
-        fps,
-        frame_count: report.frames.len(),
-        url: format!("frame_%04d.{extension}"),
-        bounds: report.frames.iter().map(|frame| turned(frame.bounds, rotation)).reduce(union),
-        frames: report.frames.iter().map(|frame| ManifestFrame::new(frame, first_index, fps)).collect(),
-    };
-    write_json(&folder.join(MANIFEST), &manifest)
-}
-
-/// Bounds of a box that is turned by a quaternion.
-fn turned(bounds: [[f64; 3]; 2], rotation: Option<[f64; 4]>) -> [[f64; 3]; 2] {
-    let Some(rotation) = rotation.map(DQuat::from_array) else { return bounds };
-    let corner = |i: usize| rotation * DVec3::from_array([0, 1, 2].map(|axis| bounds[i >> axis & 1][axis]));
-    let corners = (0..8).map(|i| corner(i).to_array());
-    corners.map(|corner| [corner; 2]).reduce(union).unwrap_or(bounds)
-}
-
-fn union(a: [[f64; 3]; 2], b: [[f64; 3]; 2]) -> [[f64; 3]; 2] {
-    let of = |end: usize, pick: fn(f64, f64) -> f64| std::array::from_fn(|axis| pick(a[end][axis], b[end][axis]));
-    [of(0, f64::min), of(1, f64::max)]
 }

@@ -43,15 +43,16 @@ impl<'a> Console<'a> {
 
     /// Progress of one frame.
     pub fn frame(&self, index: u32) -> FrameProgress<'_> {
-        let bar = match &self.bars {
-            Some(bars) => {
-                let style = ProgressStyle::with_template("{prefix} {msg:10} {bar:40} {pos}/{len} {elapsed}")
-                    .unwrap_or_else(|_| ProgressStyle::default_bar());
-                bars.add(ProgressBar::new(1).with_style(style).with_prefix(format!("frame {index}")))
-            }
-            None => ProgressBar::hidden(),
-        };
+        let bar = self.bar(&format!("frame {index}"), 1);
         FrameProgress { console: self, index, bar, clocks: Mutex::default() }
+    }
+
+    /// A bar on the terminal, if there is one.
+    pub fn bar(&self, name: &str, length: u64) -> ProgressBar {
+        let Some(bars) = &self.bars else { return ProgressBar::hidden() };
+        let style = ProgressStyle::with_template("{prefix} {msg:10} {bar:40} {pos}/{len} {elapsed}")
+            .unwrap_or_else(|_| ProgressStyle::default_bar());
+        bars.add(ProgressBar::new(length).with_style(style).with_prefix(name.to_owned()))
     }
 }
 

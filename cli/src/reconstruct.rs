@@ -7,6 +7,7 @@ use crate::{
     frame::Job,
     inputs::Silhouettes,
     json,
+    manifest::Manifest,
     mesh_file::MeshFile,
     output, overrides,
     progress::Console,
@@ -106,7 +107,7 @@ pub fn run(options: &Reconstruct, cancelled: &AtomicBool) -> Result<(), Failure>
     }
     // Written once more, because frames may have failed after the last good one.
     output::write_json(&options.output.join(report::FILE_NAME), &report)?;
-    output::write_manifest(&options.output, &scene, first_index, &mesh_file, &report)?;
+    Manifest::new(&scene, first_index, &mesh_file, &report).write(&options.output)?;
     match worst {
         Some(failure) => Err(failure),
         None => {

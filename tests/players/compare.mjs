@@ -52,6 +52,13 @@ export function psnr(a, b) {
     return 10 * Math.log10(255 ** 2 / (sum / count));
 }
 
+/** PSNR of two screenshots; infinite if they are equal. */
+export function alike(a, b) {
+    const [first, second] = [a, b].map((png) => PNG.sync.read(png).data);
+    const sum = first.reduce((sum, value, i) => sum + (value - second[i]) ** 2, 0);
+    return 10 * Math.log10(255 ** 2 / (sum / first.length));
+}
+
 /** The mask upside down, and mirrored. */
 export function flipped({ width, mask }) {
     return [

@@ -3,6 +3,7 @@
 mod abi;
 mod abi_check;
 mod bench;
+mod blender;
 mod browser;
 mod captured;
 mod compiler;
@@ -83,6 +84,8 @@ enum Task {
     },
     /// Play a clip in three.js, Babylon.js and model-viewer, and compare with our own pictures of it
     Players,
+    /// Import a clip into Blender, of which a Python package is installed
+    Blender,
     /// Build the npm package in wasm/pkg
     Wasm,
     /// Build the C library, and install it with headers, pkg-config file and CMake package
@@ -131,6 +134,7 @@ fn main() -> ExitCode {
         Task::Web { bench: true, .. } => web::bench(),
         Task::Web { .. } => web::demo(),
         Task::Players => players::run_alone(),
+        Task::Blender => blender::run_alone(),
         Task::Wasm => web::wasm().map(|sizes| println!("{sizes}")),
         Task::Install { prefix: Some(prefix), check: false } => abi::install(&prefix),
         Task::Install { .. } => test::c_library(),

@@ -3,7 +3,7 @@
 
 use crate::{
     Result,
-    process::{cargo, program, root, run, target},
+    process::{program, root, run, target},
     sample,
     setup::{CHROMIUM, Need},
     steps::{Outcome, Steps},
@@ -19,6 +19,12 @@ use studio::{
 /// Pixels of a picture's side.
 const SIZE: u32 = 512;
 
+/// Options of another clip, as viewers on the web want it.
+const COMPRESSED: &str = "--preset hull --faces 20000 --texture=512 --compress --upright";
+/// Clips in one file: folders, names, and options of `pcmvs pack`.
+const PACKED: [(&str, &str, &str); 3] =
+    [("clip", "packed.glb", ""), ("clip", "visibility.glb", "--visibility"), ("compressed", "packed.glb", "")];
+
 pub const NEEDS: [Need; 3] = [Need::Debian(CHROMIUM), Need::Npm("tests/web"), Need::Npm("tests/players")];
 
 /// The check alone.
@@ -33,12 +39,13 @@ pub fn run_alone() -> Result<()> {
 /// Reconstructs the page's sample with the command line and plays it in a browser.
 pub fn check(steps: &mut Steps) -> Result<()> {
     steps.step_with(&NEEDS, "players", || {
-        let (scene, folder, tests) =
-            (root().join("web/public/sample"), target().join("players"), root().join("tests/players"));
-        sample::make(&scene)?;
-        run(&mut cargo("build --quiet --release --package pcmvs-cli"))?;
-        let mut reconstruct = program(target().join("release/pcmvs"), "reconstruct");
-        run(reconstruct.arg(&scene).arg("-o").arg(folder.join("clip")))?;
+        let (folder, tests) = (target().join("players"), root().join("tests/players"));
+        sample::reconstruct("", &folder.join("clip"))?;
+        sample::reconstruct(COMPRESSED, &folder.join("compressed"))?;
+        for (clip, name, options) in PACKED {
+            let clip = folder.join(clip);
+            sample::pack(options, &clip, &clip.join(name))?;
+        }
         look(&folder)?;
         NEEDS.iter().try_for_each(|need| need.install())?;
         let measured = run(program("node", "players.mjs").arg(&folder).current_dir(&tests))?;

@@ -1,7 +1,14 @@
 //! The sample of the page: a clip of the studio's figure, small enough to ship.
 
+use crate::{
+    Result,
+    process::{cargo, program, root, run, target},
+};
 use image::{ColorType, ExtendedColorType, ImageEncoder, ImageFormat, codecs::jpeg::JpegEncoder};
-use std::{fs, path::Path};
+use std::{
+    fs,
+    path::{Path, PathBuf},
+};
 use studio::{Capture, Faults, Ring, Subject, capture::record};
 
 const VIEWS: u32 = 20;
@@ -12,7 +19,7 @@ const FPS: f64 = 8.0;
 const JPEG_QUALITY: u8 = 85;
 
 /// Renders the sample into a scene folder, unless the folder exists.
-pub fn make(folder: &Path) -> Result<(), String> {
+pub fn make(folder: &Path) -> Result<()> {
     if folder.join("scene.json").exists() {
         return Ok(());
     }
@@ -56,4 +63,21 @@ pub fn make(folder: &Path) -> Result<(), String> {
     let scene = serde_json::to_value(&scene).map_err(|e| fail(&e))?;
     // Written last, so that a folder that contains it is complete.
     fs::write(folder.join("scene.json"), format!("{scene:#}\n")).map_err(|e| fail(&e))
+}
+
+/// Reconstructs the sample with options of the command line.
+pub fn reconstruct(options: &str, folder: &Path) -> Result<()> {
+    let scene = root().join("web/public/sample");
+    make(&scene)?;
+    run(&mut cargo("build --quiet --release --package pcmvs-cli"))?;
+    run(program(command(), &format!("reconstruct {options} -o")).arg(folder).arg(scene)).map(drop)
+}
+
+/// Packs a clip that was reconstructed.
+pub fn pack(options: &str, clip: &Path, file: &Path) -> Result<()> {
+    run(program(command(), &format!("pack {options} -o")).arg(file).arg(clip)).map(drop)
+}
+
+fn command() -> PathBuf {
+    target().join("release/pcmvs")
 }

@@ -2,9 +2,12 @@
 
 use crate::{
     Result,
-    process::{program, root, run},
+    process::{program, root, run, target},
 };
-use std::{fs, path::Path};
+use std::{
+    fs,
+    path::{Path, PathBuf},
+};
 
 /// Debian's packages (names separated by spaces), and a file that is there if they are.
 pub type Package = (&'static str, &'static str);
@@ -29,6 +32,38 @@ pub enum Need {
     Toolchain(&'static str),
     /// The packages of a folder's package-lock.json.
     Npm(&'static str),
+    /// A package of Python, in an environment of its own in the target folder.
+    Python(Wheel),
+}
+
+/// A package that is published for one version of Python.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Wheel {
+    pub python: &'static str,
+    pub package: &'static str,
+    pub version: &'static str,
+}
+
+impl Wheel {
+    fn environment(self) -> PathBuf {
+        target().join(self.package)
+    }
+
+    /// The Python that has the package.
+    pub fn interpreter(self) -> PathBuf {
+        self.environment().join("bin/python")
+    }
+
+    fn is_installed(self) -> bool {
+        let Self { python, package, version } = self;
+        self.environment().join(format!("lib/{python}/site-packages/{package}-{version}.dist-info")).is_dir()
+    }
+
+    fn install(self) -> Result<()> {
+        run(program(self.python, "-m venv").arg(self.environment()))?;
+        let package = format!("{}=={}", self.package, self.version);
+        run(program(self.interpreter(), "-m pip install --quiet --no-cache-dir").arg(package)).map(drop)
+    }
 }
 
 impl Need {
@@ -40,6 +75,7 @@ impl Need {
             Self::TargetOrDebian(triple) => has_target(triple) || Path::new(DEBIAN_COMPILER.1).exists(),
             Self::Toolchain(version) => run(&mut program("rustup", &format!("run {version} rustc --version"))).is_ok(),
             Self::Npm(folder) => npm_is_done(&root().join(folder)),
+            Self::Python(wheel) => wheel.is_installed(),
         }
     }
 
@@ -51,6 +87,7 @@ impl Need {
             Self::Target(triple) | Self::TargetOrDebian(triple) => format!("rustup target add {triple}"),
             Self::Toolchain(version) => format!("rustup toolchain install {version}"),
             Self::Npm(folder) => format!("npm ci in {folder}"),
+            Self::Python(Wheel { python, package, version }) => format!("{python} -m pip install {package}=={version}"),
         }
     }
 
@@ -67,6 +104,7 @@ impl Need {
                 run(&mut program("rustup", &install)).map(drop)
             }
             Self::Npm(folder) => node_packages(&root().join(folder)),
+            Self::Python(wheel) => wheel.install(),
         }
     }
 }

@@ -1,7 +1,7 @@
 //! `cargo xtask test`: all checks, quick ones first.
 
 use crate::{
-    Result, abi_check, captured, cycles, fuzz, golden, no_std, oldest_compiler, players,
+    Result, abi_check, blender, captured, cycles, fuzz, golden, no_std, oldest_compiler, players,
     process::{cargo, program, root, run as run_program, target},
     publish,
     setup::Need,
@@ -25,6 +25,7 @@ fn needs(all: bool) -> Vec<Need> {
     needs.extend(web::NEEDS);
     if all {
         needs.extend(players::NEEDS);
+        needs.extend(blender::NEEDS);
         needs.extend(abi_check::NEEDS);
         needs.extend(fuzz::NEEDS);
         needs.extend(windows::needs());
@@ -57,6 +58,7 @@ pub fn run(all: bool, install: bool) -> Result<()> {
     publish::check(&mut steps, all)?;
     if all {
         players::check(&mut steps)?;
+        blender::check(&mut steps)?;
         abi_check::check(&mut steps)?;
         windows::check(&mut steps)?;
         steps.step_with(&fuzz::NEEDS, "fuzzing", fuzz::check)?;
@@ -121,10 +123,14 @@ fn pipeline() -> Result<String> {
         let mut reconstruct = program(binary("pcmvs"), &format!("reconstruct --frames 0 {options} -o"));
         run_program(reconstruct.arg(smoke().join(name)).arg(&scene))?;
     }
+    for (name, clip, options) in PACKED {
+        let mut pack = program(binary("pcmvs"), &format!("pack {options} -o"));
+        run_program(pack.arg(smoke().join(name)).arg(smoke().join(clip)))?;
+    }
     let sheet = smoke().join("look.png");
     let mesh = smoke().join("default/frame_0000.glb");
     run_program(program(binary("look"), "").arg(&scene).arg(mesh).args(["--cameras", "0,4,8", "-o"]).arg(sheet))?;
-    Ok(format!("{} presets, 2 frames, {} other forms", PRESETS.len(), FORMS.len()))
+    Ok(format!("{} presets, 2 frames, {} other forms, {} packed clips", PRESETS.len(), FORMS.len(), PACKED.len()))
 }
 
 const PRESETS: [&str; 4] = ["hull", "paper", "default", "preview"];
@@ -137,12 +143,20 @@ const FORMS: [(&str, &str); 4] = [
     ("web", "--faces 2000 --texture=256 --compress --upright"),
 ];
 
+/// Clips in one file: names, the folders of their frames, and options of `pcmvs pack`.
+const PACKED: [(&str, &str, &str); 3] = [
+    ("packed.glb", "default", ""),
+    ("packed-visibility.glb", "default", "--visibility"),
+    ("packed-web.glb", "web", ""),
+];
+
 fn validator() -> Result<String> {
     let folder = root().join("tests/gltf");
     VALIDATOR.install()?;
     let frames = PRESETS.iter().flat_map(|p| [0, 1].map(|i| smoke().join(format!("{p}/frame_{i:04}.glb"))));
     let forms = FORMS.iter().map(|(name, _)| smoke().join(name).join("frame_0000.glb"));
-    let frames: Vec<PathBuf> = frames.chain(forms).collect();
+    let packed = PACKED.iter().map(|(name, ..)| smoke().join(name));
+    let frames: Vec<PathBuf> = frames.chain(forms).chain(packed).collect();
     run_program(program("node", "validate.mjs").args(&frames).current_dir(&folder))?;
     Ok(format!("{} files", frames.len()))
 }

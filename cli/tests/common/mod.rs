@@ -167,3 +167,35 @@ pub fn names(folder: &Path) -> Vec<String> {
 pub fn stderr(output: &Output) -> String {
     String::from_utf8_lossy(&output.stderr).into_owned()
 }
+
+/// A GLB file: its JSON and its binary chunk.
+pub fn parts(bytes: &[u8]) -> (Value, &[u8]) {
+    let length = |at: usize| u32::from_le_bytes(bytes[at..at + 4].try_into().unwrap()) as usize;
+    let end = 20 + length(12);
+    (serde_json::from_slice(&bytes[20..end]).unwrap(), &bytes[end + 8..])
+}
+
+/// The bytes of a buffer view, decompressed.
+pub fn view(json: &Value, binary: &[u8], index: &Value) -> Vec<u8> {
+    let view = &json["bufferViews"][index.as_u64().unwrap() as usize];
+    let packed = &view["extensions"]["EXT_meshopt_compression"];
+    let number = |of: &Value, key: &str| of[key].as_u64().unwrap_or(0) as usize;
+    if packed.is_null() {
+        return binary[number(view, "byteOffset")..][..number(view, "byteLength")].to_vec();
+    }
+    let stored = &binary[number(packed, "byteOffset")..][..number(packed, "byteLength")];
+    let (count, stride) = (number(packed, "count"), number(packed, "byteStride"));
+    let bytes = match (packed["mode"].as_str().unwrap(), stride) {
+        ("TRIANGLES", 2) => {
+            meshopt::decode_index_buffer::<u16>(stored, count).unwrap().iter().flat_map(|i| i.to_le_bytes()).collect()
+        }
+        ("TRIANGLES", 4) => {
+            meshopt::decode_index_buffer::<u32>(stored, count).unwrap().iter().flat_map(|i| i.to_le_bytes()).collect()
+        }
+        ("ATTRIBUTES", 4) => meshopt::decode_vertex_buffer::<[u8; 4]>(stored, count).unwrap().concat(),
+        ("ATTRIBUTES", 8) => meshopt::decode_vertex_buffer::<[u8; 8]>(stored, count).unwrap().concat(),
+        other => panic!("{other:?}"),
+    };
+    assert_eq!(bytes.len(), number(view, "byteLength"));
+    bytes
+}

@@ -7,7 +7,12 @@ import { Quaternion, Vector3 } from "@babylonjs/core/Maths/math.vector.js";
 import { TransformNode } from "@babylonjs/core/Meshes/transformNode.js";
 import { Scene } from "@babylonjs/core/scene.js";
 import "@babylonjs/loaders/glTF/2.0/glTFLoader.js";
+import "@babylonjs/loaders/glTF/2.0/Extensions/KHR_animation_pointer.js";
 import "@babylonjs/loaders/glTF/2.0/Extensions/KHR_materials_unlit.js";
+import "@babylonjs/loaders/glTF/2.0/Extensions/KHR_node_visibility.js";
+
+/** Frames per second in which the loader counts time. */
+const LOADER_FPS = 60;
 
 let scene, world, shown;
 
@@ -40,5 +45,14 @@ export async function show(address, up) {
     for (const root of loaded.rootNodes) root.parent = world;
     loaded.addAllToScene();
     await scene.whenReadyAsync();
+    scene.render();
+}
+
+export function seek(seconds) {
+    for (const group of shown.animationGroups) {
+        group.play(true);
+        group.pause();
+        group.goToFrame(seconds * LOADER_FPS);
+    }
     scene.render();
 }

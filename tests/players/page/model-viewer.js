@@ -39,3 +39,10 @@ export async function show(address, [x, y, z]) {
     element.jumpCameraToGoal();
     for (let frame = 0; frame < 2; frame++) await new Promise(requestAnimationFrame);
 }
+
+export async function seek(seconds) {
+    element.play();
+    element.pause();
+    element.currentTime = seconds;
+    for (let frame = 0; frame < 2; frame++) await new Promise(requestAnimationFrame);
+}

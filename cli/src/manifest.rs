@@ -1,0 +1,113 @@
+//! sequence.json: the manifest of a clip.
+
+use crate::{
+    arguments::FPS_RANGE,
+    mesh_file::MeshFile,
+    output,
+    report::{FrameReport, Report},
+};
+use pcmvs_core::glam::{DQuat, DVec3};
+use pcmvs_scene::{Failure, Scene};
+use serde::{Deserialize, Serialize};
+use std::{fs, path::Path};
+
+/// Name of the file in the result folder.
+pub const FILE_NAME: &str = "sequence.json";
+const VERSION: u32 = 1;
+/// Frames per second if the scene does not state it.
+const FPS: f64 = 30.0;
+
+/// The manifest that players read. `up` and `bounds` are in the frame of the files.
+#[derive(Debug, Serialize, Deserialize)]
+pub struct Manifest {
+    pub version: u32,
+    pub generator: String,
+    pub units: Option<String>,
+    pub up: Option<[f64; 3]>,
+    /// Quaternion x, y, z, w that turns the scene's frame to that of the files; left out if they are the same.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub rotation: Option<[f64; 4]>,
+    pub fps: f64,
+    pub frame_count: usize,
+    /// printf pattern that gives the file name of a frame index.
+    pub url: String,
+    pub bounds: Option<[[f64; 3]; 2]>,
+    /// By index.
+    pub frames: Vec<ManifestFrame>,
+}
+
+/// A frame of the clip.
+#[derive(Debug, Serialize, Deserialize)]
+pub struct ManifestFrame {
+    pub index: u32,
+    /// Seconds from the scene's first frame.
+    pub time: f64,
+    pub url: String,
+    pub bytes: u64,
+    pub sha256: String,
+}
+
+impl ManifestFrame {
+    fn new(frame: &FrameReport, first_index: u32, fps: f64) -> Self {
+        let time = f64::from(frame.index.saturating_sub(first_index)) / fps;
+        Self { index: frame.index, time, url: frame.file.clone(), bytes: frame.bytes, sha256: frame.sha256.clone() }
+    }
+}
+
+impl Manifest {
+    /// The manifest of all frames of a report.
+    pub fn new(scene: &Scene, first_index: u32, mesh_file: &MeshFile, report: &Report) -> Self {
+        let (extension, rotation) = (mesh_file.extension(), mesh_file.rotation());
+        let fps = scene.fps.unwrap_or(FPS);
+        Self {
+            version: VERSION,
+            generator: format!("pcmvs {}", env!("CARGO_PKG_VERSION")),
+            units: scene.units.clone(),
+            up: mesh_file.up(),
+            rotation,
+            fps,
+            frame_count: report.frames.len(),
+            url: format!("frame_%04d.{extension}"),
+            bounds: report.frames.iter().map(|frame| turned(frame.bounds, rotation)).reduce(union),
+            frames: report.frames.iter().map(|frame| ManifestFrame::new(frame, first_index, fps)).collect(),
+        }
+    }
+
+    /// Reads the manifest of a result folder.
+    pub fn read(folder: &Path) -> Result<Self, Failure> {
+        let path = folder.join(FILE_NAME);
+        let bytes = fs::read(&path).map_err(|e| Failure::unreadable(&path, &e))?;
+        let wrong = |what: String| Failure::Input(format!("{}: {what}", path.display()));
+        let manifest: Self = serde_json::from_slice(&bytes)
+            .map_err(|e| wrong(format!("is no manifest of a clip ({e}): run `pcmvs reconstruct` again")))?;
+        if manifest.version != VERSION {
+            let version = manifest.version;
+            return Err(wrong(format!(
+                "has version {version}, and frames are listed by version {VERSION}: name a folder that `pcmvs reconstruct` made"
+            )));
+        }
+        if !FPS_RANGE.contains(&manifest.fps) {
+            let (fps, low, high) = (manifest.fps, FPS_RANGE.start(), FPS_RANGE.end());
+            return Err(wrong(format!("`fps` is {fps}, and a clip has {low} to {high}: correct it")));
+        }
+        Ok(manifest)
+    }
+
+    /// Writes the manifest to a result folder.
+    pub fn write(&self, folder: &Path) -> Result<(), Failure> {
+        output::write_json(&folder.join(FILE_NAME), self)
+    }
+}
+
+/// Bounds of a box that is turned by a quaternion.
+fn turned(bounds: [[f64; 3]; 2], rotation: Option<[f64; 4]>) -> [[f64; 3]; 2] {
+    let Some(rotation) = rotation.map(DQuat::from_array) else { return bounds };
+    let corner = |i: usize| rotation * DVec3::from_array([0, 1, 2].map(|axis| bounds[i >> axis & 1][axis]));
+    let corners = (0..8).map(|i| corner(i).to_array());
+    corners.map(|corner| [corner; 2]).reduce(union).unwrap_or(bounds)
+}
+
+fn union(a: [[f64; 3]; 2], b: [[f64; 3]; 2]) -> [[f64; 3]; 2] {
+    let of = |end: usize, pick: fn(f64, f64) -> f64| std::array::from_fn(|axis| pick(a[end][axis], b[end][axis]));
+    [of(0, f64::min), of(1, f64::max)]
+}
