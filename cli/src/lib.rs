@@ -7,7 +7,6 @@ mod compress;
 mod fingerprint;
 mod frame;
 mod import;
-mod inputs;
 mod json;
 mod mesh_file;
 mod output;
@@ -16,7 +15,6 @@ mod progress;
 mod reconstruct;
 mod refine;
 mod report;
-mod threads;
 mod warning;
 
 pub use pcmvs_scene::Failure;

@@ -5,38 +5,15 @@ use crate::{
     report::{FrameReport, Report},
 };
 use pcmvs_core::glam::{DQuat, DVec3};
+pub use pcmvs_scene::output::{temporary, write};
 use pcmvs_scene::{Failure, Scene};
 use serde::Serialize;
-use std::{
-    fs,
-    path::{Path, PathBuf},
-};
+use std::path::Path;
 
 /// Name of the clip's manifest.
 pub const MANIFEST: &str = "sequence.json";
 /// Frames per second if the scene does not state it.
 const FPS: f64 = 30.0;
-
-/// Path under which a file is written before it is renamed: hidden, in the same folder.
-pub fn temporary(path: &Path) -> PathBuf {
-    let name = path.file_name().unwrap_or_default().to_string_lossy();
-    path.with_file_name(format!(".{name}.tmp"))
-}
-
-/// Writes a file under a temporary name and renames it. Creates its folder if necessary.
-pub fn write(path: &Path, bytes: &[u8]) -> Result<(), Failure> {
-    let unwritable = |e| Failure::unwritable(path, &e);
-    if let Some(folder) = path.parent() {
-        fs::create_dir_all(folder).map_err(unwritable)?;
-    }
-    let temporary = temporary(path);
-    let written = fs::write(&temporary, bytes).and_then(|()| fs::rename(&temporary, path));
-    written.map_err(|e| {
-        // Report the error of the write, not one of the clean-up.
-        let _ = fs::remove_file(&temporary);
-        unwritable(e)
-    })
-}
 
 /// Writes a value as indented JSON.
 pub fn write_json(path: &Path, value: &impl Serialize) -> Result<(), Failure> {
