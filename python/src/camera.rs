@@ -28,6 +28,11 @@ const fn name(lens: LensModel) -> &'static str {
     }
 }
 
+/// A 3 x 3 matrix of any kind of sequence.
+fn matrix(value: &Bound<PyAny>, name: &str) -> Result<[[f64; 3]; 3], Problem> {
+    value.extract().map_err(|e: PyErr| Problem::argument(format!("{name}: {e}: give 3 x 3 numbers")))
+}
+
 impl Camera {
     fn described(&self) -> SceneCamera {
         SceneCamera::new(String::new(), &self.camera)
@@ -39,13 +44,16 @@ impl Camera {
     #[new]
     #[pyo3(signature = (k, r, t, size, *, distortion = Vec::new(), lens = "opencv"))]
     fn new(
-        k: [[f64; 3]; 3],
-        r: [[f64; 3]; 3],
-        t: [f64; 3],
+        k: &Bound<PyAny>,
+        r: &Bound<PyAny>,
+        t: &Bound<PyAny>,
         size: (u32, u32),
         distortion: Vec<f64>,
         lens: &str,
     ) -> PyResult<Self> {
+        let (k, r) = (matrix(k, "k")?, matrix(r, "r")?);
+        let refused = |e| Problem::argument(format!("t: {e}: give 3 numbers"));
+        let t = t.extract().map_err(refused)?;
         let models = [LensModel::OpenCv, LensModel::Fisheye];
         let Some(lens) = models.into_iter().find(|&model| name(model) == lens) else {
             let problem = format!("lens is {lens:?}: it is one of {:?}", models.map(name));

@@ -17,7 +17,10 @@ use pcmvs_core::{
     silhouette::Silhouette,
 };
 use pcmvs_scene::Pictures;
-use pyo3::{prelude::*, types::PyDict};
+use pyo3::{
+    prelude::*,
+    types::{PyDict, PyTuple},
+};
 use std::{borrow::Cow, num::NonZeroUsize, sync::Arc};
 
 type CoreFrame = pcmvs_core::Frame<Arc<pcmvs_core::Rig>>;
@@ -153,8 +156,8 @@ impl Frame {
     /// Names of the stages in their order.
     #[classattr]
     #[pyo3(name = "STAGES")]
-    fn stages() -> [&'static str; ORDER.len()] {
-        ORDER.map(Stage::name)
+    fn stages(py: Python) -> PyResult<Bound<PyTuple>> {
+        PyTuple::new(py, ORDER.map(Stage::name))
     }
 
     /// Name of the last complete stage. None before the first.

@@ -2,9 +2,12 @@
 
 use crate::{
     Result,
-    process::{program, root, run},
+    process::{program, root, run, target},
 };
-use std::{fs, path::Path};
+use std::{
+    fs,
+    path::{Path, PathBuf},
+};
 
 /// Debian's packages (names separated by spaces), and a file that is there if they are.
 pub type Package = (&'static str, &'static str);
@@ -29,6 +32,8 @@ pub enum Need {
     Toolchain(&'static str),
     /// The packages of a folder's package-lock.json.
     Npm(&'static str),
+    /// Python's packages (requirements separated by spaces), in a virtual environment in the target folder.
+    Pip(&'static str),
 }
 
 impl Need {
@@ -40,6 +45,7 @@ impl Need {
             Self::TargetOrDebian(triple) => has_target(triple) || Path::new(DEBIAN_COMPILER.1).exists(),
             Self::Toolchain(version) => run(&mut program("rustup", &format!("run {version} rustc --version"))).is_ok(),
             Self::Npm(folder) => npm_is_done(&root().join(folder)),
+            Self::Pip(packages) => fs::read_to_string(requirements()).is_ok_and(|installed| installed == packages),
         }
     }
 
@@ -51,6 +57,7 @@ impl Need {
             Self::Target(triple) | Self::TargetOrDebian(triple) => format!("rustup target add {triple}"),
             Self::Toolchain(version) => format!("rustup toolchain install {version}"),
             Self::Npm(folder) => format!("npm ci in {folder}"),
+            Self::Pip(packages) => format!("pip install {packages}, in a virtual environment (python3 -m venv)"),
         }
     }
 
@@ -67,6 +74,7 @@ impl Need {
                 run(&mut program("rustup", &install)).map(drop)
             }
             Self::Npm(folder) => node_packages(&root().join(folder)),
+            Self::Pip(packages) => python_packages(packages),
         }
     }
 }
@@ -89,6 +97,28 @@ pub fn debian(packages: &[Package]) -> Result<()> {
     run(&mut program("apt-get", "-qq update"))?;
     let install = format!("-qq install -y --no-install-recommends {}", missing.join(" "));
     run(program("apt-get", &install).env("DEBIAN_FRONTEND", "noninteractive")).map(drop)
+}
+
+/// Folder of the virtual environment, in the target folder.
+pub const ENVIRONMENT: &str = "python-package/environment";
+/// Debian's Python has no virtual environments without it.
+const VENV: Package = ("python3 python3-venv", "/usr/share/doc/python3-venv");
+
+/// Where the virtual environment notes what is installed in it.
+fn requirements() -> PathBuf {
+    target().join(ENVIRONMENT).join("installed-requirements")
+}
+
+/// Makes the virtual environment with Python's packages.
+fn python_packages(packages: &str) -> Result<()> {
+    let environment = target().join(ENVIRONMENT);
+    let make = || run(program("python3", "-m venv --clear").arg(&environment));
+    if let Err(why) = make() {
+        debian(&[VENV]).and_then(|()| make()).map_err(|_| why)?;
+    }
+    let mut install = program(environment.join("bin/pip"), "install --quiet --disable-pip-version-check");
+    run(install.args(packages.split_whitespace()))?;
+    fs::write(requirements(), packages).map_err(|e| format!("{}: {e}", requirements().display()))
 }
 
 fn has_target(triple: &str) -> bool {
