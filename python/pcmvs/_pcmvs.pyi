@@ -5,7 +5,7 @@ from typing import Any, ClassVar, Literal, final
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .types import Colours, Images, Masks, Parameters, Pictures, Preset, Progress, Vector
+from .types import Colours, Images, Masks, Parameters, Pictures, Progress, Vector
 
 __all__ = [
     "Calibration",
@@ -248,7 +248,7 @@ class Finding:
     @property
     def message(self) -> str: ...
 
-def preset(name: Preset) -> dict[str, Any]: ...
+def preset(name: Literal["default", "paper", "hull", "preview"]) -> dict[str, Any]: ...
 def reconstruct(
     rig: Rig,
     images: Images,

@@ -15,8 +15,7 @@ Masks = Sequence[Union[NDArray[np.uint8], NDArray[np.bool_], None]]
 Colours = Sequence[tuple[int, int, int]]
 """sRGB colours."""
 Vector = Union[Sequence[float], NDArray[np.float64]]
-Preset = Literal["default", "paper", "hull", "preview"]
-Parameters = Union[Preset, dict[str, Any]]
+Parameters = Union[Literal["default", "paper", "hull", "preview"], dict[str, Any]]
 """The name of a preset, or what ``pcmvs.preset`` returns, changed."""
 Progress = Callable[[str, float], Optional[bool]]
 """Called with the name of a stage and the share of it that is done. False cancels."""

@@ -13,7 +13,7 @@ use pyo3::prelude::*;
 /// COLMAP does, subtract 0.5 from cx and cy. Lengths are in any unit. Meshes come in the same one.
 ///
 /// ``k`` is the intrinsic matrix, ``[[fx, skew, cx], [0, fy, cy], [0, 0, 1]]``. ``size`` is (width, height) in pixels.
-/// ``distortion`` has 0, 4, 5, 8 or 12 of OpenCV's coefficients in its order (k1, k2, p1, p2, k3, ...), or with
+/// ``distortion`` has up to 12 of OpenCV's coefficients in its order (k1, k2, p1, p2, k3, ...), or with
 /// ``lens="fisheye"`` the 4 of its fisheye.
 #[pyclass(frozen, module = "pcmvs")]
 pub struct Camera {

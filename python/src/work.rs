@@ -39,23 +39,22 @@ struct Reporter<'a> {
 }
 
 impl Reporter<'_> {
-    /// The report of a step, unless it says nothing new.
-    fn report(&self, stage: Stage, done: u32, total: u32) -> Option<Report> {
+    /// Reports a step, unless it says nothing new. Returns whether anybody listens.
+    fn report(&self, stage: Stage, done: u32, total: u32) -> bool {
         let part = u64::from(done.min(total)) * REPORTS / u64::from(total.max(1));
+        // Locked until the report has been taken, so that reports come in order.
         let mut last = self.last.lock().unwrap_or_else(PoisonError::into_inner);
         if last.is_some_and(|(stage_before, before)| stage_before == stage && before >= part) {
-            return None;
+            return true;
         }
         *last = Some((stage, part));
-        Some((stage, part as f64 / REPORTS as f64))
+        self.reports.send((stage, part as f64 / REPORTS as f64)).is_ok()
     }
 }
 
 impl Progress for Reporter<'_> {
     fn step(&self, stage: Stage, done: u32, total: u32) -> bool {
-        let report = if self.wanted { self.report(stage, done, total) } else { None };
-        let heard = report.is_none_or(|report| self.reports.send(report).is_ok());
-        heard && !self.cancelled.load(Ordering::Relaxed)
+        (!self.wanted || self.report(stage, done, total)) && !self.cancelled.load(Ordering::Relaxed)
     }
 }
 

@@ -52,7 +52,7 @@ def test_a_camera_gives_back_what_it_was_given():
         ({"t": [1, 2]}, "t: .*give 3 numbers"),
         ({"t": [0, 0, math.nan]}, "not finite"),
         ({"r": np.diag([1, 1, -1])}, "R reflects"),
-        ({"distortion": [0.1] * 3}, "distortion"),
+        ({"distortion": [0.1] * 13}, "the distortion has coefficients beyond"),
         ({"lens": "f-theta"}, 'it is one of \\["opencv", "fisheye"\\]'),
     ],
 )
