@@ -89,7 +89,8 @@ pub fn to_picture(array: &Bound<PyAny>, kind: Kind, camera: usize) -> PyResult<P
     } else {
         let or_bool = if kind == Kind::Mask { " or bool" } else { "" };
         return Err(refused(format!(
-            "holds {found}: give uint8{or_bool}, with values from 0 to 255; scale others, as by (x * (255 / x.max())).astype(\"uint8\")"
+            "holds {found}: give uint8{or_bool}; multiply values of 0 to 1 by 255, divide those of 16 bits by 257, and then use \
+             .astype(\"uint8\")"
         )));
     };
     if kind == Kind::Mask && found.is_equiv_to(&dtype::<u8>(py)) && bytes.iter().max() == Some(&1) {
