@@ -47,7 +47,7 @@ pub struct Frame {
     pictures: Option<Pictures>,
 }
 
-/// Names of the stages, in their order.
+/// The stage with a name.
 fn stage(name: &str) -> Result<Stage, Problem> {
     let found = ORDER.into_iter().find(|stage| stage.name() == name);
     found.ok_or_else(|| {
@@ -139,7 +139,7 @@ impl Frame {
     /// If it returns False, the call fails with ``Cancelled``. An exception in it, or Ctrl-C, also stops the work and comes
     /// out. The frame then is as it was after the last complete stage, and ``run`` goes on from there.
     ///
-    /// Other threads of the program run meanwhile. ``threads`` is the number of threads, that of the cores by default. It
+    /// Other threads of the program run meanwhile, but this frame cannot be used. ``threads`` is the number of threads, that of the cores by default. It
     /// does not change the result.
     #[pyo3(signature = (until = "colour", *, threads = None, progress = None))]
     fn run(

@@ -56,7 +56,7 @@ fn tests() -> Result<String> {
     Ok(format!("{summary}; wheel of {} KiB without optimisation across crates", size >> 10))
 }
 
-/// Builds the wheel, optimised as all tests are, which takes a third of the time of a release build.
+/// Builds the wheel, optimised as all tests are: a release build would take longer than it saves.
 fn wheel() -> Result<PathBuf> {
     let folder = work().join("wheels");
     if folder.exists() {
