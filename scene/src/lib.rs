@@ -1,7 +1,7 @@
 //! Captured scenes: scene.json, calibrations of other programs, and pictures as the core takes them.
 //!
-//! All files are read through [`Files`], so that the command line and the browser read a capture in the same way, bit for
-//! bit.
+//! All files are read through [`Files`], so that the command line, Python and the browser read a capture in the same way, bit
+//! for bit.
 
 mod explain;
 mod failure;

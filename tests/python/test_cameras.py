@@ -79,6 +79,7 @@ def test_a_scene_is_read(scene, capture):
     pictures = scene.pictures(1)
     assert all(image.shape == (120, 160, 3) and image.dtype == np.uint8 for image in pictures["images"])
     assert all(mask.shape == (120, 160) and mask.dtype == np.uint8 for mask in pictures["masks"])
+    assert all((a != b).any() for a, b in zip(pictures["masks"], scene.pictures(0)["masks"]))
     with pytest.raises(pcmvs.InputError, match="there is no frame 2"):
         scene.pictures(2)
 
