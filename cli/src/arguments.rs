@@ -2,6 +2,7 @@
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use pcmvs_core::{Preset, texture::SIZES as TEXTURE_SIZES};
+use pcmvs_scene::SilhouetteFiles;
 use std::{num::NonZeroUsize, ops::RangeInclusive, path::PathBuf};
 
 /// Multi-view stereo for free-viewpoint video.
@@ -272,6 +273,15 @@ pub enum MaskSource {
 }
 
 impl MaskSource {
+    /// The files that it reads.
+    pub const fn files(self) -> SilhouetteFiles {
+        match self {
+            Self::File => SilhouetteFiles::Masks,
+            Self::Chroma => SilhouetteFiles::None,
+            Self::Plates => SilhouetteFiles::Plates,
+        }
+    }
+
     pub const fn name(self) -> &'static str {
         match self {
             Self::File => "file",

@@ -2,19 +2,19 @@
 
 use crate::{
     arguments::{Evidence, List},
-    inputs::{FrameFiles, Pictures, Silhouettes},
     json::to_value,
     progress::Console,
-    threads::{Threads, thread_count},
     warning::WarningReport,
 };
 use pcmvs_core::{
     Camera, Executor, Progress, Rig, View,
     calibration::{self, Calibration, CalibrationParams, CameraReport, Finding, Verdict, calibrate},
 };
-use pcmvs_scene::{Failure, Scene, SceneCamera, SceneFrame};
+use pcmvs_scene::{
+    Disk, Failure, FrameFiles, Pictures, Scene, SceneCamera, SceneFrame, Silhouettes, Threads, thread_count,
+};
 use serde_json::{Value, json};
-use std::sync::atomic::AtomicBool;
+use std::{mem::take, sync::atomic::AtomicBool};
 
 /// Frames that are used if none are asked for.
 const FRAMES: usize = 4;
@@ -27,7 +27,7 @@ pub fn calibrated(
     cancelled: &AtomicBool,
 ) -> Result<Found, Failure> {
     let cameras = scene.cameras()?;
-    let silhouettes = Silhouettes::new(asked.common.masks, scene)?;
+    let silhouettes = Silhouettes::new(asked.common.masks.files(), scene)?;
     let threads = Threads::new(thread_count(asked.common.threads))?;
     let console = Console::new(cancelled);
     let run = Run { scene, silhouettes, threads: &threads, console: &console };
@@ -97,8 +97,10 @@ impl Run<'_> {
 
     /// The decoded pictures of a frame.
     fn pictures(&self, frame: &SceneFrame) -> Result<Pictures, Failure> {
-        let files = FrameFiles::read(self.scene, frame, self.silhouettes)?;
-        files.warnings.iter().for_each(|warning| self.console.warn(warning));
+        let mut files = FrameFiles::read(&Disk, self.scene, frame, self.silhouettes)?;
+        let missing = take(&mut files.missing);
+        let missing = missing.into_iter().map(|file| WarningReport::of_missing(file, self.scene, frame));
+        missing.for_each(|warning| self.console.warn(&warning));
         files.decode(self.threads)
     }
 

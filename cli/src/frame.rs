@@ -2,17 +2,15 @@
 
 use crate::{
     fingerprint::{Fingerprint, sha256},
-    inputs::{FrameFiles, Silhouettes},
     json,
     mesh_file::{Made, MeshFile},
     output,
     progress::{Console, FrameProgress},
     report::{CameraReport, Earlier, FrameReport, peak_memory},
-    threads::Threads,
     warning::WarningReport,
 };
 use pcmvs_core::{Frame, Memory, Mesh, Params, PointCloud, Progress, Reconstruction, Rig, Stage, export::ply};
-use pcmvs_scene::{Failure, Scene, SceneFrame};
+use pcmvs_scene::{Disk, Failure, FrameFiles, Scene, SceneFrame, Silhouettes, Threads};
 use std::{
     fs,
     mem::take,
@@ -47,7 +45,7 @@ impl Job<'_> {
         if self.console.is_cancelled() {
             return Err(Failure::Cancelled);
         }
-        let files = FrameFiles::read(self.scene, frame, self.silhouettes)?;
+        let files = FrameFiles::read(&Disk, self.scene, frame, self.silhouettes)?;
         let fingerprint = self.fingerprint(&files);
         let earlier = self.earlier.frames.iter().find(|e| e.index == frame.index && e.fingerprint == fingerprint);
         if let Some(earlier) = earlier.filter(|earlier| self.is_still_there(earlier)) {
@@ -113,7 +111,10 @@ impl Job<'_> {
 
     fn fingerprint(&self, files: &FrameFiles) -> String {
         let mut fingerprint = self.settings.clone();
-        files.add_to(&mut fingerprint);
+        for file in files.contents() {
+            fingerprint.add(&[u8::from(file.is_some())]);
+            fingerprint.add(file.unwrap_or_default());
+        }
         fingerprint.finish()
     }
 
@@ -130,8 +131,9 @@ impl Job<'_> {
         progress: &FrameProgress,
     ) -> Result<Frame<&Rig>, Failure> {
         progress.begin("decode");
-        let missing = take(&mut files.warnings);
-        self.warn(warnings, missing);
+        let missing = take(&mut files.missing);
+        let missing = missing.into_iter().map(|file| WarningReport::of_missing(file, self.scene, frame));
+        self.warn(warnings, missing.collect());
         let pictures = files.decode(self.threads)?;
         progress.end("decode");
         let progress: &dyn Progress = progress;

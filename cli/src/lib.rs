@@ -7,7 +7,6 @@ mod compress;
 mod fingerprint;
 mod frame;
 mod import;
-mod inputs;
 mod json;
 mod manifest;
 mod mesh_file;
@@ -18,7 +17,6 @@ mod progress;
 mod reconstruct;
 mod refine;
 mod report;
-mod threads;
 mod warning;
 
 pub use pcmvs_scene::Failure;

@@ -3,14 +3,13 @@
 use crate::{
     arguments::{Format, Reconstruct},
     compress::{self, Meshopt},
-    threads::Threads,
     warning::WarningReport,
 };
 use pcmvs_core::{
     FormParams, Frame, Progress, Result, Rig, TextureParams,
     export::{bounds, glb, ply},
 };
-use pcmvs_scene::{Failure, Scene};
+use pcmvs_scene::{Failure, Scene, Threads};
 
 /// A frame's file.
 pub struct Made {

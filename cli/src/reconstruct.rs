@@ -5,18 +5,16 @@ use crate::{
     calibration,
     fingerprint::Fingerprint,
     frame::Job,
-    inputs::Silhouettes,
     json,
     manifest::Manifest,
     mesh_file::MeshFile,
     output, overrides,
     progress::Console,
     report::{self, Earlier, FrameFailure, Report, peak_memory},
-    threads::{Threads, thread_count},
     warning::WarningReport,
 };
 use pcmvs_core::{Camera, Params, Rig, Warning, calibration::CalibrationParams};
-use pcmvs_scene::{Disk, Failure, Scene};
+use pcmvs_scene::{Disk, Failure, Scene, Silhouettes, Threads, thread_count};
 use std::{
     panic::{AssertUnwindSafe, catch_unwind},
     path::Path,
@@ -46,7 +44,7 @@ pub fn run(options: &Reconstruct, cancelled: &AtomicBool) -> Result<(), Failure>
         params = overrides::set(&params, assignment).map_err(Failure::Input)?;
     }
     let mesh_file = MeshFile::new(options, &scene)?;
-    let silhouettes = Silhouettes::new(options.common.masks, &mut scene)?;
+    let silhouettes = Silhouettes::new(options.common.masks.files(), &mut scene)?;
     let threads = thread_count(options.common.threads);
     let pool = Threads::new(threads)?;
     let console = Console::new(cancelled);

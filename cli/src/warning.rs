@@ -1,7 +1,7 @@
 //! Warnings as report.json and the terminal give them.
 
 use pcmvs_core::Warning;
-use pcmvs_scene::{Scene, SceneFrame};
+use pcmvs_scene::{MissingFile, Scene, SceneFrame};
 use serde::{Deserialize, Serialize};
 
 /// Something that may make a result worse although nothing failed.
@@ -18,6 +18,16 @@ pub struct WarningReport {
 }
 
 impl WarningReport {
+    /// A file of a frame that does not exist.
+    pub fn of_missing(file: MissingFile, scene: &Scene, frame: &SceneFrame) -> Self {
+        Self {
+            code: file.code.to_owned(),
+            frame: Some(frame.index),
+            camera: Some(scene.cameras[file.camera].name.clone()),
+            message: file.message,
+        }
+    }
+
     /// A warning of the core. `frame` is `None` if it is about the cameras.
     pub fn of_core(warning: &Warning, scene: &Scene, frame: Option<&SceneFrame>) -> Self {
         Self {

@@ -1,22 +1,29 @@
 //! Captured scenes: scene.json, calibrations of other programs, and pictures as the core takes them.
 //!
-//! All files are read through [`Files`], so that the command line and the browser read a capture in the same way, bit for
-//! bit.
+//! All files are read through [`Files`], so that the command line, Python and the browser read a capture in the same way, bit
+//! for bit.
 
 mod explain;
 mod failure;
 mod files;
 mod import;
+mod inputs;
 mod lens;
 mod open;
+pub mod output;
 mod pictures;
 mod scene;
 mod text;
+#[cfg(feature = "threads")]
+mod threads;
 
 pub use failure::Failure;
 pub use files::{Disk, Files};
 pub use import::{Imported, Source, import, recognise};
+pub use inputs::{FrameFiles, MissingFile, Pictures, Silhouettes};
 pub use lens::LensModel;
 pub use open::open;
 pub use pictures::Picture;
 pub use scene::{Background, FILE_NAME, Scene, SceneCamera, SceneFrame, SilhouetteFiles, VERSION};
+#[cfg(feature = "threads")]
+pub use threads::{Threads, thread_count};

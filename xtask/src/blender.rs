@@ -4,13 +4,13 @@ use crate::{
     Result,
     process::{program, run, target},
     sample,
-    setup::{Need, Wheel},
+    setup::{Environment, Need},
     steps::{Outcome, Steps},
 };
 
 /// Blender as a Python module. Its wheels are for one version of Python only.
-const BLENDER: Wheel = Wheel { python: "python3.11", package: "bpy", version: "5.0.1" };
-pub const NEEDS: [Need; 1] = [Need::Python(BLENDER)];
+const BLENDER: Environment = Environment { name: "blender", python: "python3.11", packages: "bpy==5.0.1" };
+pub const NEEDS: [Need; 1] = [Need::Pip(BLENDER)];
 
 /// Clips that are imported, and the options with which they are made.
 const CLIPS: [(&str, &str); 3] = [
@@ -43,7 +43,7 @@ pub fn check(steps: &mut Steps) -> Result<()> {
             sample::reconstruct(options, &folder.join(name))?;
         }
         sample::pack(&format!("--fps {PACKED_FPS}"), &folder.join("plain"), &folder.join("packed.glb"))?;
-        let printed = run(program(BLENDER.interpreter(), "tests/blender/check.py").arg(&folder).arg(PACKED_FPS))?;
+        let printed = run(program(BLENDER.tool("python"), "tests/blender/check.py").arg(&folder).arg(PACKED_FPS))?;
         Ok(Outcome::Passed(printed.lines().last().unwrap_or_default().to_owned()))
     })
 }

@@ -19,6 +19,7 @@ mod oldest_compiler;
 mod players;
 mod process;
 mod publish;
+mod python;
 mod result;
 mod sample;
 mod setup;
@@ -97,6 +98,8 @@ enum Task {
         #[arg(long)]
         check: bool,
     },
+    /// Build the wheel of the Python package and test it in a virtual environment in the target folder
+    Python,
     /// Build for Windows and check under Wine that files are the same, byte for byte
     Windows,
     /// Run the fuzz targets of tests/fuzz on a nightly compiler
@@ -138,6 +141,7 @@ fn main() -> ExitCode {
         Task::Wasm => web::wasm().map(|sizes| println!("{sizes}")),
         Task::Install { prefix: Some(prefix), check: false } => abi::install(&prefix),
         Task::Install { .. } => test::c_library(),
+        Task::Python => python::test(),
         Task::Windows => windows::test(),
         Task::Fuzz { seconds, target } => fuzz::run(seconds, target.as_deref()),
         Task::Header => abi::header(),

@@ -32,38 +32,8 @@ pub enum Need {
     Toolchain(&'static str),
     /// The packages of a folder's package-lock.json.
     Npm(&'static str),
-    /// A package of Python, in an environment of its own in the target folder.
-    Python(Wheel),
-}
-
-/// A package that is published for one version of Python.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Wheel {
-    pub python: &'static str,
-    pub package: &'static str,
-    pub version: &'static str,
-}
-
-impl Wheel {
-    fn environment(self) -> PathBuf {
-        target().join(self.package)
-    }
-
-    /// The Python that has the package.
-    pub fn interpreter(self) -> PathBuf {
-        self.environment().join("bin/python")
-    }
-
-    fn is_installed(self) -> bool {
-        let Self { python, package, version } = self;
-        self.environment().join(format!("lib/{python}/site-packages/{package}-{version}.dist-info")).is_dir()
-    }
-
-    fn install(self) -> Result<()> {
-        run(program(self.python, "-m venv").arg(self.environment()))?;
-        let package = format!("{}=={}", self.package, self.version);
-        run(program(self.interpreter(), "-m pip install --quiet --no-cache-dir").arg(package)).map(drop)
-    }
+    /// Python's packages.
+    Pip(Environment),
 }
 
 impl Need {
@@ -75,7 +45,7 @@ impl Need {
             Self::TargetOrDebian(triple) => has_target(triple) || Path::new(DEBIAN_COMPILER.1).exists(),
             Self::Toolchain(version) => run(&mut program("rustup", &format!("run {version} rustc --version"))).is_ok(),
             Self::Npm(folder) => npm_is_done(&root().join(folder)),
-            Self::Python(wheel) => wheel.is_installed(),
+            Self::Pip(environment) => environment.is_installed(),
         }
     }
 
@@ -87,7 +57,9 @@ impl Need {
             Self::Target(triple) | Self::TargetOrDebian(triple) => format!("rustup target add {triple}"),
             Self::Toolchain(version) => format!("rustup toolchain install {version}"),
             Self::Npm(folder) => format!("npm ci in {folder}"),
-            Self::Python(Wheel { python, package, version }) => format!("{python} -m pip install {package}=={version}"),
+            Self::Pip(Environment { python, packages, .. }) => {
+                format!("pip install {packages}, in a virtual environment ({python} -m venv)")
+            }
         }
     }
 
@@ -104,7 +76,7 @@ impl Need {
                 run(&mut program("rustup", &install)).map(drop)
             }
             Self::Npm(folder) => node_packages(&root().join(folder)),
-            Self::Python(wheel) => wheel.install(),
+            Self::Pip(environment) => environment.install(),
         }
     }
 }
@@ -127,6 +99,50 @@ pub fn debian(packages: &[Package]) -> Result<()> {
     run(&mut program("apt-get", "-qq update"))?;
     let install = format!("-qq install -y --no-install-recommends {}", missing.join(" "));
     run(program("apt-get", &install).env("DEBIAN_FRONTEND", "noninteractive")).map(drop)
+}
+
+/// Debian's Python has no virtual environments without it.
+const VENV: Package = ("python3 python3-venv", "/usr/share/doc/python3-venv");
+
+/// Python's packages, in a virtual environment of their own in the target folder.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Environment {
+    /// Name of its folder.
+    pub name: &'static str,
+    /// The Python that it is for.
+    pub python: &'static str,
+    /// Requirements, separated by spaces.
+    pub packages: &'static str,
+}
+
+impl Environment {
+    fn folder(self) -> PathBuf {
+        target().join("environments").join(self.name)
+    }
+
+    /// A program of the environment.
+    pub fn tool(self, name: &str) -> PathBuf {
+        self.folder().join("bin").join(name)
+    }
+
+    /// Where the environment notes what is installed in it.
+    fn note(self) -> PathBuf {
+        self.folder().join("installed-requirements")
+    }
+
+    fn is_installed(self) -> bool {
+        fs::read_to_string(self.note()).is_ok_and(|installed| installed == self.packages)
+    }
+
+    fn install(self) -> Result<()> {
+        let make = || run(program(self.python, "-m venv --clear").arg(self.folder()));
+        if let Err(why) = make() {
+            debian(&[VENV]).and_then(|()| make()).map_err(|_| why)?;
+        }
+        let options = "install --quiet --disable-pip-version-check --no-cache-dir";
+        run(program(self.tool("pip"), options).args(self.packages.split_whitespace()))?;
+        fs::write(self.note(), self.packages).map_err(|e| format!("{}: {e}", self.note().display()))
+    }
 }
 
 fn has_target(triple: &str) -> bool {

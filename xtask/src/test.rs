@@ -3,7 +3,7 @@
 use crate::{
     Result, abi_check, blender, captured, cycles, fuzz, golden, no_std, oldest_compiler, players,
     process::{cargo, program, root, run as run_program, target},
-    publish,
+    publish, python,
     setup::Need,
     steps::{Outcome, Steps, passed},
     web, windows,
@@ -23,6 +23,7 @@ fn needs(all: bool) -> Vec<Need> {
     needs.extend(oldest_compiler::NEEDS);
     needs.extend(golden::needs(all));
     needs.extend(web::NEEDS);
+    needs.extend(python::NEEDS);
     if all {
         needs.extend(players::NEEDS);
         needs.extend(blender::NEEDS);
@@ -55,6 +56,7 @@ pub fn run(all: bool, install: bool) -> Result<()> {
     steps.step("from pictures to meshes", || pipeline().map(Outcome::Passed))?;
     steps.step_with(&[VALIDATOR], "Khronos glTF validator", || validator().map(Outcome::Passed))?;
     web::check(&mut steps, all)?;
+    python::check(&mut steps)?;
     publish::check(&mut steps, all)?;
     if all {
         players::check(&mut steps)?;

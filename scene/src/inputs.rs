@@ -1,9 +1,13 @@
 //! The pictures and masks of a frame, from files to what the core takes.
 
-use crate::{arguments::MaskSource, fingerprint::Fingerprint, threads::Threads, warning::WarningReport};
+use crate::{
+    failure::Failure,
+    files::Files,
+    pictures::Picture,
+    scene::{Background, Scene, SceneFrame, SilhouetteFiles},
+};
 use pcmvs_core::{ChromaKey, Executor, Mask, ViewInput, silhouette::MORE_COLOURS};
-use pcmvs_scene::{Background, Failure, Picture, Scene, SceneCamera, SceneFrame, SilhouetteFiles};
-use std::{fs, io, path::Path};
+use std::{io, path::Path};
 
 /// Where the silhouettes come from.
 #[derive(Debug, Clone, Copy)]
@@ -18,26 +22,22 @@ pub enum Silhouettes {
 
 impl Silhouettes {
     /// What was asked for, with what the scene holds for it. The scene notes which files that are, for its messages.
-    pub fn new(masks: MaskSource, scene: &mut Scene) -> Result<Self, Failure> {
-        let chosen = Self::of(masks, scene)?;
-        scene.silhouettes = match chosen {
-            Self::Files => SilhouetteFiles::Masks,
-            Self::Plates => SilhouetteFiles::Plates,
-            Self::Key(_) => SilhouetteFiles::None,
-        };
+    pub fn new(files: SilhouetteFiles, scene: &mut Scene) -> Result<Self, Failure> {
+        let chosen = Self::of(files, scene)?;
+        scene.silhouettes = files;
         Ok(chosen)
     }
 
-    fn of(masks: MaskSource, scene: &Scene) -> Result<Self, Failure> {
+    fn of(files: SilhouetteFiles, scene: &Scene) -> Result<Self, Failure> {
         let background = scene.background.as_ref();
         let problem = |problem: String| Failure::Input(format!("{}: {problem}", scene.path.display()));
-        match masks {
-            MaskSource::File => Ok(Self::Files),
-            MaskSource::Plates if background.is_some_and(|background| background.plates.is_some()) => Ok(Self::Plates),
-            MaskSource::Plates => Err(problem(String::from(
+        match files {
+            SilhouetteFiles::Masks => Ok(Self::Files),
+            SilhouetteFiles::Plates if background.is_some_and(|background| background.plates.is_some()) => Ok(Self::Plates),
+            SilhouetteFiles::Plates => Err(problem(String::from(
                 "--masks plates needs pictures of the empty set: add \"background\": { \"plates\": [one path per camera] }",
             ))),
-            MaskSource::Chroma => match background.map(Background::all_colours).unwrap_or_default() {
+            SilhouetteFiles::None => match background.map(Background::all_colours).unwrap_or_default() {
                 colours if colours.is_empty() => Err(problem(String::from(
                     "--masks chroma needs the backdrop's colour: add \"background\": { \"chroma_rgb\": [r, g, b] }",
                 ))),
@@ -60,6 +60,17 @@ struct ViewFiles {
     mask: Option<Vec<u8>>,
 }
 
+/// A file that scene.json names but that does not exist.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct MissingFile {
+    /// Stable name of the kind of file, in kebab-case.
+    pub code: &'static str,
+    /// Index of its camera.
+    pub camera: usize,
+    /// What is missing, what follows from it, and what to do.
+    pub message: String,
+}
+
 /// The files of a frame, not yet decoded.
 pub struct FrameFiles<'s> {
     scene: &'s Scene,
@@ -67,7 +78,7 @@ pub struct FrameFiles<'s> {
     silhouettes: Silhouettes,
     views: Vec<ViewFiles>,
     /// Files that scene.json names but that do not exist.
-    pub warnings: Vec<WarningReport>,
+    pub missing: Vec<MissingFile>,
 }
 
 /// The decoded pictures of a frame, one per camera: the picture, and the mask or clean plate. A camera without picture has none.
@@ -77,20 +88,24 @@ pub struct Pictures {
 }
 
 impl<'s> FrameFiles<'s> {
-    /// Reads the files of a frame. A file that does not exist is a warning.
-    pub fn read(scene: &'s Scene, frame: &'s SceneFrame, silhouettes: Silhouettes) -> Result<Self, Failure> {
-        let mut files = Self { scene, frame, silhouettes, views: Vec::new(), warnings: Vec::new() };
-        for (camera, SceneCamera { name, .. }) in scene.cameras.iter().enumerate() {
-            let mut read = |path: Option<&Path>, code: &str, effect: &str| {
+    /// Reads the files of a frame. One that does not exist is noted in [`Self::missing`].
+    pub fn read(
+        files: &dyn Files,
+        scene: &'s Scene,
+        frame: &'s SceneFrame,
+        silhouettes: Silhouettes,
+    ) -> Result<Self, Failure> {
+        let mut found = Self { scene, frame, silhouettes, views: Vec::new(), missing: Vec::new() };
+        for camera in 0..scene.cameras.len() {
+            let mut read = |path: Option<&Path>, code: &'static str, effect: &str| {
                 let Some(path) = path else { return Ok(None) };
                 let place = || scene.place_of(frame, camera, path);
-                match fs::read(scene.resolve(path)) {
+                match files.read(&scene.resolve(path)) {
                     Ok(bytes) => Ok(Some(bytes)),
                     Err(e) if e.kind() == io::ErrorKind::NotFound => {
-                        files.warnings.push(WarningReport {
-                            code: code.to_owned(),
-                            frame: Some(frame.index),
-                            camera: Some(name.clone()),
+                        found.missing.push(MissingFile {
+                            code,
+                            camera,
                             message: format!(
                                 "{}: the file does not exist, so that {effect}: check the path in scene.json, or write null",
                                 place()
@@ -110,23 +125,18 @@ impl<'s> FrameFiles<'s> {
                 Some(_) => read(scene.silhouette_file(frame, camera), code, "the view does not carve the hull")?,
                 None => None,
             };
-            files.views.push(ViewFiles { image, mask });
+            found.views.push(ViewFiles { image, mask });
         }
-        Ok(files)
+        Ok(found)
     }
 
-    /// Adds the content of all files.
-    pub fn add_to(&self, fingerprint: &mut Fingerprint) {
-        for view in &self.views {
-            for file in [&view.image, &view.mask] {
-                fingerprint.add(&[u8::from(file.is_some())]);
-                fingerprint.add(file.as_deref().unwrap_or_default());
-            }
-        }
+    /// The content of all files: of each camera its picture, and its mask or clean plate.
+    pub fn contents(&self) -> impl Iterator<Item = Option<&[u8]>> {
+        self.views.iter().flat_map(|view| [view.image.as_deref(), view.mask.as_deref()])
     }
 
     /// Decodes all files.
-    pub fn decode(self, threads: &Threads) -> Result<Pictures, Failure> {
+    pub fn decode(self, executor: &impl Executor) -> Result<Pictures, Failure> {
         let Self { scene, frame, silhouettes, .. } = self;
         let decode = |camera: usize, file: &Option<Vec<u8>>, path: Option<&Path>| {
             let (Some(file), Some(path)) = (file, path) else { return Ok(None) };
@@ -135,7 +145,7 @@ impl<'s> FrameFiles<'s> {
                 .map(Some)
                 .map_err(|problem| Failure::Input(format!("{}: {problem}", scene.place_of(frame, camera, path))))
         };
-        let views = threads.map(self.views.len(), |camera| {
+        let views = executor.map(self.views.len(), |camera| {
             let ViewFiles { image, mask } = &self.views[camera];
             let Some(image) = decode(camera, image, frame.image(camera))? else { return Ok(None) };
             let mask = match (decode(camera, mask, scene.silhouette_file(frame, camera))?, silhouettes) {
@@ -150,6 +160,16 @@ impl<'s> FrameFiles<'s> {
 }
 
 impl Pictures {
+    /// The pictures of a host that has decoded them itself, with what their silhouettes are made of.
+    pub fn new(views: Vec<Option<(Picture, Option<Picture>)>>, silhouettes: Silhouettes) -> Self {
+        Self { views, silhouettes }
+    }
+
+    /// Of each camera its picture, and its mask or clean plate.
+    pub fn views(&self) -> &[Option<(Picture, Option<Picture>)>] {
+        &self.views
+    }
+
     /// The pictures as the core takes them.
     pub fn inputs(&self) -> Vec<Option<ViewInput<'_>>> {
         self.views.iter().map(|view| view.as_ref().map(|(image, mask)| self.input(image, mask.as_ref()))).collect()

@@ -1,7 +1,7 @@
 //! Runs the independent pieces of work of the core on a thread pool.
 
+use crate::failure::Failure;
 use pcmvs_core::{Executor, Pool};
-use pcmvs_scene::Failure;
 use rayon::{Scope, ThreadPool, ThreadPoolBuilder, prelude::*};
 use std::{
     mem::take,
@@ -36,6 +36,7 @@ struct Queue<J, T> {
 }
 
 impl Threads {
+    /// Starts the threads.
     pub fn new(count: NonZeroUsize) -> Result<Self, Failure> {
         let pool = ThreadPoolBuilder::new().num_threads(count.get()).stack_size(STACK).build();
         let pool = pool.map_err(|e| Failure::Other(format!("{count} threads cannot be started ({e}): try fewer")))?;

@@ -1,0 +1,313 @@
+//! Frames.
+
+use crate::{
+    arrays::rows,
+    error::Problem,
+    mesh::{Mesh, Points},
+    params::{Asked, to_python},
+    pictures::{Arrays, Given},
+    report::{CaptureWarning, ViewDiagnostics},
+    rig::Rig,
+    work::run,
+};
+use numpy::{PyArray1, PyArray2, PyArrayMethods};
+use pcmvs_core::{
+    Error, Executor, Form, FormParams, Memory, Progress, Stage, TextureParams,
+    frame::{ORDER, position},
+    silhouette::Silhouette,
+};
+use pcmvs_scene::Pictures;
+use pyo3::{
+    prelude::*,
+    types::{PyDict, PyTuple},
+};
+use std::{borrow::Cow, num::NonZeroUsize, sync::Arc};
+
+type CoreFrame = pcmvs_core::Frame<Arc<pcmvs_core::Rig>>;
+
+/// One instant, from pictures to a coloured mesh.
+///
+/// ``images`` has one uint8 array per camera, in the order of the rig: height x width x 3 in RGB, x 4 in RGBA, or height x
+/// width in gray. None is a camera without picture. The silhouettes come from one of:
+///
+/// - ``masks``: one uint8 or bool array per camera, white on the object. Gray edges place the contour between pixels. None
+///   carves nothing.
+/// - the alpha channels of the images, if there are no masks,
+/// - ``chroma``: up to four approximate colours of a painted backdrop, such as ``[(40, 165, 75)]``,
+/// - ``plates``: one picture of the empty set per camera.
+///
+/// ``params`` is the name of a preset ("default", "paper", "hull", "preview") or a changed ``pcmvs.preset(...)``. A frame
+/// that needs more than ``max_memory`` bytes fails before it takes them.
+///
+/// The arrays are copied, and the pictures are kept until the frame is freed: keep its ``mesh()`` rather than the frame.
+#[pyclass(module = "pcmvs")]
+pub struct Frame {
+    frame: CoreFrame,
+    /// Until all of them have been read.
+    pictures: Option<Pictures>,
+}
+
+/// The stage with a name.
+fn stage(name: &str) -> Result<Stage, Problem> {
+    let found = ORDER.into_iter().find(|stage| stage.name() == name);
+    found.ok_or_else(|| {
+        Problem::argument(format!("there is no stage {name:?}: it is one of {:?}", ORDER.map(Stage::name)))
+    })
+}
+
+/// The texture that the caller asks for.
+#[derive(FromPyObject)]
+enum TextureSize {
+    Chosen(bool),
+    Given(u32),
+}
+
+impl TextureSize {
+    fn params(self) -> Option<TextureParams> {
+        match self {
+            Self::Chosen(false) => None,
+            Self::Chosen(true) => Some(TextureParams { size: None }),
+            Self::Given(size) => Some(TextureParams { size: Some(size) }),
+        }
+    }
+}
+
+impl Frame {
+    fn has(&self, stage: Stage) -> bool {
+        self.frame.require(stage).is_ok()
+    }
+
+    fn require(&self, stage: Stage) -> Result<(), Problem> {
+        Ok(self.frame.require(stage)?)
+    }
+
+    /// Place of a camera in the rig's order.
+    fn place(&self, camera: usize) -> Result<usize, Problem> {
+        Ok(self.frame.place(camera)?)
+    }
+
+    /// Runs the stages up to one of them that are not complete.
+    fn advance(&mut self, last: Stage, executor: &impl Executor, progress: &dyn Progress) -> Result<(), Problem> {
+        if let Some(pictures) = &self.pictures {
+            let inputs = pictures.inputs();
+            let read = executor.map(inputs.len(), |camera| match &inputs[camera] {
+                Some(input) => self.frame.view(camera, input, progress),
+                None => self.frame.without_picture(camera),
+            });
+            read.into_iter().collect::<Result<(), Error>>()?;
+        }
+        self.pictures = None;
+        for stage in ORDER.into_iter().take_while(|&stage| position(stage) <= position(last)) {
+            if !self.has(stage) {
+                self.frame.step(stage, executor, progress)?;
+            }
+        }
+        Ok(())
+    }
+
+    /// A mesh of a stage.
+    fn mesh_of(&self, py: Python, stage: Stage, mesh: &pcmvs_core::Mesh) -> PyResult<Mesh> {
+        self.require(stage)?;
+        Mesh::new(py, Form { mesh: mesh.clone(), texture: None }, self.frame.rig().origin())
+    }
+}
+
+#[pymethods]
+impl Frame {
+    #[new]
+    #[pyo3(
+        signature = (rig, images, masks = None, *, chroma = None, plates = None, params = Asked::default(), max_memory = None),
+        text_signature = "(rig, images, masks=None, *, chroma=None, plates=None, params='default', max_memory=None)"
+    )]
+    fn new(
+        rig: PyRef<Rig>,
+        images: Arrays,
+        masks: Option<Arrays>,
+        chroma: Option<Vec<[u8; 3]>>,
+        plates: Option<Arrays>,
+        params: Asked,
+        max_memory: Option<u64>,
+    ) -> PyResult<Self> {
+        let pictures = Given { images, masks, chroma, plates }.read(rig.rig.cameras().len())?;
+        let memory = max_memory.map_or_else(Memory::default, Memory::limited);
+        Ok(Self { frame: CoreFrame::new(rig.rig.clone(), params.read()?, memory), pictures: Some(pictures) })
+    }
+
+    /// Runs the stages that are not complete, up to the stage ``until``, or all of them.
+    ///
+    /// ``progress(stage, done)`` is called on this thread with the name of a stage and the share of it that is done, 0 to 1.
+    /// If it returns False, the call fails with ``Cancelled``. An exception in it, or Ctrl-C, also stops the work and comes
+    /// out. The frame then is as it was after the last complete stage, and ``run`` goes on from there.
+    ///
+    /// Other threads of the program run meanwhile, but this frame cannot be used. ``threads`` is the number of threads, that of the cores by default. It
+    /// does not change the result.
+    #[pyo3(signature = (until = "colour", *, threads = None, progress = None))]
+    fn run(
+        &mut self,
+        py: Python,
+        until: &str,
+        threads: Option<NonZeroUsize>,
+        progress: Option<&Bound<PyAny>>,
+    ) -> PyResult<()> {
+        let last = stage(until)?;
+        run(py, threads, progress, |executor, progress| self.advance(last, executor, progress))
+    }
+
+    /// Names of the stages in their order.
+    #[classattr]
+    #[pyo3(name = "STAGES")]
+    fn stages(py: Python) -> PyResult<Bound<PyTuple>> {
+        PyTuple::new(py, ORDER.map(Stage::name))
+    }
+
+    /// Name of the last complete stage. None before the first.
+    #[getter]
+    fn reached(&self) -> Option<&'static str> {
+        ORDER.into_iter().rev().find(|&stage| self.has(stage)).map(Stage::name)
+    }
+
+    /// The mesh, closed and manifold. It has colours after the stage "colour".
+    fn mesh(&self, py: Python) -> PyResult<Mesh> {
+        self.mesh_of(py, Stage::Mesh, self.frame.mesh())
+    }
+
+    /// The mesh of the visual hull, after the stage "hull".
+    fn hull(&self, py: Python) -> PyResult<Mesh> {
+        self.mesh_of(py, Stage::Hull, &self.frame.intermediates().hull)
+    }
+
+    /// The mesh that guides detection, after the stage "coarse". Empty if the parameters have no coarse pass.
+    fn coarse(&self, py: Python) -> PyResult<Mesh> {
+        self.mesh_of(py, Stage::Coarse, &self.frame.intermediates().coarse)
+    }
+
+    /// Another form of the finished mesh.
+    ///
+    /// It has at most ``faces`` triangles; more remain if fewer would change the surface visibly. ``texture`` replaces the
+    /// colours of vertices: True chooses the size by the detail of the photographs, a number is the size in texels. With a
+    /// texture, a vertex at a border of charts is there once per chart, at the same position.
+    #[pyo3(signature = (*, faces = None, texture = TextureSize::Chosen(false), threads = None, progress = None),
+           text_signature = "($self, *, faces=None, texture=False, threads=None, progress=None)")]
+    fn form(
+        &self,
+        py: Python,
+        faces: Option<u32>,
+        texture: TextureSize,
+        threads: Option<NonZeroUsize>,
+        progress: Option<&Bound<PyAny>>,
+    ) -> PyResult<Mesh> {
+        let params = FormParams { faces, texture: texture.params() };
+        let make = |executor: &_, progress: &dyn Progress| Ok(self.frame.form(&params, executor, progress)?);
+        let form = run(py, threads, progress, make)?;
+        Mesh::new(py, form, self.frame.rig().origin())
+    }
+
+    /// Points of a stage: "frontier" and "implicit" after "contours", "detected" after "detect", "merged" after "merge".
+    /// ``camera`` selects those that one camera has detected.
+    #[pyo3(signature = (kind = "merged", *, camera = None))]
+    fn points(&self, py: Python, kind: &str, camera: Option<usize>) -> PyResult<Points> {
+        let of = self.frame.intermediates();
+        let (stage, points) = match (kind, camera) {
+            ("frontier", None) => (Stage::Contours, Cow::Borrowed(&of.frontier)),
+            ("implicit", None) => (Stage::Contours, Cow::Borrowed(&of.implicit)),
+            ("merged", None) => (Stage::Merge, Cow::Borrowed(&of.merged)),
+            ("detected", None) => (Stage::Detect, Cow::Owned(of.detected.concat())),
+            ("detected", Some(camera)) => {
+                self.require(Stage::Detect)?;
+                (Stage::Detect, Cow::Borrowed(&of.detected[self.place(camera)?]))
+            }
+            ("frontier" | "implicit" | "merged", Some(_)) => {
+                return Err(Problem::argument("camera is for \"detected\" points").into());
+            }
+            _ => {
+                let problem = "it is one of frontier, implicit, detected, merged";
+                return Err(Problem::argument(format!("there are no points {kind:?}: {problem}")).into());
+            }
+        };
+        self.require(stage)?;
+        Points::new(py, &points, self.frame.rig().origin(), self.frame.rig().order())
+    }
+
+    /// The silhouette of a camera without lens distortion, after the stage "hull": the signed distance of each pixel to the
+    /// contour, in pixels, positive on the object, float32, height x width. Not-a-number where the picture does not show the
+    /// pixel. None without a silhouette.
+    fn silhouette<'py>(&self, py: Python<'py>, camera: usize) -> PyResult<Option<Bound<'py, PyArray2<f32>>>> {
+        self.require(Stage::Hull)?;
+        let Some(found) = &self.frame.views()[self.place(camera)?].silhouette else { return Ok(None) };
+        let pixels = |&d: &i16| if d == i16::MAX { f32::NAN } else { f32::from(d) / Silhouette::UNITS };
+        let flat = PyArray1::from_vec(py, found.distances().iter().map(pixels).collect());
+        flat.reshape([found.height as usize, found.width as usize]).map(Some)
+    }
+
+    /// What may make the result worse although nothing failed. Empty before the stage "hull".
+    #[getter]
+    fn warnings(&self) -> Vec<CaptureWarning> {
+        self.frame.warnings().iter().map(CaptureWarning::from).collect()
+    }
+
+    /// How well each camera's view agrees with the others, after the stage "hull".
+    #[getter]
+    fn diagnostics(&self) -> PyResult<Vec<ViewDiagnostics>> {
+        self.require(Stage::Hull)?;
+        Ok(self.frame.diagnostics().iter().map(ViewDiagnostics::from).collect())
+    }
+
+    /// The factors by which the red, green and blue of each camera were multiplied, float32, n x 3, after the stage "colour".
+    #[getter]
+    fn gains<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f32>>> {
+        self.require(Stage::Colour)?;
+        rows(py, self.frame.gains().iter().copied())
+    }
+
+    /// What the complete stages have counted, by name.
+    #[getter]
+    fn counts<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        to_python(py, self.frame.counts())
+    }
+
+    /// A hash of the output of each complete stage, in hexadecimal, as in report.json. Equal inputs give equal hashes on
+    /// every machine.
+    #[getter]
+    fn hashes<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        let hashes = PyDict::new(py);
+        for &(stage, hash) in self.frame.hashes() {
+            hashes.set_item(stage.name(), format!("{hash:016x}"))?;
+        }
+        Ok(hashes)
+    }
+
+    /// All parameters.
+    #[getter]
+    fn params<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        to_python(py, self.frame.params())
+    }
+
+    fn __repr__(&self) -> String {
+        format!("Frame({} cameras, reached {:?})", self.frame.cameras(), self.reached().unwrap_or("nothing"))
+    }
+}
+
+/// Reconstructs one frame: makes a ``Frame`` and runs it. The arguments are those of ``Frame`` and of ``Frame.run``.
+#[pyfunction]
+#[pyo3(
+    signature = (rig, images, masks = None, *, chroma = None, plates = None, params = Asked::default(), max_memory = None,
+                 threads = None, progress = None),
+    text_signature = "(rig, images, masks=None, *, chroma=None, plates=None, params='default', max_memory=None, \
+                      threads=None, progress=None)"
+)]
+pub fn reconstruct(
+    py: Python,
+    rig: PyRef<Rig>,
+    images: Arrays,
+    masks: Option<Arrays>,
+    chroma: Option<Vec<[u8; 3]>>,
+    plates: Option<Arrays>,
+    params: Asked,
+    max_memory: Option<u64>,
+    threads: Option<NonZeroUsize>,
+    progress: Option<&Bound<PyAny>>,
+) -> PyResult<Frame> {
+    let mut frame = Frame::new(rig, images, masks, chroma, plates, params, max_memory)?;
+    frame.run(py, Stage::Colour.name(), threads, progress)?;
+    Ok(frame)
+}

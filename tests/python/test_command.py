@@ -1,0 +1,54 @@
+"""Python and the command line give the same bytes."""
+
+import json
+
+import pcmvs
+import pytest
+
+
+@pytest.mark.parametrize("preset", ["default", "paper", "hull", "preview"])
+def test_a_glb_file_equals_that_of_the_command_line(scene, pictures, command, preset):
+    frame = pcmvs.reconstruct(scene.rig(), **pictures, params=preset)
+    file = command("--preset", preset) / "frame_0000.glb"
+    assert frame.mesh().to_glb(up=scene.up) == file.read_bytes()
+
+
+def test_a_form_equals_that_of_the_command_line(scene, finished, command):
+    form = finished.form(faces=2000, texture=256)
+    assert form.texture.shape == (256, 256, 3) and form.uvs.shape == (len(form.positions), 2) and form.colours is None
+    file = command("--faces", "2000", "--texture=256", "--upright") / "frame_0000.glb"
+    assert form.to_glb(up=scene.up, upright=True) == file.read_bytes()
+
+
+def test_a_ply_file_equals_that_of_the_command_line(finished, command, tmp_path):
+    finished.mesh().save(tmp_path / "mesh.ply")
+    assert (tmp_path / "mesh.ply").read_bytes() == (command("--format", "ply") / "frame_0000.ply").read_bytes()
+
+
+def test_chroma_keys_are_those_of_the_command_line(capture, command):
+    scene = pcmvs.Scene.open(capture, silhouettes="chroma")
+    frame = pcmvs.reconstruct(scene.rig(), **scene.pictures(0))
+    assert frame.mesh().to_glb(up=scene.up) == (command("--masks", "chroma") / "frame_0000.glb").read_bytes()
+
+
+def test_intermediate_results_are_those_of_the_command_line(finished, command):
+    folder = command("--stages") / "stages/frame_0000"
+    read = lambda name: (folder / name).read_bytes()
+    assert finished.hull().to_ply() == read("hull.ply")
+    assert finished.coarse().to_ply() == read("coarse.ply")
+    assert finished.points("frontier").to_ply() == read("frontier.ply")
+    assert finished.points("implicit").to_ply() == read("implicit.ply")
+    assert finished.points("merged").to_ply() == read("merge.ply")
+
+
+def test_the_report_is_that_of_the_command_line(scene, finished, command):
+    report = json.loads((command() / "report.json").read_text())
+    frame = report["frames"][0]
+    assert finished.hashes == frame["hashes"]
+    assert finished.counts == frame["counts"]
+    assert finished.params == report["params"]
+    assert [warning.code for warning in finished.warnings] == [warning["code"] for warning in report["warnings"]]
+    for name, found, reported in zip(scene.names, finished.diagnostics, frame["cameras"]):
+        assert (name, found.used) == (reported["name"], reported["used"])
+        assert found.silhouette_overlap == pytest.approx(reported["silhouette_overlap"], abs=1e-4)
+        assert found.contour_px == pytest.approx(reported["contour_px"], abs=1e-4)
