@@ -92,7 +92,7 @@ impl<'s> FrameFiles<'s> {
                             frame: Some(frame.index),
                             camera: Some(name.clone()),
                             message: format!(
-                                "{}: the file does not exist, so that {effect}: check the path in scene.json, or write null",
+                                "{}: the file does not exist, so that {effect}: check the path or pattern in scene.json, or write null",
                                 place()
                             ),
                         });

@@ -3,20 +3,24 @@
 //! All files are read through [`Files`], so that the command line and the browser read a capture in the same way, bit for
 //! bit.
 
+mod document;
 mod explain;
 mod failure;
 mod files;
 mod import;
 mod lens;
 mod open;
+mod pattern;
 mod pictures;
 mod scene;
 mod text;
 
+pub use document::{Document, Frames, Range, RigDocument};
 pub use failure::Failure;
 pub use files::{Disk, Files};
 pub use import::{Imported, Source, import, recognise};
 pub use lens::LensModel;
 pub use open::open;
+pub use pattern::Patterns;
 pub use pictures::Picture;
 pub use scene::{Background, FILE_NAME, Scene, SceneCamera, SceneFrame, SilhouetteFiles, VERSION};

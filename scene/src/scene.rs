@@ -1,10 +1,10 @@
-//! A captured scene: the strict reader of scene.json.
+//! A captured scene, as the host works with it.
 
 use crate::{
+    document::{self, Document, RigDocument},
     failure::Failure,
     files::Files,
     lens::{self, LensModel},
-    text,
 };
 use pcmvs_core::Camera;
 use serde::{Deserialize, Serialize};
@@ -15,30 +15,33 @@ pub const VERSION: u32 = 1;
 /// Name of the file in a scene folder.
 pub const FILE_NAME: &str = "scene.json";
 
-/// The content of scene.json. Unknown keys, such as novel views for scoring or notes, are ignored.
-#[derive(Debug, Clone, Serialize, Deserialize)]
+/// A scene with the paths of all its frames. As JSON it is a scene.json that lists them.
+#[derive(Debug, Clone, Default, Serialize)]
 pub struct Scene {
     /// Version of the format.
     pub version: u32,
     /// Unit of length. It is only copied to manifests.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub units: Option<String>,
     /// Upward direction.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub up: Option<[f64; 3]>,
     /// Frames per second.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub fps: Option<f64>,
     /// Calibrated cameras.
     pub cameras: Vec<SceneCamera>,
     /// Recorded frames.
     pub frames: Vec<SceneFrame>,
     /// Backdrop.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub background: Option<Background>,
     /// Path of scene.json. Paths in it are relative to its folder.
     #[serde(skip)]
     pub path: PathBuf,
+    /// Path of the file with the cameras, if it is another one.
+    #[serde(skip)]
+    pub rig: Option<PathBuf>,
     /// The files that the silhouettes are made of.
     #[serde(skip)]
     pub silhouettes: SilhouetteFiles,
@@ -79,6 +82,9 @@ pub struct SceneCamera {
     pub r: [[f64; 3]; 3],
     /// Translation, world to camera.
     pub t: [f64; 3],
+    /// The whole frames by which its pictures are late in this take: frame f shows its picture f + offset.
+    #[serde(skip)]
+    pub offset: i32,
 }
 
 /// A frame of scene.json.
@@ -125,13 +131,18 @@ impl SceneCamera {
     pub fn new(name: String, camera: &Camera) -> Self {
         let Camera { width, height, k, lens, r, t } = *camera;
         let (model, distortion) = lens::write(&lens);
-        Self { name, width, height, k, lens: model, distortion, r, t }
+        Self { name, width, height, k, lens: model, distortion, r, t, offset: 0 }
     }
 
     /// The camera as the core takes it.
     pub fn camera(&self) -> Result<Camera, String> {
         let lens = lens::read(self.lens, &self.distortion).map_err(|problem| format!("the distortion {problem}"))?;
         Ok(Camera { width: self.width, height: self.height, k: self.k, lens, r: self.r, t: self.t })
+    }
+
+    /// Number of the picture that it shows in a frame. None is before the first one.
+    pub(crate) fn number(&self, frame: u32) -> Option<u32> {
+        frame.checked_add_signed(self.offset)
     }
 }
 
@@ -150,37 +161,43 @@ impl SceneFrame {
 impl Scene {
     /// Reads a scene. `path` is its folder or its scene.json.
     pub fn load(files: &dyn Files, path: &Path) -> Result<Self, Failure> {
-        let path = if files.is_folder(path) { path.join(FILE_NAME) } else { path.to_path_buf() };
-        let bytes = files.read(&path).map_err(|e| Failure::unreadable(&path, &e))?;
-        let scene = Self::parse(&bytes).and_then(|scene| scene.check().map(|()| scene));
-        scene
-            .map(|scene| Self { path: path.clone(), ..scene })
-            .map_err(|problem| Failure::Input(format!("{}: {problem}", path.display())))
+        let (mut document, path) = Document::load(files, path)?;
+        let wrong = |problem: String| Failure::Input(format!("{}: {problem}", path.display()));
+        let (cameras, rig) = match (document.cameras.take(), document.rig.take()) {
+            (Some(cameras), None) => (cameras, None),
+            (None, Some(rig)) => {
+                let rig = path.parent().unwrap_or(Path::new("")).join(rig);
+                let RigDocument { units, up, cameras, .. } = document::read(files, &rig)?;
+                document.units = document.units.or(units);
+                document.up = document.up.or(up);
+                (cameras, Some(rig))
+            }
+            (None, None) => {
+                return Err(wrong(String::from(
+                    "there are no cameras: add `cameras`, or `rig` with the path of their file",
+                )));
+            }
+            (Some(_), Some(_)) => {
+                return Err(wrong(String::from("there are both `cameras` and `rig`: remove the one that is wrong")));
+            }
+        };
+        let scene = Self::new(document, cameras).map_err(wrong)?;
+        Ok(Self { path, rig, ..scene })
     }
 
-    fn parse(bytes: &[u8]) -> Result<Self, String> {
-        #[derive(Deserialize)]
-        struct Head {
-            version: Option<serde_json::Value>,
-        }
-        let text = text::decode(bytes)?;
-        let head: Head = serde_json::from_str(text).map_err(|e| syntax_problem(text, &e))?;
-        match head.version {
-            Some(version) if version == VERSION => {}
-            Some(other) => {
-                return Err(format!("version {other} is unknown: this program reads version {VERSION}"));
+    fn new(document: Document, mut cameras: Vec<SceneCamera>) -> Result<Self, String> {
+        for (name, &offset) in &document.offsets {
+            let mut named = cameras.iter_mut().filter(|camera| camera.name == *name);
+            match (named.next(), named.next()) {
+                (Some(camera), None) => camera.offset = offset,
+                (None, _) => return Err(format!("offsets: there is no camera `{name}`: correct the name")),
+                (Some(_), Some(_)) => return Err(format!("offsets: several cameras are called `{name}`: rename them")),
             }
-            None => return Err(format!("`version` is missing: write \"version\": {VERSION}")),
         }
-        let reader = &mut serde_json::Deserializer::from_str(text);
-        serde_path_to_error::deserialize(reader).map_err(|error| {
-            let place = error.path().to_string();
-            if error.inner().is_syntax() {
-                return format!("{place}: {}", syntax_problem(text, error.inner()));
-            }
-            let camera = camera_name(text, &place).map(|name| format!(" (camera `{name}`)")).unwrap_or_default();
-            format!("{place}{camera}: {}", error.inner())
-        })
+        let frames = document.frames(&cameras)?;
+        let Document { version, units, up, fps, background, .. } = document;
+        let scene = Self { version, units, up, fps, cameras, frames, background, ..Self::default() };
+        scene.check().map(|()| scene)
     }
 
     fn check(&self) -> Result<(), String> {
@@ -189,11 +206,6 @@ impl Scene {
         }
         if self.fps.is_some_and(|fps| fps <= 0.0) {
             return Err(String::from("fps must be greater than 0: remove it if it is unknown"));
-        }
-        let mut indices: Vec<u32> = self.frames.iter().map(|f| f.index).collect();
-        indices.sort_unstable();
-        if let Some(pair) = indices.windows(2).find(|pair| pair[0] == pair[1]) {
-            return Err(format!("frame {} occurs twice: give every frame its own index", pair[0]));
         }
         if let Some(plates) = self.background.as_ref().and_then(|background| background.plates.as_ref())
             && plates.len() != self.cameras.len()
@@ -205,27 +217,15 @@ impl Scene {
                 self.cameras.len()
             ));
         }
-        for frame in &self.frames {
-            let masks = frame.masks.as_ref().map_or(self.cameras.len(), Vec::len);
-            for (what, count) in [("images", frame.images.len()), ("masks", masks)] {
-                if count != self.cameras.len() {
-                    return Err(format!(
-                        "frame {}: {count} {what} for {} cameras: list one per camera, in the order of the cameras, null \
-                         where there is none",
-                        frame.index,
-                        self.cameras.len(),
-                    ));
-                }
-            }
-        }
         Ok(())
     }
 
     /// The cameras as the core takes them.
     pub fn cameras(&self) -> Result<Vec<Camera>, Failure> {
         let camera = |c: &SceneCamera| {
-            c.camera()
-                .map_err(|problem| Failure::Input(format!("camera `{}`: {}: {problem}", c.name, self.path.display())))
+            c.camera().map_err(|problem| {
+                Failure::Input(format!("camera `{}`: {}: {problem}", c.name, self.calibration().display()))
+            })
         };
         self.cameras.iter().map(camera).collect()
     }
@@ -239,14 +239,6 @@ impl Scene {
                 self.frames.len()
             ))
         })
-    }
-
-    /// All paths of pictures, masks and clean plates.
-    pub fn paths_mut(&mut self) -> impl Iterator<Item = &mut PathBuf> {
-        let frames = self.frames.iter_mut();
-        let of_frames = frames.flat_map(|frame| frame.images.iter_mut().chain(frame.masks.iter_mut().flatten()));
-        let plates = self.background.iter_mut().flat_map(|background| background.plates.iter_mut().flatten());
-        of_frames.chain(plates).flatten()
     }
 
     /// Path of a camera's picture of the empty set, as written in scene.json.
@@ -300,35 +292,13 @@ impl Scene {
         Ok(())
     }
 
+    /// The file that holds the cameras.
+    pub fn calibration(&self) -> &Path {
+        self.rig.as_ref().unwrap_or(&self.path)
+    }
+
     /// A path of the scene, relative to the working directory.
     pub fn resolve(&self, path: &Path) -> PathBuf {
         self.path.parent().unwrap_or(Path::new("")).join(path)
     }
-}
-
-fn syntax_problem(text: &str, error: &serde_json::Error) -> String {
-    let line = text.lines().nth(error.line().saturating_sub(1)).unwrap_or_default();
-    let number = ["NaN", "nan", "Infinity", "inf"].iter().any(|word| line.contains(word))
-        || error.to_string().contains("out of range");
-    let remedy = if number {
-        "only finite numbers are allowed: calibrate this camera again"
-    } else {
-        "the file is not valid JSON: correct that line"
-    };
-    let camera = last_name_before(text, error.line()).map(|name| format!(" (after the name `{name}`)"));
-    format!("{error}{}: {remedy}", camera.unwrap_or_default())
-}
-
-/// The last `"name": "..."` up to a line. Where the syntax is broken, it is the best hint at the camera.
-fn last_name_before(text: &str, line: usize) -> Option<&str> {
-    let end: usize = text.split_inclusive('\n').take(line).map(str::len).sum();
-    let (_, after) = text[..end].rsplit_once("\"name\"")?;
-    after.split('"').nth(1)
-}
-
-/// Name of the camera at a path such as `cameras[3].K[0]`.
-fn camera_name(text: &str, place: &str) -> Option<String> {
-    let index: usize = place.strip_prefix("cameras[")?.split(']').next()?.parse().ok()?;
-    let scene: serde_json::Value = serde_json::from_str(text).ok()?;
-    Some(scene["cameras"][index]["name"].as_str()?.to_owned())
 }
