@@ -16,7 +16,10 @@ mod progress;
 mod reconstruct;
 mod refine;
 mod report;
+mod run;
+mod steps;
 mod threads;
+mod video;
 mod warning;
 
 pub use pcmvs_scene::Failure;

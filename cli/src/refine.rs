@@ -2,7 +2,8 @@
 
 use crate::{arguments::Refine, calibration::calibrated, output};
 use pcmvs_core::calibration::{CalibrationParams, Verdict};
-use pcmvs_scene::{Disk, Document, FILE_NAME, Failure, RigDocument, Scene, SceneCamera};
+use pcmvs_scene::{Disk, Document, FILE_NAME, Failure, Scene, SceneCamera};
+use serde_json::json;
 use std::{
     fs,
     path::{Component, Path, PathBuf},
@@ -15,14 +16,14 @@ const RIG_NAME: &str = "rig.json";
 /// Runs the command.
 pub fn run(options: &Refine, cancelled: &AtomicBool) -> Result<(), Failure> {
     let mut scene = Scene::load(&Disk, &options.scene)?;
-    let (document, _) = Document::load(&Disk, &options.scene)?;
-    let names = if document.rig.is_some() { &[FILE_NAME, RIG_NAME][..] } else { &[FILE_NAME] };
+    let document = Document::load(&Disk, &options.scene)?;
+    let names = if document.has_rig() { &[FILE_NAME, RIG_NAME][..] } else { &[FILE_NAME] };
     if let Some(target) = names.iter().map(|name| options.output.join(name)).find(|target| target.exists()) {
         let target = target.display();
         return Err(Failure::Input(format!("{target}: exists already: name another folder or remove that file")));
     }
     let params = CalibrationParams { intrinsics: options.intrinsics, ..CalibrationParams::default() };
-    let found = calibrated(&mut scene, &options.evidence, &params, cancelled)?;
+    let found = calibrated(&mut scene, &options.evidence, &params, false, cancelled)?;
     if found.calibration.verdict != Verdict::Improved {
         let path = scene.path.display();
         return Err(Failure::Other(format!("{path}: {}: nothing is written", found.summary())));
@@ -55,14 +56,13 @@ fn write(scene: Scene, document: Document, folder: &Path) -> Result<(), Failure>
 /// them, too.
 fn write_into(scene: Scene, mut document: Document, folder: &Path) -> Result<(), Failure> {
     document.move_to(&lead(&scene, folder)?);
-    let Scene { version, units, up, cameras, rig, .. } = scene;
-    if rig.is_none() {
-        document.cameras = Some(cameras);
+    if !document.has_rig() {
+        document.set_cameras(&scene.cameras);
         return output::write_json(&folder.join(FILE_NAME), &document);
     }
-    document.rig = Some(PathBuf::from(RIG_NAME));
-    let rig = folder.join(RIG_NAME);
-    output::write_json(&rig, &RigDocument { version, units, up, cameras })?;
+    let (rig, Scene { version, units, up, cameras, .. }) = (folder.join(RIG_NAME), scene);
+    document.0.insert(String::from("rig"), RIG_NAME.into());
+    output::write_json(&rig, &json!({ "version": version, "units": units, "up": up, "cameras": cameras }))?;
     output::write_json(&folder.join(FILE_NAME), &document).inspect_err(|_| drop(fs::remove_file(rig)))
 }
 
@@ -118,7 +118,7 @@ mod tests {
 
     /// Writes a scene with moved cameras to a folder.
     fn rewrite(scene: &Path, folder: &Path) -> Result<(), Failure> {
-        let (mut cameras, document) = (Scene::load(&Disk, scene)?, Document::load(&Disk, scene)?.0);
+        let (mut cameras, document) = (Scene::load(&Disk, scene)?, Document::load(&Disk, scene)?);
         cameras.cameras[0].t[2] = 5.0;
         write(cameras, document, folder)
     }

@@ -1,8 +1,10 @@
 //! Takes: frames as a range with patterns, cameras that several takes share, and cameras that are out of step.
+#![allow(clippy::disallowed_methods, reason = "no result depends on the tests' own numbers")]
 
 mod common;
 
-use common::{Capture, stderr};
+use common::{Capture, HEIGHT, WIDTH, pcmvs, stderr};
+use image::{GrayImage, Luma};
 use serde_json::{Value, json};
 use std::fs;
 
@@ -84,4 +86,88 @@ fn an_offset_brings_a_camera_into_step() {
     assert_ne!(meshes(&capture, &["--frames", "1"], &[1]), right);
     capture.scene["offsets"] = json!({ "cam02": -1 });
     assert_eq!(meshes(&capture, &["--frames", "1"], &[1]), right);
+}
+
+/// A capture whose silhouettes are those of a ball that moves by some pixels per frame. Those of `cam03` are late by a frame.
+fn moving(speed: f64) -> Capture {
+    const SCALE: u32 = 3;
+    let capture = Capture::enlarged(8, 6, SCALE);
+    let number = |v: &Value| v.as_f64().unwrap();
+    for (i, camera) in capture.scene["cameras"].as_array().unwrap().iter().enumerate() {
+        for frame in 0..6 {
+            let time = f64::from(frame) - if i == 3 { 1.0 } else { 0.0 };
+            let centre = [0.2 * speed * (time - 2.0), 0.1 * speed * (time - 2.0), 0.0];
+            let seen = |row: usize| -> f64 {
+                number(&camera["t"][row]) + (0..3).map(|i| number(&camera["R"][row][i]) * centre[i]).sum::<f64>()
+            };
+            let (depth, focal) = (seen(2), number(&camera["K"][0][0]));
+            let [x, y] = [0, 1].map(|axis| number(&camera["K"][axis][2]) + focal * seen(axis) / depth);
+            let radius = focal / depth;
+            let inside = |u: u32, v: u32| (f64::from(u) - x).powi(2) + (f64::from(v) - y).powi(2) < radius * radius;
+            let mask =
+                GrayImage::from_fn(WIDTH * SCALE, HEIGHT * SCALE, |u, v| Luma([if inside(u, v) { 255 } else { 0 }]));
+            mask.save(capture.path(&format!("masks/cam{i:02}_{frame}.png"))).unwrap();
+        }
+    }
+    capture
+}
+
+/// The report of `pcmvs check`, and what it prints.
+fn checked(capture: &Capture) -> (Value, String) {
+    fs::write(capture.path("scene.json"), capture.scene.to_string()).unwrap();
+    let output = pcmvs().arg("check").arg(capture.path("")).arg("--json").output().unwrap();
+    (serde_json::from_slice(&output.stdout).unwrap_or_else(|_| panic!("{}", stderr(&output))), stderr(&output))
+}
+
+fn time_offsets(report: &Value) -> Vec<&Value> {
+    report["cameras"].as_array().unwrap().iter().map(|camera| &camera["time_offset"]).collect()
+}
+
+#[test]
+fn the_check_finds_a_camera_that_is_late_and_what_brings_it_into_step() {
+    let mut capture = moving(1.0);
+    let (report, printed) = checked(&capture);
+    assert_eq!(time_offsets(&report), [0, 0, 0, 1, 0, 0, 0, 0], "{printed}");
+    let first = &report["warnings"][0];
+    assert_eq!((&first["code"], &first["camera"]), (&json!("out-of-step"), &json!("cam03")));
+    assert!(printed.contains(r#""offsets": {"cam03":1}"#), "{printed}");
+    capture.scene["offsets"] = json!({ "cam03": 1 });
+    let (report, printed) = checked(&capture);
+    assert_eq!(time_offsets(&report), [0; 8], "{printed}");
+    assert!(!printed.contains("frame behind"), "{printed}");
+}
+
+#[test]
+fn frames_in_which_nothing_moves_do_not_tell_who_is_in_step() {
+    let (report, printed) = checked(&moving(0.0));
+    assert_eq!(time_offsets(&report), [&Value::Null; 8]);
+    assert!(printed.contains("do not tell of 8 of 8 cameras"), "{printed}");
+}
+
+#[test]
+fn a_change_remakes_the_frames_that_it_touches() {
+    let mut capture = with_range(5, 4);
+    let kept = |capture: &Capture, arguments: &[&str]| {
+        let output = capture.run(arguments);
+        assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+        let message = stderr(&output);
+        (0..4).filter(|index| message.contains(&format!("frame {index} has not changed"))).collect::<Vec<_>>()
+    };
+    assert_eq!(kept(&capture, &[]), [0; 0]);
+    fs::copy(capture.path("images/cam01_0.png"), capture.path("images/cam01_2.png")).unwrap();
+    assert_eq!(kept(&capture, &[]), [0, 1, 3], "a picture");
+    capture.mask("masks/cam03_1.png", 31.5, 13.0);
+    assert_eq!(kept(&capture, &[]), [0, 2, 3], "a mask");
+    fs::remove_file(capture.path("masks/cam00_3.png")).unwrap();
+    assert_eq!(kept(&capture, &[]), [0, 1, 2], "a mask that is no longer there");
+    // For cam04, frame f now shows what frame f + 1 showed. There is no picture 4.
+    capture.scene["offsets"] = json!({ "cam04": 1 });
+    assert_eq!(kept(&capture, &[]), [0; 0], "an offset");
+    capture.scene["fps"] = json!(50);
+    capture.scene["frames"] = json!({ "first": 1, "last": 3 });
+    assert_eq!(kept(&capture, &[]), [1, 2, 3], "what no mesh depends on");
+    capture.scene["cameras"][2]["t"][0] = json!(capture.scene["cameras"][2]["t"][0].as_f64().unwrap() + 1e-3);
+    assert_eq!(kept(&capture, &[]), [0; 0], "a camera");
+    assert_eq!(kept(&capture, &["--set", "hull.voxel_pixels=1.7"]), [0; 0], "a parameter");
+    assert_eq!(kept(&capture, &["--set", "hull.voxel_pixels=1.7"]), [1, 2, 3]);
 }

@@ -1,9 +1,7 @@
 //! A captured scene, as the host works with it.
 
 use crate::{
-    document::{self, Document, RigDocument},
     failure::Failure,
-    files::Files,
     lens::{self, LensModel},
 };
 use pcmvs_core::Camera;
@@ -42,6 +40,13 @@ pub struct Scene {
     /// Path of the file with the cameras, if it is another one.
     #[serde(skip)]
     pub rig: Option<PathBuf>,
+    /// Whether the paths of pictures are those of videos, which are the same in all frames. The picture of a camera in a frame
+    /// is the one with [`SceneCamera::number`], counted from 0.
+    #[serde(skip)]
+    pub videos: bool,
+    /// The same of masks.
+    #[serde(skip)]
+    pub mask_videos: bool,
     /// The files that the silhouettes are made of.
     #[serde(skip)]
     pub silhouettes: SilhouetteFiles,
@@ -140,8 +145,8 @@ impl SceneCamera {
         Ok(Camera { width: self.width, height: self.height, k: self.k, lens, r: self.r, t: self.t })
     }
 
-    /// Number of the picture that it shows in a frame. None is before the first one.
-    pub(crate) fn number(&self, frame: u32) -> Option<u32> {
+    /// Number of the picture that it shows in a frame. There is none before 0.
+    pub fn number(&self, frame: u32) -> Option<u32> {
         frame.checked_add_signed(self.offset)
     }
 }
@@ -159,67 +164,6 @@ impl SceneFrame {
 }
 
 impl Scene {
-    /// Reads a scene. `path` is its folder or its scene.json.
-    pub fn load(files: &dyn Files, path: &Path) -> Result<Self, Failure> {
-        let (mut document, path) = Document::load(files, path)?;
-        let wrong = |problem: String| Failure::Input(format!("{}: {problem}", path.display()));
-        let (cameras, rig) = match (document.cameras.take(), document.rig.take()) {
-            (Some(cameras), None) => (cameras, None),
-            (None, Some(rig)) => {
-                let rig = path.parent().unwrap_or(Path::new("")).join(rig);
-                let RigDocument { units, up, cameras, .. } = document::read(files, &rig)?;
-                document.units = document.units.or(units);
-                document.up = document.up.or(up);
-                (cameras, Some(rig))
-            }
-            (None, None) => {
-                return Err(wrong(String::from(
-                    "there are no cameras: add `cameras`, or `rig` with the path of their file",
-                )));
-            }
-            (Some(_), Some(_)) => {
-                return Err(wrong(String::from("there are both `cameras` and `rig`: remove the one that is wrong")));
-            }
-        };
-        let scene = Self::new(document, cameras).map_err(wrong)?;
-        Ok(Self { path, rig, ..scene })
-    }
-
-    fn new(document: Document, mut cameras: Vec<SceneCamera>) -> Result<Self, String> {
-        for (name, &offset) in &document.offsets {
-            let mut named = cameras.iter_mut().filter(|camera| camera.name == *name);
-            match (named.next(), named.next()) {
-                (Some(camera), None) => camera.offset = offset,
-                (None, _) => return Err(format!("offsets: there is no camera `{name}`: correct the name")),
-                (Some(_), Some(_)) => return Err(format!("offsets: several cameras are called `{name}`: rename them")),
-            }
-        }
-        let frames = document.frames(&cameras)?;
-        let Document { version, units, up, fps, background, .. } = document;
-        let scene = Self { version, units, up, fps, cameras, frames, background, ..Self::default() };
-        scene.check().map(|()| scene)
-    }
-
-    fn check(&self) -> Result<(), String> {
-        if self.cameras.is_empty() || self.frames.is_empty() {
-            return Err(String::from("there are no cameras or no frames: add both"));
-        }
-        if self.fps.is_some_and(|fps| fps <= 0.0) {
-            return Err(String::from("fps must be greater than 0: remove it if it is unknown"));
-        }
-        if let Some(plates) = self.background.as_ref().and_then(|background| background.plates.as_ref())
-            && plates.len() != self.cameras.len()
-        {
-            return Err(format!(
-                "background.plates: {} plates for {} cameras: list one per camera, in the order of the cameras, null where \
-                 there is none",
-                plates.len(),
-                self.cameras.len()
-            ));
-        }
-        Ok(())
-    }
-
     /// The cameras as the core takes them.
     pub fn cameras(&self) -> Result<Vec<Camera>, Failure> {
         let camera = |c: &SceneCamera| {

@@ -1,4 +1,4 @@
-use crate::{Document, Failure, Files, Scene};
+use crate::{Failure, Files, Scene, open};
 use std::{
     collections::BTreeMap,
     io,
@@ -27,8 +27,8 @@ impl Files for Texts {
         path.extension().is_none()
     }
 
-    fn list(&self, _: &Path) -> io::Result<Vec<PathBuf>> {
-        Ok(Vec::new())
+    fn list(&self, folder: &Path) -> io::Result<Vec<PathBuf>> {
+        Ok(self.0.keys().filter(|path| path.parent() == Some(folder)).cloned().collect())
     }
 }
 
@@ -56,7 +56,7 @@ fn pictures(scene: &Scene) -> Vec<(u32, [Option<&str>; 2])> {
 
 #[track_caller]
 fn assert_refused(keys: &str, words: &[&str]) {
-    let message = scene(keys).unwrap_err();
+    let message = scene(keys).map(drop).unwrap_err();
     for word in words.iter().chain(&["takes/one/scene.json: "]) {
         assert!(message.contains(word), "`{word}` is missing in: {message}");
     }
@@ -101,8 +101,11 @@ fn offsets_name_cameras() {
     assert_refused(&format!(r#""offsets": {{ "c": 1 }}, {frames}"#), &["offsets", "`c`"]);
     let twice = CAMERAS.replace(r#""b""#, r#""a""#);
     let text = format!(r#"{{ "version": 1, {twice}, "offsets": {{ "a": 1 }}, {frames} }}"#);
-    assert!(load(&[("takes/one/scene.json", text)]).unwrap_err().contains("several cameras are called `a`"));
+    assert!(load(&[("takes/one/scene.json", text)]).unwrap_err().contains("not one camera `a`"));
 }
+
+/// Path of a rig as a take spells it.
+const PATH: &str = "takes/one/../../rigs/monday.json";
 
 #[test]
 fn takes_share_the_cameras_of_a_rig() {
@@ -112,7 +115,7 @@ fn takes_share_the_cameras_of_a_rig() {
         )
     };
     let rig = format!(r#"{{ "version": 1, "units": "m", "up": [0, 1, 0], {CAMERAS} }}"#);
-    let rig = ("takes/one/../../rigs/monday.json", rig);
+    let rig = (PATH, rig);
     let scene = load(&[("takes/one/scene.json", take("")), rig.clone()]).unwrap();
     assert_eq!(pictures(&scene), [(3, [Some("a"), Some("b")])]);
     assert_eq!((scene.units.as_deref(), scene.up), (Some("m"), Some([0.0, 1.0, 0.0])));
@@ -123,56 +126,68 @@ fn takes_share_the_cameras_of_a_rig() {
     for (rig, word) in [(Some(broken), "(camera `a`)"), (None, "cannot be read")] {
         let files: Vec<_> = [("takes/one/scene.json", take(""))].into_iter().chain(rig).collect();
         let message = load(&files).unwrap_err();
-        assert!(message.starts_with("takes/one/../../rigs/monday.json: ") && message.contains(word), "{message}");
+        assert!(message.starts_with(&format!("{PATH}: ")) && message.contains(word), "{message}");
     }
     let both = load(&[("takes/one/scene.json", take(&format!(", {CAMERAS}"))), rig]);
-    assert!(both.unwrap_err().contains("both `cameras` and `rig`"));
-    let neither = r#"{ "version": 1, "frames": [] }"#.to_owned();
-    assert!(load(&[("takes/one/scene.json", neither)]).unwrap_err().contains("`rig`"));
+    let neither = load(&[("takes/one/scene.json", r#"{ "version": 1, "frames": [] }"#.to_owned())]);
+    for message in [both, neither].map(|scene| scene.map(drop).unwrap_err()) {
+        assert!(message.contains("either `cameras` or `rig`"), "{message}");
+    }
+    let chain = r#"{ "version": 1, "rig": "other.json" }"#.to_owned();
+    let chained = load(&[("takes/one/scene.json", take("")), (PATH, chain)]);
+    assert!(chained.map(drop).unwrap_err().contains("monday.json: has no `cameras`"));
 }
 
 #[test]
 fn frames_without_paths_and_paths_without_frames_are_refused() {
-    let range = r#""frames": { "first": 0, "last": 9 }"#;
-    assert_refused(range, &["no `images`"]);
-    assert_refused(
-        r#""images": "{camera}{frame}", "frames": [{ "index": 0, "images": ["a", "b"] }]"#,
-        &["`images` is a pattern"],
-    );
-    assert_refused(&format!(r#""images": "{{frame}}", {range}"#), &["images: ", "{camera}"]);
-    assert_refused(&format!(r#""images": "{{camera}}", {range}"#), &["camera `a`", "{frame}"]);
-    assert_refused(
-        &format!(r#""images": "{{camera}}{{frame}}", "masks": ["{{frame}}"], {range}"#),
-        &["masks: 1 patterns for 2"],
-    );
-    assert_refused(&format!(r#""images": "{{camera}}{{nr}}", {range}"#), &["images: ", "{nr}"]);
-    for wrong in [r#""first": 2, "last": 1"#, r#""first": 0, "last": 1, "step": 0"#] {
-        assert_refused(&format!(r#""images": "{{camera}}{{frame}}", "frames": {{ {wrong} }}"#), &["there are none"]);
+    let range = |keys: &str| format!(r#"{keys}, "frames": {{ "first": 0, "last": 9 }}"#);
+    assert_refused(r#""frames": { "first": 0, "last": 9 }"#, &["no `images`"]);
+    assert_refused(r#""images": "{camera}{frame}""#, &["frames: "]);
+    let list = r#""images": "{camera}{frame}", "frames": [{ "index": 0, "images": ["a", "b"] }]"#;
+    assert_refused(list, &["`frames` is a list"]);
+    assert_refused(&range(r#""images": "{frame}""#), &["images: ", "{camera}"]);
+    assert_refused(&range(r#""images": "{camera}""#), &["images: ", "`{camera}`", "{frame}"]);
+    assert_refused(&range(r#""images": "{camera}{frame}", "masks": ["{frame}"]"#), &["masks: ", "one per camera"]);
+    assert_refused(&range(r#""images": "{camera}{nr}""#), &["images: ", "{nr}"]);
+    assert_refused(&range(r#""images": 3"#), &["images: ", "pattern such as"]);
+    for wrong in [r#""first": 2, "last": 1"#, r#""first": 0, "last": 1, "step": 0"#, r#""first": 0"#, r#""last": -1"#] {
+        assert_refused(&format!(r#""images": "{{camera}}{{frame}}", "frames": {{ {wrong} }}"#), &["frames: ", "range"]);
     }
-    assert_refused(r#""images": 3, "frames": []"#, &["images: ", "pattern such as"]);
-    assert_refused(r#""images": "{camera}", "frames": 3"#, &["frames: ", "range such as"]);
+    assert_refused(r#""images": "{camera}", "frames": 3"#, &["frames: ", "expected a sequence"]);
+}
+
+#[test]
+fn videos_have_one_path_for_all_frames() {
+    let range = r#""frames": { "first": 4, "last": 5 }"#;
+    let text = format!(
+        r#"{{ "version": 1, {CAMERAS}, "offsets": {{ "b": -5 }}, "videos": "{{camera}}.mp4", "masks": "m/{{camera}}{{frame}}", {range} }}"#
+    );
+    let scene = load(&[("takes/one/scene.json", text.clone())]).unwrap();
+    // Number 4 - 5 is before the first picture.
+    assert_eq!(pictures(&scene), [(4, [Some("a.mp4"), None]), (5, [Some("a.mp4"), Some("b.mp4")])]);
+    assert_eq!((scene.videos, scene.mask_videos, scene.cameras[1].number(5)), (true, false, Some(0)));
+    assert_eq!(scene.frames[1].mask(1), Some(Path::new("m/b0")));
+    let path = |keys: &str| format!(r#"{keys}, {range}"#);
+    assert_refused(&path(r#""videos": "{camera}{frame}.mp4""#), &["videos: ", "{frame}"]);
+    assert_refused(&path(r#""images": "{camera}{frame}", "videos": "{camera}""#), &["both `images` and `videos`"]);
+    // Those who have no program to read them get a message.
+    let files = Texts(BTreeMap::from([(PathBuf::from("take/scene.json"), text)]));
+    assert!(
+        open(&files, Path::new("take"))
+            .map(drop)
+            .unwrap_err()
+            .to_string()
+            .contains("videos, which only the command line")
+    );
 }
 
 #[test]
 fn a_take_that_needs_much_memory_is_refused_before_it_is_taken() {
     let frames = r#""frames": { "first": 0, "last": 4294967295 }"#;
     assert_refused(&format!(r#""images": "{{camera}}{{frame}}", {frames}"#), &["4294967296 frames", "split"]);
-    let long = format!("{}{{frame}}", "{camera}".repeat(1 << 20));
-    assert_refused(&format!(r#""images": "{long}", "frames": {{ "first": 0, "last": 9 }}"#), &["10 frames", "split"]);
-}
-
-#[test]
-fn a_document_is_written_as_it_is_read() {
-    let text = format!(
-        r#"{{ "version": 1, {CAMERAS}, "offsets": {{ "b": -2 }}, "images": "{{camera}}{{frame:03}}", "masks": ["m{{frame}}", null],
-            "frames": {{ "first": 0, "last": 9 }} }}"#
-    );
-    let files = Texts(BTreeMap::from([(PathBuf::from("scene.json"), text.clone())]));
-    let (document, _) = Document::load(&files, Path::new("scene.json")).unwrap();
-    let [written, read]: [serde_json::Value; 2] =
-        [serde_json::to_string(&document).unwrap(), text].map(|text| serde_json::from_str(&text).unwrap());
-    for key in ["offsets", "images", "masks", "frames"] {
-        assert_eq!(written[key], read[key]);
-    }
-    assert_eq!(written.get("rig"), None);
+    let long = |repeats: usize| {
+        format!(r#""images": "{}{{frame}}", "frames": {{ "first": 0, "last": 999999 }}"#, "{camera}".repeat(repeats))
+    };
+    assert_refused(&long(500), &["1000000 frames", "split"]);
+    assert_refused(&long(1000), &["images: ", "longer than 4096 bytes"]);
 }
