@@ -29,7 +29,8 @@ pub enum Command {
     /// Check how well the cameras' calibration fits their pictures
     ///
     /// Prints for each camera how well its silhouette fits the hull of all silhouettes, how far its contour and its matches
-    /// miss those of the other cameras, and its brightness. Names cameras that were moved, and pictures that are exchanged.
+    /// miss those of the other cameras, its brightness, and by how many frames it is late. Names cameras that were moved or are
+    /// out of step, and pictures that are exchanged.
     #[command(after_help = CHECK_STATUS)]
     Check(Check),
     /// Correct the cameras' calibration by their pictures

@@ -4,6 +4,9 @@ use crate::{
     arguments::{Evidence, List},
     json::to_value,
     progress::Console,
+    run::Run,
+    steps::Steps,
+    video::Videos,
     warning::WarningReport,
 };
 use pcmvs_core::{
@@ -19,29 +22,27 @@ use std::{mem::take, sync::atomic::AtomicBool};
 /// Frames that are used if none are asked for.
 const FRAMES: usize = 4;
 
-/// Calibrates the cameras of a scene as asked, and writes what was found to the terminal.
+/// Calibrates the cameras of a scene as asked, and writes what was found to the terminal. `with_steps` also finds cameras that
+/// are out of step.
 pub fn calibrated(
     scene: &mut Scene,
     asked: &Evidence,
     params: &CalibrationParams,
+    with_steps: bool,
     cancelled: &AtomicBool,
 ) -> Result<Found, Failure> {
     let cameras = scene.cameras()?;
     let silhouettes = Silhouettes::new(asked.common.masks.files(), scene)?;
     let threads = Threads::new(thread_count(asked.common.threads))?;
     let console = Console::new(cancelled);
-    let run = Run { scene, silhouettes, threads: &threads, console: &console };
-    let found = run.calibrate(&cameras, &evidence(scene, asked.frames.as_ref())?, params)?;
+    let videos = Videos::open(scene)?;
+    let run = Run { scene, silhouettes, videos: &videos, threads: &threads, console: &console };
+    let mut found = run.calibrate(&cameras, &evidence(scene, asked.frames.as_ref())?, params)?;
+    if with_steps {
+        found.steps = run.steps(&cameras, asked.frames.as_ref())?;
+    }
     found.print(scene, &console);
     Ok(found)
-}
-
-/// What a calibration works with.
-pub struct Run<'a> {
-    pub scene: &'a Scene,
-    pub silhouettes: Silhouettes,
-    pub threads: &'a Threads,
-    pub console: &'a Console<'a>,
 }
 
 /// What was found, and in which frames.
@@ -50,6 +51,8 @@ pub struct Found {
     pub frames: Vec<u32>,
     /// Cameras whose pictures are exchanged in the scene, and whose calibrations are therefore exchanged here.
     pub exchanged: Option<[usize; 2]>,
+    /// Which cameras are out of step, if that was asked for and there are several frames.
+    pub steps: Option<Steps>,
 }
 
 /// The frames to use, sorted by index: those asked for, or a few that are spread over the scene.
@@ -76,7 +79,8 @@ impl Run<'_> {
     ) -> Result<Found, Failure> {
         let pictures = frames.iter().map(|frame| self.pictures(frame)).collect::<Result<Vec<_>, _>>()?;
         let calibration = self.once(cameras, frames, &pictures, params)?;
-        let mut found = Found { calibration, frames: frames.iter().map(|f| f.index).collect(), exchanged: None };
+        let mut found =
+            Found { calibration, frames: frames.iter().map(|f| f.index).collect(), exchanged: None, steps: None };
         let swapped = found.calibration.findings.iter().find_map(|finding| match finding {
             Finding::CamerasSwapped { first, second } => Some([*first as usize, *second as usize]),
             _ => None,
@@ -97,7 +101,7 @@ impl Run<'_> {
 
     /// The decoded pictures of a frame.
     fn pictures(&self, frame: &SceneFrame) -> Result<Pictures, Failure> {
-        let mut files = FrameFiles::read(&Disk, self.scene, frame, self.silhouettes)?;
+        let mut files = FrameFiles::read(&Disk, self.videos, self.scene, frame, self.silhouettes)?;
         let missing = take(&mut files.missing);
         let missing = missing.into_iter().map(|file| WarningReport::of_missing(file, self.scene, frame));
         missing.for_each(|warning| self.console.warn(&warning));
@@ -154,9 +158,9 @@ impl Found {
         &self.calibration.cameras
     }
 
-    /// Whether something is wrong with the given calibration.
+    /// Whether something is wrong with the given calibration, or cameras are out of step.
     pub fn is_doubtful(&self) -> bool {
-        !self.calibration.findings.is_empty()
+        !self.calibration.findings.is_empty() || self.steps.as_ref().is_some_and(Steps::is_any_out)
     }
 
     /// What became of the refinement, in one sentence.
@@ -187,20 +191,22 @@ impl Found {
             camera: finding.cameras()[0].map(name),
             message: format!("{}: {}", scene.path.display(), message(finding)),
         };
-        self.calibration.findings.iter().map(report).collect()
+        // What is out of step also looks as if it had been moved, so that it comes first.
+        let steps = self.steps.iter().flat_map(|steps| steps.warnings(scene));
+        steps.chain(self.calibration.findings.iter().map(report)).collect()
     }
 
     /// Writes one line per camera and the warnings.
     pub fn print(&self, scene: &Scene, console: &Console) {
-        console.line("camera           overlap  contour px      epipolar px     moved px      gain");
-        for (camera, report) in scene.cameras.iter().zip(&self.calibration.reports) {
+        console.line("camera           overlap  contour px      epipolar px     moved px      gain   late");
+        for (i, (camera, report)) in scene.cameras.iter().zip(&self.calibration.reports).enumerate() {
             let CameraReport { given, refined, moved_px, uncertainty, silhouette_overlap, gain } = report;
             let change = |before: Option<f64>, after: Option<f64>| {
                 format!("{:>5} -> {:<5}", number(before, 2), number(after, 2))
             };
             let sigma = uncertainty.map(|of| of.object_px);
             console.line(&format!(
-                "{:16} {:>7}  {}  {}  {:>5} ±{:<5}  {}",
+                "{:16} {:>7}  {}  {}  {:>5} ±{:<5}  {}  {:>5}",
                 camera.name,
                 number(*silhouette_overlap, 3),
                 change(given.contour_px, refined.contour_px),
@@ -208,15 +214,24 @@ impl Found {
                 number(Some(*moved_px), 2),
                 number(sigma, 2),
                 number(*gain, 3),
+                self.late(i).map_or_else(|| String::from("-"), |late| late.to_string()),
             ));
         }
         console.line(&self.summary());
+        if let Some(unknown) = self.steps.as_ref().and_then(Steps::unknown) {
+            console.line(&unknown);
+        }
         self.warnings(scene).iter().for_each(|warning| console.warn(warning));
+    }
+
+    /// The frames by which a camera is late, if that is known.
+    fn late(&self, camera: usize) -> Option<i32> {
+        self.steps.as_ref()?.late[camera]
     }
 
     /// All figures.
     pub fn to_json(&self, scene: &Scene) -> Value {
-        let camera = |(camera, report): (&SceneCamera, &CameraReport)| {
+        let camera = |(i, (camera, report)): (usize, (&SceneCamera, &CameraReport))| {
             let CameraReport { given, refined, moved_px, uncertainty, silhouette_overlap, gain } = report;
             json!({
                 "name": camera.name,
@@ -226,8 +241,7 @@ impl Found {
                 "matches": given.matches,
                 "match_noise_px": rounded(given.noise_px),
                 "gain": rounded(*gain),
-                // Cameras' clocks are not compared. The name stays, because other tools that read this expect it.
-                "time_offset": null,
+                "time_offset": self.late(i),
                 "refined": {
                     "contour_px": rounded(refined.contour_px),
                     "epipolar_px": rounded(refined.epipolar_px),
@@ -254,7 +268,7 @@ impl Found {
             "epipolar_bias_px": pair(epipolar_bias_px),
             "held_out_loss": pair(held_out),
             "exchanged": self.exchanged,
-            "cameras": scene.cameras.iter().zip(reports).map(camera).collect::<Vec<_>>(),
+            "cameras": scene.cameras.iter().zip(reports).enumerate().map(camera).collect::<Vec<_>>(),
             "warnings": self.warnings(scene),
         })
     }

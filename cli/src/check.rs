@@ -11,7 +11,7 @@ pub fn run(options: &Check, cancelled: &AtomicBool) -> Result<bool, Failure> {
     if let Some(list) = &options.cameras {
         scene.select_cameras(&list.0)?;
     }
-    let found = calibrated(&mut scene, &options.evidence, &CalibrationParams::default(), cancelled)?;
+    let found = calibrated(&mut scene, &options.evidence, &CalibrationParams::default(), true, cancelled)?;
     if options.json {
         println!("{:#}", found.to_json(&scene));
     }

@@ -7,6 +7,7 @@ use crate::{
     output,
     progress::{Console, FrameProgress},
     report::{CameraReport, Earlier, FrameReport, peak_memory},
+    video::Videos,
     warning::WarningReport,
 };
 use pcmvs_core::{Frame, Memory, Mesh, Params, PointCloud, Progress, Reconstruction, Rig, Stage, export::ply};
@@ -25,6 +26,7 @@ pub struct Job<'a> {
     /// Memory limit per frame, in bytes.
     pub max_memory: Option<u64>,
     pub silhouettes: Silhouettes,
+    pub videos: &'a Videos,
     /// Whether warnings are errors.
     pub strict: bool,
     pub mesh_file: MeshFile,
@@ -39,13 +41,22 @@ pub struct Job<'a> {
 }
 
 impl Job<'_> {
-    /// Reconstructs a frame, or keeps the result of an earlier run if nothing has changed. Warnings are written to the
-    /// terminal and added to `warnings`, also if the frame fails.
-    pub fn run(&self, frame: &SceneFrame, warnings: &mut Vec<WarningReport>) -> Result<FrameReport, Failure> {
+    /// Reads the pictures of a frame.
+    pub fn read<'s>(&'s self, frame: &'s SceneFrame) -> Result<FrameFiles<'s>, Failure> {
         if self.console.is_cancelled() {
             return Err(Failure::Cancelled);
         }
-        let files = FrameFiles::read(&Disk, self.scene, frame, self.silhouettes)?;
+        FrameFiles::read(&Disk, self.videos, self.scene, frame, self.silhouettes)
+    }
+
+    /// Reconstructs a frame, or keeps the result of an earlier run if nothing has changed. Warnings are written to the
+    /// terminal and added to `warnings`, also if the frame fails.
+    pub fn run(
+        &self,
+        frame: &SceneFrame,
+        files: FrameFiles,
+        warnings: &mut Vec<WarningReport>,
+    ) -> Result<FrameReport, Failure> {
         let fingerprint = self.fingerprint(&files);
         let earlier = self.earlier.frames.iter().find(|e| e.index == frame.index && e.fingerprint == fingerprint);
         if let Some(earlier) = earlier.filter(|earlier| self.is_still_there(earlier)) {

@@ -17,6 +17,9 @@ mod progress;
 mod reconstruct;
 mod refine;
 mod report;
+mod run;
+mod steps;
+mod video;
 mod warning;
 
 pub use pcmvs_scene::Failure;

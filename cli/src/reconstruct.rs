@@ -11,6 +11,8 @@ use crate::{
     output, overrides,
     progress::Console,
     report::{self, Earlier, FrameFailure, Report, peak_memory},
+    run::Run,
+    video::Videos,
     warning::WarningReport,
 };
 use pcmvs_core::{Camera, Params, Rig, Warning, calibration::CalibrationParams};
@@ -34,6 +36,8 @@ pub fn run(options: &Reconstruct, cancelled: &AtomicBool) -> Result<(), Failure>
     }
     // Chosen from the whole clip, so that runs over parts of it get the same cameras.
     let evidence = calibration::evidence(&scene, None)?;
+    let silhouettes = Silhouettes::new(options.common.masks.files(), &mut scene)?;
+    let videos = Videos::open(&scene)?;
     scene.select_frames(options.frames.as_ref().map(|list| list.0.as_slice()))?;
     if options.output.exists() && !options.output.is_dir() {
         return Err(Failure::Input(format!("{}: is a file: name a folder", options.output.display())));
@@ -44,13 +48,12 @@ pub fn run(options: &Reconstruct, cancelled: &AtomicBool) -> Result<(), Failure>
         params = overrides::set(&params, assignment).map_err(Failure::Input)?;
     }
     let mesh_file = MeshFile::new(options, &scene)?;
-    let silhouettes = Silhouettes::new(options.common.masks.files(), &mut scene)?;
     let threads = thread_count(options.common.threads);
     let pool = Threads::new(threads)?;
     let console = Console::new(cancelled);
     let (mut calibration, mut is_doubtful) = (None, false);
     if options.refine {
-        let run = calibration::Run { scene: &scene, silhouettes, threads: &pool, console: &console };
+        let run = Run { scene: &scene, silhouettes, videos: &videos, threads: &pool, console: &console };
         let found = run.calibrate(&cameras, &evidence, &CalibrationParams::default())?;
         found.print(&scene, &console);
         cameras = found.cameras().to_vec();
@@ -75,6 +78,7 @@ pub fn run(options: &Reconstruct, cancelled: &AtomicBool) -> Result<(), Failure>
         params: &params,
         max_memory: options.max_memory.map(|mib| mib.saturating_mul(1 << 20)),
         silhouettes,
+        videos: &videos,
         strict: options.strict,
         mesh_file: mesh_file.clone(),
         stages: options.stages,
@@ -148,12 +152,18 @@ fn with_not_asked(mut report: Report, earlier: &Earlier, scene: &Scene, folder: 
 fn make_frames(job: &Job, report: Report) -> (Report, Option<Failure>) {
     let report = Mutex::new(report);
     let frames = &job.scene.frames;
-    let outcomes = job.threads.map_at_most(MAX_FRAMES, frames.len(), |i| {
-        let index = frames[i].index;
+    // Frames are read one after another, in their order, because that is how videos are read. No other work of the pool is
+    // done meanwhile, which could wait for the same lock.
+    let turn = Mutex::new(0);
+    let outcomes = job.threads.map_at_most(MAX_FRAMES, frames.len(), |_| {
+        let mut next = turn.lock().unwrap_or_else(PoisonError::into_inner);
+        let frame = &frames[*next];
+        *next += 1;
+        let index = frame.index;
+        let files = guarded(index, || job.read(frame));
+        drop(next);
         let mut warnings = Vec::new();
-        let outcome = catch_unwind(AssertUnwindSafe(|| job.run(&frames[i], &mut warnings))).unwrap_or_else(|_| {
-            Err(Failure::Other(format!("frame {index}: internal error, see the message above: please report it")))
-        });
+        let outcome = files.and_then(|files| guarded(index, || job.run(frame, files, &mut warnings)));
         let mut report = report.lock().unwrap_or_else(PoisonError::into_inner);
         report.warnings.extend(warnings);
         report.warnings.sort_by_key(|warning| warning.frame);
@@ -175,6 +185,13 @@ fn make_frames(job: &Job, report: Report) -> (Report, Option<Failure>) {
     let report = report.into_inner().unwrap_or_else(PoisonError::into_inner);
     let failures: Vec<Failure> = outcomes.into_iter().filter_map(Result::err).collect();
     (report, summary(&failures, frames.len()))
+}
+
+/// Work on a frame. A panic is a failure of the frame alone.
+fn guarded<T>(index: u32, work: impl FnOnce() -> Result<T, Failure>) -> Result<T, Failure> {
+    catch_unwind(AssertUnwindSafe(work)).unwrap_or_else(|_| {
+        Err(Failure::Other(format!("frame {index}: internal error, see the message above: please report it")))
+    })
 }
 
 /// The failure that decides the exit status: cancellation first, then other errors, then wrong input.

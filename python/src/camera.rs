@@ -60,7 +60,7 @@ impl Camera {
             return Err(Problem::argument(problem).into());
         };
         let (width, height) = size;
-        let described = SceneCamera { name: String::new(), width, height, k, lens, distortion, r, t };
+        let described = SceneCamera { name: String::new(), width, height, k, lens, distortion, r, t, offset: 0 };
         let camera = described.camera().map_err(Problem::argument)?;
         camera.check().map_err(Problem::argument)?;
         Ok(Self { camera })

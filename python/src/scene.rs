@@ -2,7 +2,7 @@
 
 use crate::{camera::Camera, error::Problem, pictures::to_dict, rig::Rig};
 use pcmvs_scene::{
-    Disk, FrameFiles, MissingFile, Pictures, SceneFrame, SilhouetteFiles, Silhouettes, Threads, thread_count,
+    Disk, FrameFiles, MissingFile, NoVideos, Pictures, SceneFrame, SilhouetteFiles, Silhouettes, Threads, thread_count,
 };
 use pyo3::{exceptions::PyUserWarning, prelude::*, types::PyDict};
 use std::{
@@ -38,7 +38,7 @@ impl Scene {
         frame: &SceneFrame,
         threads: Option<NonZeroUsize>,
     ) -> Result<(Pictures, Vec<MissingFile>), Problem> {
-        let mut files = FrameFiles::read(&Disk, &self.scene, frame, self.silhouettes)?;
+        let mut files = FrameFiles::read(&Disk, &NoVideos, &self.scene, frame, self.silhouettes)?;
         let missing = take(&mut files.missing);
         Ok((files.decode(&Threads::new(thread_count(threads))?)?, missing))
     }

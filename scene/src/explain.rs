@@ -13,9 +13,9 @@ impl Scene {
         self.cameras.get(index as usize).map_or_else(|| format!("camera {index}"), |c| format!("camera `{}`", c.name))
     }
 
-    /// Camera and file in messages. Without a file it is scene.json.
+    /// Camera and file in messages. Without a file it is that of the cameras.
     fn place(&self, camera: u32, file: Option<&Path>) -> String {
-        let path = file.map_or_else(|| self.path.clone(), |file| self.resolve(file));
+        let path = file.map_or_else(|| self.calibration().to_path_buf(), |file| self.resolve(file));
         format!("{}: {}", self.camera(camera), path.display())
     }
 
@@ -55,7 +55,8 @@ impl Scene {
                     ),
                 }
             }
-            Error::EmptyHull | Error::NoSurface | Error::Cameras { .. } | Error::MasksInverted { .. } => {
+            Error::Cameras { .. } => format!("{of_frame}{}: {error}", self.calibration().display()),
+            Error::EmptyHull | Error::NoSurface | Error::MasksInverted { .. } => {
                 format!("{of_frame}{}: {error}", self.path.display())
             }
             _ => return Failure::Other(format!("{of_frame}{}: {error}", self.path.display())),
@@ -101,14 +102,9 @@ mod tests {
         let background = Background { chroma_rgb: None, colours: Vec::new(), plates: Some(vec![path("plate.png")]) };
         let mut scene = Scene {
             version: VERSION,
-            units: None,
-            up: None,
-            fps: None,
-            cameras: Vec::new(),
-            frames: Vec::new(),
             background: Some(background),
             path: PathBuf::from("folder/scene.json"),
-            silhouettes: SilhouetteFiles::default(),
+            ..Scene::default()
         };
         let error = Error::Silhouette { camera: 0, problem: String::from("wrong") };
         for (silhouettes, file) in [

@@ -53,14 +53,52 @@ impl Silhouettes {
     }
 }
 
-/// The files of one camera and one frame, not yet decoded. A camera without picture has none.
-#[derive(Default)]
-struct ViewFiles {
-    image: Option<Vec<u8>>,
-    mask: Option<Vec<u8>>,
+/// Decodes the pictures of videos.
+pub trait Videos {
+    /// Pictures of videos, by the videos' paths in the scene and their numbers from 0: each of them, or what the video has
+    /// instead. The error says why a picture cannot be decoded.
+    fn pictures(&self, wanted: &[(&Path, u32)]) -> Vec<Result<Result<Picture, String>, String>>;
 }
 
-/// A file that scene.json names but that does not exist.
+/// For hosts that decode no videos.
+#[derive(Debug, Clone, Copy)]
+pub struct NoVideos;
+
+impl Videos for NoVideos {
+    fn pictures(&self, wanted: &[(&Path, u32)]) -> Vec<Result<Result<Picture, String>, String>> {
+        let problem = "only the command `pcmvs` decodes videos: use it, or write their pictures to files";
+        wanted.iter().map(|_| Err(String::from(problem))).collect()
+    }
+}
+
+/// What a path of the scene leads to.
+enum Content {
+    /// A file, not yet decoded.
+    File(Vec<u8>),
+    /// A picture of a video.
+    Decoded(Picture),
+    /// Nothing, and why.
+    Missing(String),
+}
+
+impl Content {
+    fn bytes(&self) -> Option<&[u8]> {
+        match self {
+            Self::File(bytes) => Some(bytes),
+            Self::Decoded(picture) => Some(picture.pixels()),
+            Self::Missing(_) => None,
+        }
+    }
+}
+
+/// What a camera has in a frame. A camera without picture needs no mask.
+#[derive(Default)]
+struct ViewFiles {
+    image: Option<Content>,
+    mask: Option<Content>,
+}
+
+/// A picture or mask that scene.json names but that does not exist.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct MissingFile {
     /// Stable name of the kind of file, in kebab-case.
@@ -71,13 +109,13 @@ pub struct MissingFile {
     pub message: String,
 }
 
-/// The files of a frame, not yet decoded.
+/// The pictures and masks of a frame. Those in files are not yet decoded.
 pub struct FrameFiles<'s> {
     scene: &'s Scene,
     frame: &'s SceneFrame,
     silhouettes: Silhouettes,
     views: Vec<ViewFiles>,
-    /// Files that scene.json names but that do not exist.
+    /// Pictures and masks that scene.json names but that do not exist.
     pub missing: Vec<MissingFile>,
 }
 
@@ -87,66 +125,78 @@ pub struct Pictures {
     silhouettes: Silhouettes,
 }
 
+/// What reads the pictures of a frame.
+struct Reading<'a> {
+    files: &'a dyn Files,
+    videos: &'a dyn Videos,
+    scene: &'a Scene,
+    frame: &'a SceneFrame,
+}
+
 impl<'s> FrameFiles<'s> {
-    /// Reads the files of a frame. One that does not exist is noted in [`Self::missing`].
+    /// Reads the files and videos of a frame. What does not exist is noted in [`Self::missing`]. Videos are read fastest if
+    /// the frames are asked for in their order.
     pub fn read(
         files: &dyn Files,
+        videos: &dyn Videos,
         scene: &'s Scene,
         frame: &'s SceneFrame,
         silhouettes: Silhouettes,
     ) -> Result<Self, Failure> {
-        let mut found = Self { scene, frame, silhouettes, views: Vec::new(), missing: Vec::new() };
-        for camera in 0..scene.cameras.len() {
-            let mut read = |path: Option<&Path>, code: &'static str, effect: &str| {
-                let Some(path) = path else { return Ok(None) };
-                let place = || scene.place_of(frame, camera, path);
-                match files.read(&scene.resolve(path)) {
-                    Ok(bytes) => Ok(Some(bytes)),
-                    Err(e) if e.kind() == io::ErrorKind::NotFound => {
-                        found.missing.push(MissingFile {
-                            code,
-                            camera,
-                            message: format!(
-                                "{}: the file does not exist, so that {effect}: check the path in scene.json, or write null",
-                                place()
-                            ),
-                        });
-                        Ok(None)
-                    }
-                    Err(e) => Err(Failure::Input(format!(
-                        "{}: cannot be read ({e}): check that it is a file and readable",
-                        place()
-                    ))),
-                }
-            };
-            let image = read(frame.image(camera), "missing-picture", "the view contributes nothing to the frame")?;
-            let code = if let Silhouettes::Plates = silhouettes { "missing-plate" } else { "missing-mask" };
-            let mask = match &image {
-                Some(_) => read(scene.silhouette_file(frame, camera), code, "the view does not carve the hull")?,
-                None => None,
-            };
-            found.views.push(ViewFiles { image, mask });
-        }
-        Ok(found)
+        let reading = Reading { files, videos, scene, frame };
+        let has_mask_videos = scene.mask_videos && matches!(silhouettes, Silhouettes::Files);
+        let images = reading.contents(scene.videos, |camera| frame.image(camera))?;
+        let has_image = |camera: usize| images[camera].as_ref().is_some_and(|image| image.bytes().is_some());
+        let mask = |camera: usize| scene.silhouette_file(frame, camera).filter(|_| has_image(camera));
+        let masks = reading.contents(has_mask_videos, mask)?;
+        let views = images.into_iter().zip(masks).map(|(image, mask)| ViewFiles { image, mask }).collect();
+        let mut files = Self { scene, frame, silhouettes, views, missing: Vec::new() };
+        files.missing = files.missing();
+        Ok(files)
     }
 
-    /// The content of all files: of each camera its picture, and its mask or clean plate.
+    /// What does not exist.
+    fn missing(&self) -> Vec<MissingFile> {
+        let Self { scene, frame, .. } = *self;
+        let plates = matches!(self.silhouettes, Silhouettes::Plates);
+        let mask_code = if plates { "missing-plate" } else { "missing-mask" };
+        let mut missing = Vec::new();
+        for (camera, view) in self.views.iter().enumerate() {
+            for (content, path, code, effect) in [
+                (&view.image, frame.image(camera), "missing-picture", "the view contributes nothing to the frame"),
+                (&view.mask, scene.silhouette_file(frame, camera), mask_code, "the view does not carve the hull"),
+            ] {
+                let (Some(Content::Missing(why)), Some(path)) = (content, path) else { continue };
+                let place = scene.place_of(frame, camera, path);
+                let remedy = "check the path or pattern in scene.json, or write null";
+                missing.push(MissingFile {
+                    code,
+                    camera,
+                    message: format!("{place}: {why}, so that {effect}: {remedy}"),
+                });
+            }
+        }
+        missing
+    }
+
+    /// The content of all files: of each camera its picture, and its mask or clean plate. That of a video is its pixels.
     pub fn contents(&self) -> impl Iterator<Item = Option<&[u8]>> {
-        self.views.iter().flat_map(|view| [view.image.as_deref(), view.mask.as_deref()])
+        let contents = self.views.iter().flat_map(|view| [&view.image, &view.mask]);
+        contents.map(|content| content.as_ref().and_then(Content::bytes))
     }
 
     /// Decodes all files.
     pub fn decode(self, executor: &impl Executor) -> Result<Pictures, Failure> {
         let Self { scene, frame, silhouettes, .. } = self;
-        let decode = |camera: usize, file: &Option<Vec<u8>>, path: Option<&Path>| {
-            let (Some(file), Some(path)) = (file, path) else { return Ok(None) };
-            let decoded = Picture::decode(file);
-            decoded
-                .map(Some)
-                .map_err(|problem| Failure::Input(format!("{}: {problem}", scene.place_of(frame, camera, path))))
+        let decode = |camera: usize, content: Option<Content>, path: Option<&Path>| match (content, path) {
+            (Some(Content::File(bytes)), Some(path)) => {
+                let place = |problem| Failure::Input(format!("{}: {problem}", scene.place_of(frame, camera, path)));
+                Picture::decode(&bytes).map(Some).map_err(place)
+            }
+            (Some(Content::Decoded(picture)), _) => Ok(Some(picture)),
+            _ => Ok(None),
         };
-        let views = executor.map(self.views.len(), |camera| {
-            let ViewFiles { image, mask } = &self.views[camera];
+        let views = executor.map_parts(self.views, |camera, ViewFiles { image, mask }| {
             let Some(image) = decode(camera, image, frame.image(camera))? else { return Ok(None) };
             let mask = match (decode(camera, mask, scene.silhouette_file(frame, camera))?, silhouettes) {
                 (Some(mask), Silhouettes::Files) => Some(mask.into_mask()),
@@ -156,6 +206,46 @@ impl<'s> FrameFiles<'s> {
             Ok(Some((image, mask)))
         });
         Ok(Pictures { views: views.into_iter().collect::<Result<_, Failure>>()?, silhouettes })
+    }
+}
+
+impl<'a> Reading<'a> {
+    /// What the path of each camera leads to. A camera without a path has nothing.
+    fn contents(
+        &self,
+        are_videos: bool,
+        path: impl Fn(usize) -> Option<&'a Path>,
+    ) -> Result<Vec<Option<Content>>, Failure> {
+        let cameras = 0..self.scene.cameras.len();
+        let mut contents: Vec<Option<Content>> = cameras.clone().map(|_| None).collect();
+        if are_videos {
+            let number = |camera: usize| self.scene.cameras[camera].number(self.frame.index);
+            let wanted = cameras.filter_map(|camera| Some((camera, (path(camera)?, number(camera)?))));
+            let (cameras, wanted): (Vec<usize>, Vec<(&Path, u32)>) = wanted.unzip();
+            for (i, found) in self.videos.pictures(&wanted).into_iter().enumerate() {
+                let found = found.map_err(|problem| self.failure(cameras[i], wanted[i].0, &problem))?;
+                contents[cameras[i]] = Some(found.map_or_else(Content::Missing, Content::Decoded));
+            }
+            return Ok(contents);
+        }
+        for camera in cameras {
+            let Some(path) = path(camera) else { continue };
+            contents[camera] = Some(match self.files.read(&self.scene.resolve(path)) {
+                Ok(bytes) => Content::File(bytes),
+                Err(e) if e.kind() == io::ErrorKind::NotFound => {
+                    Content::Missing(String::from("the file does not exist"))
+                }
+                Err(e) => {
+                    let problem = format!("cannot be read ({e}): check that it is a file and readable");
+                    return Err(self.failure(camera, path, &problem));
+                }
+            });
+        }
+        Ok(contents)
+    }
+
+    fn failure(&self, camera: usize, path: &Path, problem: &str) -> Failure {
+        Failure::Input(format!("{}: {problem}", self.scene.place_of(self.frame, camera, path)))
     }
 }
 

@@ -3,24 +3,29 @@
 //! All files are read through [`Files`], so that the command line, Python and the browser read a capture in the same way, bit
 //! for bit.
 
+mod document;
 mod explain;
 mod failure;
 mod files;
 mod import;
 mod inputs;
 mod lens;
+mod load;
 mod open;
 pub mod output;
+mod pattern;
 mod pictures;
 mod scene;
+mod take;
 mod text;
 #[cfg(feature = "threads")]
 mod threads;
 
+pub use document::Document;
 pub use failure::Failure;
 pub use files::{Disk, Files};
 pub use import::{Imported, Source, import, recognise};
-pub use inputs::{FrameFiles, MissingFile, Pictures, Silhouettes};
+pub use inputs::{FrameFiles, MissingFile, NoVideos, Pictures, Silhouettes, Videos};
 pub use lens::LensModel;
 pub use open::open;
 pub use pictures::Picture;

@@ -12,7 +12,7 @@ use std::path::Path;
 const MAX_DEPTH: usize = 4;
 
 /// Opens the capture in a folder or, if there is none, in the nearest folder below it. A scene.json takes precedence over
-/// the calibration of another program. Picture paths of an imported scene are those of its source.
+/// the calibration of another program. Videos cannot be opened. Picture paths of an imported scene are those of its source.
 pub fn open(files: &dyn Files, root: &Path) -> Result<Scene, Failure> {
     let unreadable = |folder: &Path, e: &std::io::Error| Failure::unreadable(folder, e);
     let mut folders = vec![root.to_path_buf()];
@@ -21,7 +21,14 @@ pub fn open(files: &dyn Files, root: &Path) -> Result<Scene, Failure> {
         for folder in &folders {
             let entries = files.list(folder).map_err(|e| unreadable(folder, &e))?;
             if entries.iter().any(|path| path.file_name().is_some_and(|name| name == FILE_NAME)) {
-                return Scene::load(files, folder);
+                let scene = Scene::load(files, folder)?;
+                if scene.videos || scene.mask_videos {
+                    return Err(Failure::Input(format!(
+                        "{}: its pictures are videos, which only the command line reads: reconstruct it there",
+                        scene.path.display()
+                    )));
+                }
+                return Ok(scene);
             }
             if let Some((source, path)) = of_folder(files, folder, &entries).into_iter().next() {
                 return Ok(import(files, source, &path)?.scene);

@@ -30,6 +30,11 @@ impl Picture {
         ImageRef::packed(&self.pixels, self.width, self.height, self.format)
     }
 
+    /// The pixels without padding, in the picture's format.
+    pub fn pixels(&self) -> &[u8] {
+        &self.pixels
+    }
+
     /// The alpha channel as a mask, if any pixel is more than half transparent: the picture then is a cut-out of the
     /// object.
     pub fn alpha(&self) -> Option<Self> {

@@ -1,10 +1,8 @@
-//! A captured scene: the strict reader of scene.json.
+//! A captured scene, as the host works with it.
 
 use crate::{
     failure::Failure,
-    files::Files,
     lens::{self, LensModel},
-    text,
 };
 use pcmvs_core::Camera;
 use serde::{Deserialize, Serialize};
@@ -15,30 +13,40 @@ pub const VERSION: u32 = 1;
 /// Name of the file in a scene folder.
 pub const FILE_NAME: &str = "scene.json";
 
-/// The content of scene.json. Unknown keys, such as novel views for scoring or notes, are ignored.
-#[derive(Debug, Clone, Serialize, Deserialize)]
+/// A scene with the paths of all its frames. As JSON it is a scene.json that lists them.
+#[derive(Debug, Clone, Default, Serialize)]
 pub struct Scene {
     /// Version of the format.
     pub version: u32,
     /// Unit of length. It is only copied to manifests.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub units: Option<String>,
     /// Upward direction.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub up: Option<[f64; 3]>,
     /// Frames per second.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub fps: Option<f64>,
     /// Calibrated cameras.
     pub cameras: Vec<SceneCamera>,
     /// Recorded frames.
     pub frames: Vec<SceneFrame>,
     /// Backdrop.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub background: Option<Background>,
     /// Path of scene.json. Paths in it are relative to its folder.
     #[serde(skip)]
     pub path: PathBuf,
+    /// Path of the file with the cameras, if it is another one.
+    #[serde(skip)]
+    pub rig: Option<PathBuf>,
+    /// Whether the paths of pictures are those of videos, which are the same in all frames. The picture of a camera in a frame
+    /// is the one with [`SceneCamera::number`], counted from 0.
+    #[serde(skip)]
+    pub videos: bool,
+    /// The same of masks.
+    #[serde(skip)]
+    pub mask_videos: bool,
     /// The files that the silhouettes are made of.
     #[serde(skip)]
     pub silhouettes: SilhouetteFiles,
@@ -79,6 +87,9 @@ pub struct SceneCamera {
     pub r: [[f64; 3]; 3],
     /// Translation, world to camera.
     pub t: [f64; 3],
+    /// The whole frames by which its pictures are late in this take: frame f shows its picture f + offset.
+    #[serde(skip)]
+    pub offset: i32,
 }
 
 /// A frame of scene.json.
@@ -125,13 +136,18 @@ impl SceneCamera {
     pub fn new(name: String, camera: &Camera) -> Self {
         let Camera { width, height, k, lens, r, t } = *camera;
         let (model, distortion) = lens::write(&lens);
-        Self { name, width, height, k, lens: model, distortion, r, t }
+        Self { name, width, height, k, lens: model, distortion, r, t, offset: 0 }
     }
 
     /// The camera as the core takes it.
     pub fn camera(&self) -> Result<Camera, String> {
         let lens = lens::read(self.lens, &self.distortion).map_err(|problem| format!("the distortion {problem}"))?;
         Ok(Camera { width: self.width, height: self.height, k: self.k, lens, r: self.r, t: self.t })
+    }
+
+    /// Number of the picture that it shows in a frame. There is none before 0.
+    pub fn number(&self, frame: u32) -> Option<u32> {
+        frame.checked_add_signed(self.offset)
     }
 }
 
@@ -148,84 +164,12 @@ impl SceneFrame {
 }
 
 impl Scene {
-    /// Reads a scene. `path` is its folder or its scene.json.
-    pub fn load(files: &dyn Files, path: &Path) -> Result<Self, Failure> {
-        let path = if files.is_folder(path) { path.join(FILE_NAME) } else { path.to_path_buf() };
-        let bytes = files.read(&path).map_err(|e| Failure::unreadable(&path, &e))?;
-        let scene = Self::parse(&bytes).and_then(|scene| scene.check().map(|()| scene));
-        scene
-            .map(|scene| Self { path: path.clone(), ..scene })
-            .map_err(|problem| Failure::Input(format!("{}: {problem}", path.display())))
-    }
-
-    fn parse(bytes: &[u8]) -> Result<Self, String> {
-        #[derive(Deserialize)]
-        struct Head {
-            version: Option<serde_json::Value>,
-        }
-        let text = text::decode(bytes)?;
-        let head: Head = serde_json::from_str(text).map_err(|e| syntax_problem(text, &e))?;
-        match head.version {
-            Some(version) if version == VERSION => {}
-            Some(other) => {
-                return Err(format!("version {other} is unknown: this program reads version {VERSION}"));
-            }
-            None => return Err(format!("`version` is missing: write \"version\": {VERSION}")),
-        }
-        let reader = &mut serde_json::Deserializer::from_str(text);
-        serde_path_to_error::deserialize(reader).map_err(|error| {
-            let place = error.path().to_string();
-            if error.inner().is_syntax() {
-                return format!("{place}: {}", syntax_problem(text, error.inner()));
-            }
-            let camera = camera_name(text, &place).map(|name| format!(" (camera `{name}`)")).unwrap_or_default();
-            format!("{place}{camera}: {}", error.inner())
-        })
-    }
-
-    fn check(&self) -> Result<(), String> {
-        if self.cameras.is_empty() || self.frames.is_empty() {
-            return Err(String::from("there are no cameras or no frames: add both"));
-        }
-        if self.fps.is_some_and(|fps| fps <= 0.0) {
-            return Err(String::from("fps must be greater than 0: remove it if it is unknown"));
-        }
-        let mut indices: Vec<u32> = self.frames.iter().map(|f| f.index).collect();
-        indices.sort_unstable();
-        if let Some(pair) = indices.windows(2).find(|pair| pair[0] == pair[1]) {
-            return Err(format!("frame {} occurs twice: give every frame its own index", pair[0]));
-        }
-        if let Some(plates) = self.background.as_ref().and_then(|background| background.plates.as_ref())
-            && plates.len() != self.cameras.len()
-        {
-            return Err(format!(
-                "background.plates: {} plates for {} cameras: list one per camera, in the order of the cameras, null where \
-                 there is none",
-                plates.len(),
-                self.cameras.len()
-            ));
-        }
-        for frame in &self.frames {
-            let masks = frame.masks.as_ref().map_or(self.cameras.len(), Vec::len);
-            for (what, count) in [("images", frame.images.len()), ("masks", masks)] {
-                if count != self.cameras.len() {
-                    return Err(format!(
-                        "frame {}: {count} {what} for {} cameras: list one per camera, in the order of the cameras, null \
-                         where there is none",
-                        frame.index,
-                        self.cameras.len(),
-                    ));
-                }
-            }
-        }
-        Ok(())
-    }
-
     /// The cameras as the core takes them.
     pub fn cameras(&self) -> Result<Vec<Camera>, Failure> {
         let camera = |c: &SceneCamera| {
-            c.camera()
-                .map_err(|problem| Failure::Input(format!("camera `{}`: {}: {problem}", c.name, self.path.display())))
+            c.camera().map_err(|problem| {
+                Failure::Input(format!("camera `{}`: {}: {problem}", c.name, self.calibration().display()))
+            })
         };
         self.cameras.iter().map(camera).collect()
     }
@@ -239,14 +183,6 @@ impl Scene {
                 self.frames.len()
             ))
         })
-    }
-
-    /// All paths of pictures, masks and clean plates.
-    pub fn paths_mut(&mut self) -> impl Iterator<Item = &mut PathBuf> {
-        let frames = self.frames.iter_mut();
-        let of_frames = frames.flat_map(|frame| frame.images.iter_mut().chain(frame.masks.iter_mut().flatten()));
-        let plates = self.background.iter_mut().flat_map(|background| background.plates.iter_mut().flatten());
-        of_frames.chain(plates).flatten()
     }
 
     /// Path of a camera's picture of the empty set, as written in scene.json.
@@ -300,35 +236,13 @@ impl Scene {
         Ok(())
     }
 
+    /// The file that holds the cameras.
+    pub fn calibration(&self) -> &Path {
+        self.rig.as_ref().unwrap_or(&self.path)
+    }
+
     /// A path of the scene, relative to the working directory.
     pub fn resolve(&self, path: &Path) -> PathBuf {
         self.path.parent().unwrap_or(Path::new("")).join(path)
     }
-}
-
-fn syntax_problem(text: &str, error: &serde_json::Error) -> String {
-    let line = text.lines().nth(error.line().saturating_sub(1)).unwrap_or_default();
-    let number = ["NaN", "nan", "Infinity", "inf"].iter().any(|word| line.contains(word))
-        || error.to_string().contains("out of range");
-    let remedy = if number {
-        "only finite numbers are allowed: calibrate this camera again"
-    } else {
-        "the file is not valid JSON: correct that line"
-    };
-    let camera = last_name_before(text, error.line()).map(|name| format!(" (after the name `{name}`)"));
-    format!("{error}{}: {remedy}", camera.unwrap_or_default())
-}
-
-/// The last `"name": "..."` up to a line. Where the syntax is broken, it is the best hint at the camera.
-fn last_name_before(text: &str, line: usize) -> Option<&str> {
-    let end: usize = text.split_inclusive('\n').take(line).map(str::len).sum();
-    let (_, after) = text[..end].rsplit_once("\"name\"")?;
-    after.split('"').nth(1)
-}
-
-/// Name of the camera at a path such as `cameras[3].K[0]`.
-fn camera_name(text: &str, place: &str) -> Option<String> {
-    let index: usize = place.strip_prefix("cameras[")?.split(']').next()?.parse().ok()?;
-    let scene: serde_json::Value = serde_json::from_str(text).ok()?;
-    Some(scene["cameras"][index]["name"].as_str()?.to_owned())
 }

@@ -15,6 +15,8 @@ const RUSTFMT: Need = Need::Component("rustfmt", "fmt --version");
 const CLIPPY: Need = Need::Component("clippy", "clippy --version");
 /// For the glTF validator.
 const VALIDATOR: Need = Need::Npm("tests/gltf");
+/// Decodes videos. The tests of videos are skipped without it.
+const FFMPEG: Need = Need::Debian(("ffmpeg", "/usr/bin/ffmpeg"));
 
 /// What the checks need besides the toolchain.
 fn needs(all: bool) -> Vec<Need> {
@@ -25,6 +27,7 @@ fn needs(all: bool) -> Vec<Need> {
     needs.extend(web::NEEDS);
     needs.extend(python::NEEDS);
     if all {
+        needs.push(FFMPEG);
         needs.extend(players::NEEDS);
         needs.extend(blender::NEEDS);
         needs.extend(abi_check::NEEDS);
@@ -59,6 +62,10 @@ pub fn run(all: bool, install: bool) -> Result<()> {
     python::check(&mut steps)?;
     publish::check(&mut steps, all)?;
     if all {
+        steps.step_with(&[FFMPEG], "videos", || {
+            FFMPEG.install()?;
+            run_program(cargo("test --package pcmvs-cli video").env("PCMVS_ALL_TOOLS", "1")).map(passed)
+        })?;
         players::check(&mut steps)?;
         blender::check(&mut steps)?;
         abi_check::check(&mut steps)?;

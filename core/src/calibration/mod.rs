@@ -11,6 +11,7 @@ mod adjust;
 mod brightness;
 mod corners;
 mod finding;
+mod in_step;
 mod instant;
 mod matching;
 mod model;
@@ -27,6 +28,7 @@ mod tangents;
 mod track;
 
 pub use finding::Finding;
+pub use in_step::out_of_step;
 pub use refine::{CalibrationParams, calibrate, view};
 pub use report::{Calibration, CameraReport, Uncertainty, Verdict};
 pub use residuals::Residuals;

@@ -43,7 +43,7 @@ mod view;
 use crate::{
     failure::Failure,
     files::Files,
-    scene::{Scene, SceneCamera, SceneFrame, SilhouetteFiles, VERSION},
+    scene::{Scene, SceneCamera, SceneFrame, VERSION},
 };
 use clip::Clip;
 pub use formats::Source;
@@ -53,7 +53,7 @@ pub use recognise::{KNOWN, of_folder, recognise};
 use source::{failure, picture_size, usual_mask};
 use std::{
     collections::{BTreeMap, BTreeSet},
-    path::{Path, PathBuf},
+    path::Path,
 };
 use view::ImportedView;
 
@@ -180,9 +180,6 @@ fn scene(views: &[ImportedView], clip: &Clip, names: Vec<String>) -> Scene {
     };
     Scene {
         version: VERSION,
-        units: None,
-        up: None,
-        fps: None,
         cameras: clip
             .cameras
             .iter()
@@ -190,8 +187,6 @@ fn scene(views: &[ImportedView], clip: &Clip, names: Vec<String>) -> Scene {
             .map(|(&first, name)| SceneCamera::new(name, &views[first].camera))
             .collect(),
         frames: clip.frames.iter().zip(0..).map(frame).collect(),
-        background: None,
-        path: PathBuf::new(),
-        silhouettes: SilhouetteFiles::default(),
+        ..Scene::default()
     }
 }

@@ -5,7 +5,7 @@ use crate::{
     capture::{Capture, CapturedFrame},
 };
 use image::{ColorType, ImageFormat};
-use pcmvs_scene::{Background, FILE_NAME, Scene, SceneCamera, SceneFrame, SilhouetteFiles, VERSION};
+use pcmvs_scene::{Background, FILE_NAME, Scene, SceneCamera, SceneFrame, VERSION};
 use std::{
     fs, io,
     path::{Path, PathBuf},
@@ -22,7 +22,6 @@ impl Capture {
             version: VERSION,
             units: Some("m".to_owned()),
             up: Some([0.0, 0.0, 1.0]),
-            fps: None,
             cameras: self
                 .names
                 .iter()
@@ -31,8 +30,7 @@ impl Capture {
                 .collect(),
             frames,
             background: Some(Background { chroma_rgb: Some(CHROMA_RGB), colours: Vec::new(), plates: None }),
-            path: PathBuf::new(),
-            silhouettes: SilhouetteFiles::Masks,
+            ..Scene::default()
         }
     }
 

@@ -1,0 +1,12 @@
+//! What work on the pictures of a scene needs.
+
+use crate::{progress::Console, video::Videos};
+use pcmvs_scene::{Scene, Silhouettes, Threads};
+
+pub struct Run<'a> {
+    pub scene: &'a Scene,
+    pub silhouettes: Silhouettes,
+    pub videos: &'a Videos,
+    pub threads: &'a Threads,
+    pub console: &'a Console<'a>,
+}

@@ -1,0 +1,173 @@
+//! Takes: frames as a range with patterns, cameras that several takes share, and cameras that are out of step.
+#![allow(clippy::disallowed_methods, reason = "no result depends on the tests' own numbers")]
+
+mod common;
+
+use common::{Capture, HEIGHT, WIDTH, pcmvs, stderr};
+use image::{GrayImage, Luma};
+use serde_json::{Value, json};
+use std::fs;
+
+/// The capture with its frames as a range.
+fn with_range(cameras: usize, frames: u32) -> Capture {
+    let mut capture = Capture::new(cameras, frames);
+    capture.scene["frames"] = json!({ "first": 0, "last": frames - 1 });
+    capture.scene["images"] = json!("images/{camera}_{frame}.png");
+    capture.scene["masks"] = json!("masks/{camera}_{frame}.png");
+    capture
+}
+
+/// The meshes of a run that must succeed.
+#[track_caller]
+fn meshes(capture: &Capture, arguments: &[&str], indices: &[u32]) -> Vec<Vec<u8>> {
+    let output = capture.run(arguments);
+    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    indices.iter().map(|index| fs::read(capture.path(&format!("out/frame_{index:04}.glb"))).unwrap()).collect()
+}
+
+fn warnings(capture: &Capture) -> Vec<Value> {
+    let report: Value = serde_json::from_slice(&fs::read(capture.path("out/report.json")).unwrap()).unwrap();
+    report["warnings"].as_array().unwrap().clone()
+}
+
+#[test]
+fn a_range_with_patterns_makes_the_meshes_of_the_listed_frames() {
+    let listed = meshes(&Capture::new(6, 3), &["--frames", "1,2"], &[1, 2]);
+    assert_eq!(meshes(&with_range(6, 3), &["--frames", "1,2"], &[1, 2]), listed);
+    // The cameras may stand in a file of their own.
+    let mut capture = with_range(6, 3);
+    let cameras = capture.scene.as_object_mut().unwrap().remove("cameras").unwrap();
+    fs::write(capture.path("rig.json"), json!({ "version": 1, "cameras": cameras }).to_string()).unwrap();
+    capture.scene["rig"] = json!("rig.json");
+    assert_eq!(meshes(&capture, &["--frames", "1,2"], &[1, 2]), listed);
+}
+
+#[test]
+fn a_picture_that_is_missing_concerns_its_frame_alone() {
+    let capture = with_range(6, 3);
+    fs::remove_file(capture.path("images/cam04_1.png")).unwrap();
+    meshes(&capture, &[], &[0, 1, 2]);
+    let found = warnings(&capture);
+    assert_eq!(found.len(), 1, "{found:?}");
+    assert_eq!(found[0]["code"], "missing-picture");
+    assert_eq!((&found[0]["frame"], &found[0]["camera"]), (&json!(1), &json!("cam04")));
+    assert!(found[0]["message"].as_str().unwrap().contains("images/cam04_1.png"));
+    // A frame without pictures fails, and the others do not.
+    for camera in 0..6 {
+        let _ = fs::remove_file(capture.path(&format!("images/cam{camera:02}_1.png")));
+    }
+    let output = capture.run(&[]);
+    assert_eq!(output.status.code(), Some(2), "{}", stderr(&output));
+    assert!(stderr(&output).contains("frame 1: ") && stderr(&output).contains("1 of 3 frames failed"));
+    assert_eq!(
+        capture.results(),
+        ["frame_0000.glb", "frame_0001.glb", "frame_0002.glb", "report.json", "sequence.json"]
+    );
+}
+
+#[test]
+fn a_frame_that_is_not_in_the_range_is_refused() {
+    let output = with_range(4, 2).run(&["--frames", "1,2"]);
+    assert_eq!(output.status.code(), Some(2));
+    assert!(stderr(&output).contains("has no frame 2"), "{}", stderr(&output));
+}
+
+#[test]
+fn an_offset_brings_a_camera_into_step() {
+    let right = meshes(&Capture::new(6, 3), &["--frames", "1"], &[1]);
+    let mut capture = with_range(6, 3);
+    // Pictures of `cam02` under the number of the frame before.
+    for kind in ["images", "masks"] {
+        let path = |frame: u32| capture.path(&format!("{kind}/cam02_{frame}.png"));
+        for frame in 1..3 {
+            fs::rename(path(frame), path(frame - 1)).unwrap();
+        }
+    }
+    assert_ne!(meshes(&capture, &["--frames", "1"], &[1]), right);
+    capture.scene["offsets"] = json!({ "cam02": -1 });
+    assert_eq!(meshes(&capture, &["--frames", "1"], &[1]), right);
+}
+
+/// A capture whose silhouettes are those of a ball that moves by some pixels per frame. Those of `cam03` are late by a frame.
+fn moving(speed: f64) -> Capture {
+    const SCALE: u32 = 3;
+    let capture = Capture::enlarged(8, 6, SCALE);
+    let number = |v: &Value| v.as_f64().unwrap();
+    for (i, camera) in capture.scene["cameras"].as_array().unwrap().iter().enumerate() {
+        for frame in 0..6 {
+            let time = f64::from(frame) - if i == 3 { 1.0 } else { 0.0 };
+            let centre = [0.2 * speed * (time - 2.0), 0.1 * speed * (time - 2.0), 0.0];
+            let seen = |row: usize| -> f64 {
+                number(&camera["t"][row]) + (0..3).map(|i| number(&camera["R"][row][i]) * centre[i]).sum::<f64>()
+            };
+            let (depth, focal) = (seen(2), number(&camera["K"][0][0]));
+            let [x, y] = [0, 1].map(|axis| number(&camera["K"][axis][2]) + focal * seen(axis) / depth);
+            let radius = focal / depth;
+            let inside = |u: u32, v: u32| (f64::from(u) - x).powi(2) + (f64::from(v) - y).powi(2) < radius * radius;
+            let mask =
+                GrayImage::from_fn(WIDTH * SCALE, HEIGHT * SCALE, |u, v| Luma([if inside(u, v) { 255 } else { 0 }]));
+            mask.save(capture.path(&format!("masks/cam{i:02}_{frame}.png"))).unwrap();
+        }
+    }
+    capture
+}
+
+/// The report of `pcmvs check`, and what it prints.
+fn checked(capture: &Capture) -> (Value, String) {
+    fs::write(capture.path("scene.json"), capture.scene.to_string()).unwrap();
+    let output = pcmvs().arg("check").arg(capture.path("")).arg("--json").output().unwrap();
+    (serde_json::from_slice(&output.stdout).unwrap_or_else(|_| panic!("{}", stderr(&output))), stderr(&output))
+}
+
+fn time_offsets(report: &Value) -> Vec<&Value> {
+    report["cameras"].as_array().unwrap().iter().map(|camera| &camera["time_offset"]).collect()
+}
+
+#[test]
+fn the_check_finds_a_camera_that_is_late_and_what_brings_it_into_step() {
+    let mut capture = moving(1.0);
+    let (report, printed) = checked(&capture);
+    assert_eq!(time_offsets(&report), [0, 0, 0, 1, 0, 0, 0, 0], "{printed}");
+    let first = &report["warnings"][0];
+    assert_eq!((&first["code"], &first["camera"]), (&json!("out-of-step"), &json!("cam03")));
+    assert!(printed.contains(r#""offsets": {"cam03":1}"#), "{printed}");
+    capture.scene["offsets"] = json!({ "cam03": 1 });
+    let (report, printed) = checked(&capture);
+    assert_eq!(time_offsets(&report), [0; 8], "{printed}");
+    assert!(!printed.contains("frame behind"), "{printed}");
+}
+
+#[test]
+fn frames_in_which_nothing_moves_do_not_tell_who_is_in_step() {
+    let (report, printed) = checked(&moving(0.0));
+    assert_eq!(time_offsets(&report), [&Value::Null; 8]);
+    assert!(printed.contains("do not tell of 8 of 8 cameras"), "{printed}");
+}
+
+#[test]
+fn a_change_remakes_the_frames_that_it_touches() {
+    let mut capture = with_range(5, 4);
+    let kept = |capture: &Capture, arguments: &[&str]| {
+        let output = capture.run(arguments);
+        assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+        let message = stderr(&output);
+        (0..4).filter(|index| message.contains(&format!("frame {index} has not changed"))).collect::<Vec<_>>()
+    };
+    assert_eq!(kept(&capture, &[]), [0; 0]);
+    fs::copy(capture.path("images/cam01_0.png"), capture.path("images/cam01_2.png")).unwrap();
+    assert_eq!(kept(&capture, &[]), [0, 1, 3], "a picture");
+    capture.mask("masks/cam03_1.png", 31.5, 13.0);
+    assert_eq!(kept(&capture, &[]), [0, 2, 3], "a mask");
+    fs::remove_file(capture.path("masks/cam00_3.png")).unwrap();
+    assert_eq!(kept(&capture, &[]), [0, 1, 2], "a mask that is no longer there");
+    // For cam04, frame f now shows what frame f + 1 showed. There is no picture 4.
+    capture.scene["offsets"] = json!({ "cam04": 1 });
+    assert_eq!(kept(&capture, &[]), [0; 0], "an offset");
+    capture.scene["fps"] = json!(50);
+    capture.scene["frames"] = json!({ "first": 1, "last": 3 });
+    assert_eq!(kept(&capture, &[]), [1, 2, 3], "what no mesh depends on");
+    capture.scene["cameras"][2]["t"][0] = json!(capture.scene["cameras"][2]["t"][0].as_f64().unwrap() + 1e-3);
+    assert_eq!(kept(&capture, &[]), [0; 0], "a camera");
+    assert_eq!(kept(&capture, &["--set", "hull.voxel_pixels=1.7"]), [0; 0], "a parameter");
+    assert_eq!(kept(&capture, &["--set", "hull.voxel_pixels=1.7"]), [1, 2, 3]);
+}
