@@ -4,7 +4,6 @@
 use alloc::vec::Vec;
 use core::iter::repeat_with;
 
-use super::samples::Sample;
 use super::spline::ABSENT;
 use crate::error::Result;
 use crate::executor::Executor;
@@ -59,10 +58,10 @@ impl<const N: usize> Patch<N> {
 
 /// Calls `contribute` for each sample with the patch that it adds to, and `add` with the sums of whole blocks and the index
 /// of each block's first node. `step` is called before every [`SAMPLES_PER_STEP`] samples.
-pub(super) fn accumulate<const N: usize>(
-    samples: &[Sample],
+pub(super) fn accumulate<S: Sync, const N: usize>(
+    samples: &[S],
     grid: &SparseGrid,
-    contribute: impl Fn(&Sample, &mut Patch<N>) + Sync,
+    contribute: impl Fn(&S, &mut Patch<N>) + Sync,
     mut add: impl FnMut(usize, &[[f32; N]]),
     executor: &impl Executor,
     mut step: impl FnMut() -> Result<()>,
