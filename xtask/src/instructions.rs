@@ -52,15 +52,15 @@ pub fn capture(case: &Case) -> Result<PathBuf> {
 /// Share of a frame's instructions that no number of threads makes faster: those outside of the jobs of the host's executor.
 pub fn serial_share() -> Result<f64> {
     setup::debian(&[VALGRIND])?;
-    let all = |outside: bool| -> Result<f64> {
-        let counts = count(&LARGE, outside)?;
+    let all = |in_jobs: bool| -> Result<f64> {
+        let counts = count(&LARGE, in_jobs)?;
         Ok(counts.iter().filter(|(stage, _)| stage != "glb" && stage != "all").map(|(_, millions)| millions).sum())
     };
-    Ok(all(true)? / all(false)?)
+    Ok(1.0 - all(true)? / all(false)?)
 }
 
-/// Millions of instructions of each stage, between the stages, and in total; with `outside` only those outside of jobs.
-fn count(case: &Case, outside: bool) -> Result<Vec<(String, f64)>> {
+/// Millions of instructions of each stage, between the stages, and in total; those of jobs only if `in_jobs`.
+fn count(case: &Case, in_jobs: bool) -> Result<Vec<(String, f64)>> {
     run(&mut cargo("build --quiet --release --package speed"))?;
     let capture = capture(case)?;
     let folder = target().join("speed/callgrind");
@@ -70,8 +70,8 @@ fn count(case: &Case, outside: bool) -> Result<Vec<(String, f64)>> {
     }
     fs::create_dir_all(&folder).map_err(fail)?;
     let mut valgrind = program("valgrind", "--quiet --tool=callgrind --dump-before=speed::boundary");
-    if outside {
-        valgrind.args(["--collect-atstart=yes", "--toggle-collect=speed::jobs::all*"]);
+    if in_jobs {
+        valgrind.arg("--toggle-collect=speed::jobs::all*");
     }
     valgrind.arg(format!("--callgrind-out-file={}", folder.join("out").display()));
     let printed = run(valgrind.arg(target().join("release/speed")).arg(capture).arg("1"))?;

@@ -7,7 +7,8 @@ use std::{
     time::Instant,
 };
 
-/// Runs the jobs of one call of an executor. callgrind excludes what is done in this function, so it must not be inlined.
+/// Runs the jobs of one call of an executor. callgrind tells what is done in this function from the rest, so it
+/// must not be inlined.
 #[inline(never)]
 pub fn all<T>(run: impl FnOnce() -> T) -> T {
     black_box(run())
