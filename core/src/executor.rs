@@ -56,8 +56,18 @@ impl Executor for Serial {
         count: usize,
         job: impl Fn(&mut S, usize) -> T + Sync,
     ) -> Vec<T> {
+        self.map_parts_with(spare, 0..count, |scratch, _, i| job(scratch, i))
+    }
+
+    /// Without the locks that threads need.
+    fn map_parts_with<S: Default + Send, P: Send, T: Send>(
+        &self,
+        spare: &mut Vec<S>,
+        parts: impl IntoIterator<Item = P>,
+        job: impl Fn(&mut S, usize, P) -> T + Sync,
+    ) -> Vec<T> {
         let mut scratch = spare.pop().unwrap_or_default();
-        let results = (0..count).map(|i| job(&mut scratch, i)).collect();
+        let results = parts.into_iter().enumerate().map(|(i, part)| job(&mut scratch, i, part)).collect();
         spare.push(scratch);
         results
     }

@@ -151,12 +151,12 @@ impl<'s> FrameFiles<'s> {
         let masks = reading.contents(has_mask_videos, mask)?;
         let views = images.into_iter().zip(masks).map(|(image, mask)| ViewFiles { image, mask }).collect();
         let mut files = Self { scene, frame, silhouettes, views, missing: Vec::new() };
-        files.missing = files.missing();
+        files.missing = files.not_found();
         Ok(files)
     }
 
     /// What does not exist.
-    fn missing(&self) -> Vec<MissingFile> {
+    fn not_found(&self) -> Vec<MissingFile> {
         let Self { scene, frame, .. } = *self;
         let plates = matches!(self.silhouettes, Silhouettes::Plates);
         let mask_code = if plates { "missing-plate" } else { "missing-mask" };
