@@ -44,6 +44,13 @@ pub enum Command {
     /// Writes SCENE/scene.json, and copies the pictures to SCENE/images and the masks to SCENE/masks.
     #[command(after_help = EXIT_STATUS)]
     Import(Import),
+    /// Join the parts of a clip that several runs made, such as those of several machines
+    ///
+    /// Every part is a result folder of `pcmvs reconstruct` for some frames of the same scene. OUT gets what a single run would
+    /// have written. Nothing is left out without a word: a frame that is missing, has failed, has changed, or was made with
+    /// other settings is an error that names it.
+    #[command(after_help = EXIT_STATUS)]
+    Join(Join),
     /// Pack the frames of a clip into one GLB file that ordinary players play
     ///
     /// Reads the frames that OUT/sequence.json lists, in any form. Each of them has its node, and an animation shows one after
@@ -173,6 +180,19 @@ pub struct Import {
     /// Folder of the new scene
     #[arg(short, long = "output", value_name = "SCENE")]
     pub output: PathBuf,
+}
+
+#[derive(Debug, Args)]
+pub struct Join {
+    /// Result folders of `pcmvs reconstruct`
+    #[arg(value_name = "PART", required = true)]
+    pub parts: Vec<PathBuf>,
+    /// Folder for the clip
+    #[arg(short, long = "output", value_name = "OUT")]
+    pub output: PathBuf,
+    /// Frames that the clip must have, such as 0..299 (299 is included) [default: those of the parts, without a gap]
+    #[arg(long, value_name = "LIST", value_parser = parse_list)]
+    pub frames: Option<List>,
 }
 
 #[derive(Debug, Args)]

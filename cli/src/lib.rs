@@ -7,6 +7,7 @@ mod compress;
 mod fingerprint;
 mod frame;
 mod import;
+mod join;
 mod json;
 mod manifest;
 mod mesh_file;
@@ -48,6 +49,7 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>, cancelled: &AtomicBool
         Command::Check(options) => check::run(&options, cancelled).map(|fine| if fine { 0 } else { DOUBTFUL }),
         Command::Refine(options) => refine::run(&options, cancelled).map(|()| 0),
         Command::Import(options) => import::run(&options).map(|()| 0),
+        Command::Join(options) => join::run(&options, cancelled).map(|()| 0),
         Command::Pack(options) => pack::run(&options, cancelled).map(|()| 0),
     };
     match result {

@@ -18,7 +18,7 @@ const VERSION: u32 = 1;
 const FPS: f64 = 30.0;
 
 /// The manifest that players read. `up` and `bounds` are in the frame of the files.
-#[derive(Debug, Serialize, Deserialize)]
+#[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct Manifest {
     pub version: u32,
     pub generator: String,
@@ -37,7 +37,7 @@ pub struct Manifest {
 }
 
 /// A frame of the clip.
-#[derive(Debug, Serialize, Deserialize)]
+#[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct ManifestFrame {
     pub index: u32,
     /// Seconds from the scene's first frame.
@@ -68,7 +68,7 @@ impl Manifest {
             fps,
             frame_count: report.frames.len(),
             url: format!("frame_%04d.{extension}"),
-            bounds: report.frames.iter().map(|frame| turned(frame.bounds, rotation)).reduce(union),
+            bounds: bounds(&report.frames, rotation),
             frames: report.frames.iter().map(|frame| ManifestFrame::new(frame, first_index, fps)).collect(),
         }
     }
@@ -93,10 +93,38 @@ impl Manifest {
         Ok(manifest)
     }
 
+    /// Whether both are of clips with the same form and frame of reference.
+    pub fn is_alike(&self, other: &Self) -> bool {
+        let alike = |a: &Self| (a.generator.clone(), a.units.clone(), a.up, a.rotation, a.url.clone());
+        alike(self) == alike(other)
+    }
+
     /// Writes the manifest to a result folder.
     pub fn write(&self, folder: &Path) -> Result<(), Failure> {
         output::write_json(&folder.join(FILE_NAME), self)
     }
+}
+
+/// Bounds of all frames in the frame of the files.
+pub fn bounds(frames: &[FrameReport], rotation: Option<[f64; 4]>) -> Option<[[f64; 3]; 2]> {
+    frames.iter().map(|frame| turned(frame.bounds, rotation)).reduce(union)
+}
+
+/// Number of gaps that a message names.
+const NAMED: usize = 8;
+
+/// Names the frames that are missing between others, as single ones or ranges, if the sorted indices follow each other by
+/// their smallest step. `None` if nothing is missing.
+pub fn gaps(indices: &[u32]) -> Option<String> {
+    let pairs = || indices.windows(2).map(|pair| (pair[0], pair[1]));
+    let step = pairs().map(|(a, b)| b.saturating_sub(a)).min().unwrap_or(1);
+    let gap = |(a, b): (u32, u32)| {
+        let (low, high) = (a.checked_add(step)?, b.checked_sub(step)?);
+        (low <= high).then(|| if low == high { low.to_string() } else { format!("{low}..{high}") })
+    };
+    let gaps: Vec<String> = pairs().filter_map(gap).collect();
+    let more = if gaps.len() > NAMED { " and more" } else { "" };
+    (!gaps.is_empty()).then(|| format!("{}{more}", gaps[..gaps.len().min(NAMED)].join(",")))
 }
 
 /// Bounds of a box that is turned by a quaternion.
@@ -110,4 +138,20 @@ fn turned(bounds: [[f64; 3]; 2], rotation: Option<[f64; 4]>) -> [[f64; 3]; 2] {
 fn union(a: [[f64; 3]; 2], b: [[f64; 3]; 2]) -> [[f64; 3]; 2] {
     let of = |end: usize, pick: fn(f64, f64) -> f64| std::array::from_fn(|axis| pick(a[end][axis], b[end][axis]));
     [of(0, f64::min), of(1, f64::max)]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn frames_that_are_missing_between_others_are_named() {
+        for whole in [&[3, 4, 5][..], &[0, 10, 20], &[7], &[]] {
+            assert_eq!(gaps(whole), None);
+        }
+        assert_eq!(gaps(&[0, 1, 3, 4, 9]).as_deref(), Some("2,5..8"));
+        assert_eq!(gaps(&[0, 5, 15, 30]).as_deref(), Some("10,20..25"));
+        let every_second: Vec<u32> = (0..10).map(|i| 3 * i + u32::from(i > 8)).chain([40, 41]).collect();
+        assert!(gaps(&every_second).is_some_and(|named| named.ends_with(" and more")));
+    }
 }

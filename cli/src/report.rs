@@ -10,7 +10,7 @@ use std::{fs, path::Path};
 pub const FILE_NAME: &str = "report.json";
 
 /// The whole report.
-#[derive(Debug, Serialize, Deserialize)]
+#[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct Report {
     pub version: String,
     pub preset: String,

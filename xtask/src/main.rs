@@ -9,6 +9,7 @@ mod captured;
 mod compiler;
 mod cycles;
 mod demo;
+mod farm;
 mod faults;
 mod fuzz;
 mod golden;
@@ -87,6 +88,8 @@ enum Task {
     Players,
     /// Import a clip into Blender, of which a Python package is installed
     Blender,
+    /// Make a clip on a Slurm cluster on this machine, of which a node is killed in the middle
+    Farm,
     /// Build the npm package in wasm/pkg
     Wasm,
     /// Build the C library, and install it with headers, pkg-config file and CMake package
@@ -138,6 +141,7 @@ fn main() -> ExitCode {
         Task::Web { .. } => web::demo(),
         Task::Players => players::run_alone(),
         Task::Blender => blender::run_alone(),
+        Task::Farm => farm::test(),
         Task::Wasm => web::wasm().map(|sizes| println!("{sizes}")),
         Task::Install { prefix: Some(prefix), check: false } => abi::install(&prefix),
         Task::Install { .. } => test::c_library(),

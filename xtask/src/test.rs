@@ -1,7 +1,7 @@
 //! `cargo xtask test`: all checks, quick ones first.
 
 use crate::{
-    Result, abi_check, blender, captured, cycles, fuzz, golden, no_std, oldest_compiler, players,
+    Result, abi_check, blender, captured, cycles, farm, fuzz, golden, no_std, oldest_compiler, players,
     process::{cargo, program, root, run as run_program, target},
     publish, python,
     setup::Need,
@@ -30,6 +30,7 @@ fn needs(all: bool) -> Vec<Need> {
         needs.push(FFMPEG);
         needs.extend(players::NEEDS);
         needs.extend(blender::NEEDS);
+        needs.extend(farm::needs());
         needs.extend(abi_check::NEEDS);
         needs.extend(fuzz::NEEDS);
         needs.extend(windows::needs());
@@ -68,6 +69,7 @@ pub fn run(all: bool, install: bool) -> Result<()> {
         })?;
         players::check(&mut steps)?;
         blender::check(&mut steps)?;
+        farm::check(&mut steps)?;
         abi_check::check(&mut steps)?;
         windows::check(&mut steps)?;
         steps.step_with(&fuzz::NEEDS, "fuzzing", fuzz::check)?;
