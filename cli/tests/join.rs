@@ -3,7 +3,7 @@
 
 mod common;
 
-use common::{Capture, names, pcmvs, stderr};
+use common::{Capture, assert_refused, names, pcmvs, stderr};
 use serde_json::{Value, json};
 use std::{fs, path::Path, process::Output};
 
@@ -25,11 +25,9 @@ fn join(capture: &Capture, parts: &[&str], arguments: &[&str]) -> Output {
 }
 
 /// Asserts that the parts are refused with a message that has these words, and that no clip appears.
+#[track_caller]
 fn refused(capture: &Capture, parts: &[&str], arguments: &[&str], words: &[&str]) {
-    let output = join(capture, parts, arguments);
-    let message = stderr(&output);
-    assert_eq!(output.status.code(), Some(2), "{message}");
-    assert!(words.iter().all(|word| message.contains(word)), "{words:?}: {message}");
+    assert_refused(&join(capture, parts, arguments), words);
     assert!(!capture.path("clip/sequence.json").exists());
 }
 
@@ -125,14 +123,10 @@ fn a_part_or_another_clip_is_not_overwritten() {
         command.arg("join").args(["a", "b", "c"].map(|part| capture.path(part))).arg("-o").arg(capture.path(output));
         command.output().unwrap()
     };
-    let is_refused = |output: Output, word: &str| {
-        assert_eq!(output.status.code(), Some(2));
-        assert!(stderr(&output).contains(word), "{}", stderr(&output));
-    };
     let before = names(&capture.path("b"));
-    is_refused(to("b"), "is one of the parts");
+    assert_refused(&to("b"), &["is one of the parts"]);
     assert_eq!(names(&capture.path("b")), before);
-    is_refused(to("scene.json"), "is a file");
+    assert_refused(&to("scene.json"), &["is a file"]);
     part(&capture, "clip", "0", &[]);
-    is_refused(to("clip"), "holds another clip");
+    assert_refused(&to("clip"), &["holds another clip"]);
 }

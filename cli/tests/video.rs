@@ -66,11 +66,7 @@ fn meshes(capture: &Capture, arguments: &[&str], count: u32) -> Vec<Vec<u8>> {
 
 #[track_caller]
 fn assert_refused(capture: &Capture, output: &Output, words: &[&str]) {
-    let message = stderr(output);
-    assert_eq!(output.status.code(), Some(2), "{message}");
-    for word in words {
-        assert!(message.contains(word), "`{word}` is missing in: {message}");
-    }
+    common::assert_refused(output, words);
     assert!(!capture.path("out").join("sequence.json").exists());
 }
 

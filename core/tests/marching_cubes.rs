@@ -7,7 +7,7 @@ use common::{Random, assert_manifold, volume};
 use glam::Vec3;
 use pcmvs_core::grid::{BLOCK_NODES, SparseGrid};
 use pcmvs_core::surface::{Unstored, marching_cubes};
-use pcmvs_core::{Serial, Workspace};
+use pcmvs_core::{Mesh, Serial, Workspace};
 
 /// A grid of random stored, inside and outside blocks.
 fn random_grid(random: &mut Random, dims: [u32; 3]) -> SparseGrid {
@@ -16,6 +16,11 @@ fn random_grid(random: &mut Random, dims: [u32; 3]) -> SparseGrid {
         1 => SparseGrid::OUTSIDE,
         _ => 0,
     })
+}
+
+/// The surface `iso` of a field. Blocks that are not stored have one of two values, inside or outside.
+fn extract(grid: &SparseGrid, values: &[f32], iso: f32, [inside, outside]: [f32; 2]) -> Mesh {
+    marching_cubes(grid, values, iso, Unstored { inside, outside }, &mut Workspace::default(), &Serial)
 }
 
 #[test]
@@ -27,14 +32,7 @@ fn random_fields_give_closed_manifolds() {
         let values: Vec<f32> = (0..grid.blocks.len() * BLOCK_NODES)
             .map(|_| if random.below(share) == 0 { random.unit() } else { -random.unit() })
             .collect();
-        let mesh = marching_cubes(
-            &grid,
-            &values,
-            0.0,
-            Unstored { inside: 1.0, outside: -1.0 },
-            &mut Workspace::default(),
-            &Serial,
-        );
+        let mesh = extract(&grid, &values, 0.0, [1.0, -1.0]);
         assert!(!mesh.triangles.is_empty());
         assert_manifold(&mesh);
     }
@@ -48,14 +46,7 @@ fn values_equal_to_iso_or_not_finite_do_no_harm() {
         let grid = random_grid(&mut random, [2, 2, 2]);
         let values: Vec<f32> =
             (0..grid.blocks.len() * BLOCK_NODES).map(|_| special[random.below(special.len())]).collect();
-        assert_manifold(&marching_cubes(
-            &grid,
-            &values,
-            0.5,
-            Unstored { inside: 1.0, outside: 0.0 },
-            &mut Workspace::default(),
-            &Serial,
-        ));
+        assert_manifold(&extract(&grid, &values, 0.5, [1.0, 0.0]));
     }
 }
 
@@ -72,14 +63,7 @@ fn every_case_closes_with_its_neighbours() {
                 let size = 0.01 + random.unit();
                 values[(z * 8 + y) * 8 + x] = if case >> corner & 1 == 1 { size } else { -size };
             }
-            assert_manifold(&marching_cubes(
-                &grid,
-                &values,
-                0.0,
-                Unstored { inside: 1.0, outside: -1.0 },
-                &mut Workspace::default(),
-                &Serial,
-            ));
+            assert_manifold(&extract(&grid, &values, 0.0, [1.0, -1.0]));
         }
     }
 }
@@ -87,8 +71,7 @@ fn every_case_closes_with_its_neighbours() {
 #[test]
 fn a_grid_that_is_all_inside_becomes_its_box() {
     let grid = SparseGrid::new(Vec3::ZERO, 1.0, [2, 1, 1], |_| SparseGrid::INSIDE);
-    let mesh =
-        marching_cubes(&grid, &[], 0.5, Unstored { inside: 1.0, outside: 0.0 }, &mut Workspace::default(), &Serial);
+    let mesh = extract(&grid, &[], 0.5, [1.0, 0.0]);
     assert_manifold(&mesh);
     // 16 x 8 x 8 nodes, half a voxel around them, less the bevel at edges and corners.
     let volume = volume(&mesh);
@@ -118,14 +101,7 @@ fn a_sphere_is_met_in_position_normal_and_volume() {
     }
     grid.origin = Vec3::splat(-5.0);
     let centre = centre + grid.origin;
-    let mesh = marching_cubes(
-        &grid,
-        &values,
-        0.0,
-        Unstored { inside: 10.0, outside: -10.0 },
-        &mut Workspace::default(),
-        &Serial,
-    );
+    let mesh = extract(&grid, &values, 0.0, [10.0, -10.0]);
     assert_manifold(&mesh);
     for (&p, &n) in mesh.positions.iter().zip(&mesh.normals) {
         assert!(((p - centre).length() - radius).abs() < 0.02);

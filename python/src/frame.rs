@@ -139,8 +139,8 @@ impl Frame {
     /// If it returns False, the call fails with ``Cancelled``. An exception in it, or Ctrl-C, also stops the work and comes
     /// out. The frame then is as it was after the last complete stage, and ``run`` goes on from there.
     ///
-    /// Other threads of the program run meanwhile, but this frame cannot be used. ``threads`` is the number of threads, that of the cores by default. It
-    /// does not change the result.
+    /// Other threads of the program run meanwhile, but this frame cannot be used. ``threads`` is the number of threads, that of
+    /// the cores by default. It does not change the result.
     #[pyo3(signature = (until = "colour", *, threads = None, progress = None))]
     fn run(
         &mut self,

@@ -24,11 +24,7 @@ const PACKED_FPS: &str = "12.5";
 
 /// The check alone.
 pub fn run_alone() -> Result<()> {
-    let mut steps = Steps::default();
-    steps.announce(&NEEDS);
-    check(&mut steps)?;
-    steps.finish();
-    Ok(())
+    Steps::alone(&NEEDS, check)
 }
 
 /// Imports clips of the page's sample and checks what Blender has.

@@ -3,9 +3,9 @@
 
 use crate::{
     Result,
-    process::{cargo, program, root, run, target},
+    process::{program, root, run, target},
     setup::Need,
-    steps::{Outcome, Steps, passed},
+    steps::{Outcome, Steps},
 };
 use std::{
     fs::{self, File},
@@ -15,7 +15,7 @@ use std::{
     time::{Duration, Instant},
 };
 
-const NEEDS: [Need; 1] = [Need::Debian(("slurm-wlm", "/usr/sbin/slurmctld"))];
+pub const NEEDS: [Need; 1] = [Need::Debian(("slurm-wlm", "/usr/sbin/slurmctld"))];
 
 const NODES: u32 = 3;
 /// First of the ports that the daemons listen on.
@@ -25,19 +25,12 @@ const FRAMES_PER_PART: u32 = 4;
 /// Longest time for anything that is waited for: Slurm gives up on a node after some ten seconds.
 const PATIENCE: Duration = Duration::from_secs(300);
 
-/// What the check needs.
-pub fn needs() -> Vec<Need> {
-    NEEDS.to_vec()
-}
-
 /// Makes the check alone.
 pub fn test() -> Result<()> {
-    let mut steps = Steps::default();
-    steps.announce(&NEEDS);
-    steps.step("command and studio", || run(&mut cargo("build --quiet -p pcmvs-cli -p studio --bins")).map(passed))?;
-    check(&mut steps)?;
-    steps.finish();
-    Ok(())
+    Steps::alone(&NEEDS, |steps| {
+        steps.build_commands()?;
+        check(steps)
+    })
 }
 
 /// Makes a clip on a farm and on one machine, with the command line and the studio that have been built before.

@@ -29,11 +29,7 @@ pub const NEEDS: [Need; 3] = [Need::Debian(CHROMIUM), Need::Npm("tests/web"), Ne
 
 /// The check alone.
 pub fn run_alone() -> Result<()> {
-    let mut steps = Steps::default();
-    steps.announce(&NEEDS);
-    check(&mut steps)?;
-    steps.finish();
-    Ok(())
+    Steps::alone(&NEEDS, check)
 }
 
 /// Reconstructs the page's sample with the command line and plays it in a browser.

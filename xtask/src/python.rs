@@ -2,9 +2,9 @@
 
 use crate::{
     Result,
-    process::{cargo, cargo_environment, program, run, target},
+    process::{cargo_environment, program, run, target},
     setup::{Environment, Need},
-    steps::{Outcome, Steps, passed},
+    steps::{Outcome, Steps},
 };
 use std::{fs, path::PathBuf, process::Command};
 
@@ -15,12 +15,10 @@ pub const NEEDS: [Need; 1] = [Need::Pip(ENVIRONMENT)];
 
 /// Makes the checks alone.
 pub fn test() -> Result<()> {
-    let mut steps = Steps::default();
-    steps.announce(&NEEDS);
-    steps.step("command and studio", || run(&mut cargo("build --quiet -p pcmvs-cli -p studio --bins")).map(passed))?;
-    check(&mut steps)?;
-    steps.finish();
-    Ok(())
+    Steps::alone(&NEEDS, |steps| {
+        steps.build_commands()?;
+        check(steps)
+    })
 }
 
 /// Builds the wheel and tests it, with the command line and the studio that have been built before.

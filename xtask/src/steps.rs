@@ -2,6 +2,7 @@
 
 use crate::{
     Result,
+    process::{cargo, run},
     setup::{Need, missing},
 };
 use std::{
@@ -40,6 +41,21 @@ impl Steps {
     /// Without `install`, checks that need something missing are skipped.
     pub fn new(install: bool) -> Self {
         Self { install, passed: 0, skipped: 0 }
+    }
+
+    /// Makes some checks outside of the test command.
+    pub fn alone(needs: &[Need], checks: impl FnOnce(&mut Self) -> Result<()>) -> Result<()> {
+        let mut steps = Self::new(true);
+        steps.announce(needs);
+        checks(&mut steps)?;
+        steps.finish();
+        Ok(())
+    }
+
+    /// The commands that some checks run, which the test command has built with its tests.
+    pub fn build_commands(&mut self) -> Result<()> {
+        let build = || run(&mut cargo("build --quiet -p pcmvs-cli -p studio --bins"));
+        self.step("command and studio", || build().map(passed))
     }
 
     /// Reports what checks need and this machine lacks, before the first of them installs anything.

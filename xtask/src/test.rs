@@ -30,7 +30,7 @@ fn needs(all: bool) -> Vec<Need> {
         needs.push(FFMPEG);
         needs.extend(players::NEEDS);
         needs.extend(blender::NEEDS);
-        needs.extend(farm::needs());
+        needs.extend(farm::NEEDS);
         needs.extend(abi_check::NEEDS);
         needs.extend(fuzz::NEEDS);
         needs.extend(windows::needs());
@@ -81,11 +81,7 @@ pub fn run(all: bool, install: bool) -> Result<()> {
 
 /// Makes only the long checks of the C library.
 pub fn c_library() -> Result<()> {
-    let mut steps = Steps::default();
-    steps.announce(&abi_check::NEEDS);
-    abi_check::check(&mut steps)?;
-    steps.finish();
-    Ok(())
+    Steps::alone(&abi_check::NEEDS, abi_check::check)
 }
 
 /// Lints of the workspace, and of the fuzz targets, which are a workspace of their own.

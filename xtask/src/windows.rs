@@ -59,11 +59,7 @@ pub fn check(steps: &mut Steps) -> Result<()> {
 
 /// Makes the checks alone.
 pub fn test() -> Result<()> {
-    let mut steps = Steps::default();
-    steps.announce(&needs());
-    check(&mut steps)?;
-    steps.finish();
-    Ok(())
+    Steps::alone(&needs(), check)
 }
 
 /// Folder of what is built and written.

@@ -1,8 +1,9 @@
 //! Errors of the default preset on analytic solids, with 20 views of 640 x 480.
 
 use facts::{
-    Errors, Shot, Threads,
+    Errors, Shot,
     errors::quantile,
+    threads,
     topology::{assert_sound, components},
 };
 use glam::{DVec3, Vec3};
@@ -29,7 +30,7 @@ impl Case {
 
     fn in_ring(name: &'static str, subject: Subject, ring: &Ring) -> Self {
         let shot = Shot::new(subject, &ring.sized(640, 480).cameras(), &Faults::default());
-        let result = shot.reconstruct_with(&Params::preset(Preset::Default), &Threads(2), &Silent);
+        let result = shot.reconstruct_with(&Params::preset(Preset::Default), &threads(2), &Silent);
         Self { name, shot, result: result.expect("an analytic scene can be reconstructed") }
     }
 

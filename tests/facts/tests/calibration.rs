@@ -1,6 +1,6 @@
 //! The calibration is checked and refined by what the cameras record.
 
-use facts::{Shot, Threads, errors::quantile};
+use facts::{Shot, errors::quantile, threads};
 use glam::DVec3;
 use pcmvs_core::{
     Camera, Executor, Serial, Silent, View,
@@ -165,7 +165,7 @@ fn frames_of_a_take_are_used_together() {
 fn neither_threads_nor_the_order_of_the_cameras_change_the_result() {
     let shot = bumped([-7.0, 7.0]);
     let found = calibrated(&shot);
-    assert_eq!(calibrated_by(&[&shot], &Threads(3)), found);
+    assert_eq!(calibrated_by(&[&shot], &threads(3)), found);
     let order = [4, 0, 7, 2, 9, 5, 1, 8, 6, 3, 11, 10];
     let permuted = calibrated(&shot.of_cameras(&order));
     for (i, &camera) in order.iter().enumerate() {

@@ -1,6 +1,6 @@
 //! Progress is consistent, and the host can cancel at any step.
 
-use facts::{Shot, Threads};
+use facts::{Shot, threads};
 use pcmvs_core::{Error, Params, Preset, Progress, Serial, Silent, Stage, frame::position};
 use std::sync::{
     LazyLock, Mutex,
@@ -44,7 +44,7 @@ fn every_step_can_cancel() {
             let stopped = SHOT.reconstruct_with(&params, &Serial, &StopAt::new(step));
             assert_eq!(stopped.err(), Some(Error::Cancelled), "{preset:?}: step {step} of {steps}");
         }
-        let stopped = SHOT.reconstruct_with(&params, &Threads(2), &StopAt::new(steps / 2));
+        let stopped = SHOT.reconstruct_with(&params, &threads(2), &StopAt::new(steps / 2));
         assert_eq!(stopped.err(), Some(Error::Cancelled), "{preset:?}");
         let after = SHOT.reconstruct_with(&params, &Serial, &Silent).expect("nothing stops it");
         assert_eq!(before.hashes, after.hashes);

@@ -96,7 +96,7 @@ fn forms_do_not_change_the_frame_and_are_the_same_every_time() {
     let frame = finished(&rig, &shot);
     let before = frame.mesh().clone();
     let first = frame.form(&textured(Some(256)), &Serial, &Silent).expect("a texture");
-    let second = frame.form(&textured(Some(256)), &facts::Threads(3), &Silent).expect("a texture");
+    let second = frame.form(&textured(Some(256)), &facts::threads(3), &Silent).expect("a texture");
     assert_eq!(first, second);
     assert_eq!(*frame.mesh(), before);
     let plain = frame.form(&FormParams::default(), &Serial, &Silent).expect("the mesh as it is");

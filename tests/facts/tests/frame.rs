@@ -1,6 +1,6 @@
 //! A frame made stage by stage is the frame made in one go, whatever is run twice, refused or recycled on the way.
 
-use facts::{Shot, Threads};
+use facts::{Shot, threads};
 use pcmvs_core::{
     Error, ErrorCode, Frame, Memory, Params, Preset, Progress, Reconstruction, Rig, Serial, Silent, Stage,
     frame::{ORDER, Prior},
@@ -53,7 +53,7 @@ fn stages_may_run_again_and_memory_may_be_recycled() {
                 }
                 continue;
             }
-            frame.step(stage, &Threads(2), &Silent).expect("nothing is wrong");
+            frame.step(stage, &threads(2), &Silent).expect("nothing is wrong");
             frame.step(stage, &Serial, &Silent).expect("a stage may run again");
         }
         assert_same(&frame.into_reconstruction(), &expected, &format!("{preset:?}"));

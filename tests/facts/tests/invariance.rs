@@ -1,6 +1,6 @@
 //! Changes of the input that must not change the result.
 
-use facts::{Shot, Threads, errors::quantile, topology::assert_sound};
+use facts::{Shot, errors::quantile, threads, topology::assert_sound};
 use glam::{DMat3, DVec3};
 use pcmvs_core::{Camera, Params, Preset, Reconstruction, Rig, Silent};
 use std::sync::LazyLock;
@@ -22,12 +22,12 @@ fn the_same_again_gives_the_same_bytes() {
 
 #[test]
 fn threads_give_the_same_bytes() {
-    for threads in [2, 5] {
-        let result = SHOT.reconstruct_with(&Params::preset(Preset::Default), &Threads(threads), &Silent);
+    for count in [2, 5] {
+        let result = SHOT.reconstruct_with(&Params::preset(Preset::Default), &threads(count), &Silent);
         let result = result.expect("the scene is sound");
-        assert_eq!(result.hashes, RESULT.hashes, "{threads} threads");
-        assert!(result.mesh == RESULT.mesh, "{threads} threads");
-        assert_eq!(result.counts, RESULT.counts, "{threads} threads");
+        assert_eq!(result.hashes, RESULT.hashes, "{count} threads");
+        assert!(result.mesh == RESULT.mesh, "{count} threads");
+        assert_eq!(result.counts, RESULT.counts, "{count} threads");
     }
 }
 

@@ -14,7 +14,7 @@ pub fn all<T>(run: impl FnOnce() -> T) -> T {
     black_box(run())
 }
 
-/// Runs all jobs in [`all`].
+/// Runs all jobs in [`all`], as [`Serial`] does.
 pub struct Marked;
 
 impl Executor for Marked {
@@ -25,6 +25,15 @@ impl Executor for Marked {
         job: impl Fn(&mut S, usize) -> T + Sync,
     ) -> Vec<T> {
         all(|| Serial.map_with(spare, count, job))
+    }
+
+    fn map_parts_with<S: Default + Send, P: Send, T: Send>(
+        &self,
+        spare: &mut Vec<S>,
+        parts: impl IntoIterator<Item = P>,
+        job: impl Fn(&mut S, usize, P) -> T + Sync,
+    ) -> Vec<T> {
+        all(|| Serial.map_parts_with(spare, parts, job))
     }
 }
 

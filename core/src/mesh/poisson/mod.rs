@@ -103,8 +103,8 @@ pub(super) fn solve(
             GridLevel::refine(&levels, &samples, level, iso, workspace, executor)
         };
         steps.step()?;
-        let below = Below { samples: &samples, grid: &next.grid, level };
-        let mut rhs = right_hand_side(&levels, &mut sparse, below, workspace, executor, || steps.step())?;
+        let next_level = NextLevel { samples: &samples, grid: &next.grid, level };
+        let mut rhs = right_hand_side(&levels, &mut sparse, next_level, workspace, executor, || steps.step())?;
         steps.step()?;
         cells.recycle_into(workspace);
         cells = Cells::new(&samples, &next.grid, level, workspace, executor);
@@ -153,7 +153,7 @@ pub(super) fn solve(
 
 /// The level to solve.
 #[derive(Clone, Copy)]
-struct Below<'a> {
+struct NextLevel<'a> {
     samples: &'a [Sample],
     grid: &'a SparseGrid,
     level: usize,
@@ -165,7 +165,7 @@ struct Below<'a> {
 fn right_hand_side(
     levels: &[GridLevel],
     sparse: &mut Vec<f32>,
-    Below { samples, grid, level }: Below,
+    NextLevel { samples, grid, level }: NextLevel,
     workspace: &mut Workspace,
     executor: &impl Executor,
     step: impl FnMut() -> Result<()>,
