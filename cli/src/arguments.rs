@@ -84,6 +84,11 @@ pub struct Reconstruct {
     /// First correct the calibration by the pictures, as `pcmvs refine` does
     #[arg(long)]
     pub refine: bool,
+    /// Make every frame by itself. Without this, the mesh of a frame is averaged with those of the frames before and after it,
+    /// so that surfaces and colours are steady in time; with --frames these are made besides, and not written. The presets
+    /// `paper` and `preview` never average
+    #[arg(long)]
+    pub alone: bool,
     /// Memory limit per frame in MiB, without its pictures. A frame that needs more fails before it starts
     #[arg(long, value_name = "MIB")]
     pub max_memory: Option<u64>,
@@ -347,6 +352,11 @@ impl PresetName {
             Self::Hull => Preset::Hull,
             Self::Preview => Preset::Preview,
         }
+    }
+
+    /// Whether frames are averaged with their neighbours.
+    pub const fn averages(self) -> bool {
+        matches!(self, Self::Default | Self::Hull)
     }
 
     pub const fn name(self) -> &'static str {

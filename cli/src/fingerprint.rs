@@ -16,7 +16,7 @@ pub fn hex(bytes: &[u8]) -> String {
 
 /// SHA-256 over a sequence of byte strings. The length of each is hashed first, so that different sequences give different
 /// input to the hash.
-#[derive(Clone)]
+#[derive(Clone, Default)]
 pub struct Fingerprint(Sha256);
 
 impl Fingerprint {
@@ -25,7 +25,7 @@ impl Fingerprint {
         let read = |path: &Path| fs::read(path).map_err(|e| Failure::Other(format!("{}: {e}", path.display())));
         let path = env::current_exe()
             .map_err(|e| Failure::Other(format!("the path of the running program cannot be found ({e})")))?;
-        let mut fingerprint = Self(Sha256::new());
+        let mut fingerprint = Self::default();
         fingerprint.add(&read(&path)?);
         Ok(fingerprint)
     }

@@ -1,4 +1,4 @@
-//! Reconstructs one frame: reads its files and writes its mesh.
+//! Makes one frame: reads its files, reconstructs it, averages it with its neighbours and writes its mesh.
 
 use crate::{
     fingerprint::{Fingerprint, sha256},
@@ -10,7 +10,9 @@ use crate::{
     video::Videos,
     warning::WarningReport,
 };
-use pcmvs_core::{Frame, Memory, Mesh, Params, PointCloud, Progress, Reconstruction, Rig, Stage, export::ply};
+use pcmvs_core::{
+    Frame, Memory, Mesh, Params, PointCloud, Reconstruction, Rig, Stage, export::ply, steady::SteadyParams,
+};
 use pcmvs_scene::{Disk, Failure, FrameFiles, Scene, SceneFrame, Silhouettes, Threads};
 use std::{
     fs,
@@ -21,6 +23,10 @@ use std::{
 /// What all frames of a run share.
 pub struct Job<'a> {
     pub scene: &'a Scene,
+    /// Indices of the frames to write. The scene has those that they are averaged with besides.
+    pub asked: &'a [u32],
+    /// Whether frames are not averaged with their neighbours.
+    pub alone: bool,
     pub rig: &'a Rig,
     pub params: &'a Params,
     /// Memory limit per frame, in bytes.
@@ -40,7 +46,26 @@ pub struct Job<'a> {
     pub earlier: &'a Earlier,
 }
 
+/// A frame that has been reconstructed by itself.
+pub struct Own<'a> {
+    frame: &'a SceneFrame,
+    made: Frame<&'a Rig>,
+    progress: FrameProgress<'a>,
+}
+
+impl Own<'_> {
+    /// The mesh of the frame alone.
+    pub fn mesh(&self) -> &Mesh {
+        self.made.own_mesh()
+    }
+}
+
 impl Job<'_> {
+    /// Whether a frame's mesh is to be written.
+    pub fn is_asked(&self, index: u32) -> bool {
+        self.asked.binary_search(&index).is_ok()
+    }
+
     /// Reads the pictures of a frame.
     pub fn read<'s>(&'s self, frame: &'s SceneFrame) -> Result<FrameFiles<'s>, Failure> {
         if self.console.is_cancelled() {
@@ -49,26 +74,63 @@ impl Job<'_> {
         FrameFiles::read(&Disk, self.videos, self.scene, frame, self.silhouettes)
     }
 
-    /// Reconstructs a frame, or keeps the result of an earlier run if nothing has changed. Warnings are written to the
-    /// terminal and added to `warnings`, also if the frame fails.
-    pub fn run(
+    /// SHA-256 of a frame's pictures and masks.
+    pub fn digest(files: &FrameFiles) -> String {
+        let mut digest = Fingerprint::default();
+        for file in files.contents() {
+            digest.add(&[u8::from(file.is_some())]);
+            digest.add(file.unwrap_or_default());
+        }
+        digest.finish()
+    }
+
+    /// What the result of a frame depends on: the settings, its own pictures, and those of its neighbours. A neighbour that
+    /// has no result has no digest.
+    pub fn fingerprint(&self, own: &str, neighbours: impl IntoIterator<Item = Option<String>>) -> String {
+        let mut fingerprint = self.settings.clone();
+        fingerprint.add(own.as_bytes());
+        for neighbour in neighbours {
+            fingerprint.add(&[u8::from(neighbour.is_some())]);
+            fingerprint.add(neighbour.unwrap_or_default().as_bytes());
+        }
+        fingerprint.finish()
+    }
+
+    /// The result of an earlier run for a frame, if it is still there and nothing has changed.
+    pub fn kept(&self, frame: &SceneFrame, fingerprint: &str) -> Option<&FrameReport> {
+        let earlier = self.earlier.frames.iter().find(|e| e.index == frame.index && e.fingerprint == fingerprint);
+        earlier.filter(|earlier| self.is_still_there(earlier))
+    }
+
+    /// Keeps the result of an earlier run. Its warnings are written to the terminal and added to `warnings`.
+    pub fn keep(
         &self,
         frame: &SceneFrame,
-        files: FrameFiles,
+        earlier: &FrameReport,
         warnings: &mut Vec<WarningReport>,
     ) -> Result<FrameReport, Failure> {
-        let fingerprint = self.fingerprint(&files);
-        let earlier = self.earlier.frames.iter().find(|e| e.index == frame.index && e.fingerprint == fingerprint);
-        if let Some(earlier) = earlier.filter(|earlier| self.is_still_there(earlier)) {
-            self.warn(warnings, self.earlier.warnings_of(frame.index).cloned().collect());
-            self.accept(frame, warnings)?;
-            self.console.line(&format!("frame {} has not changed: its mesh is kept", frame.index));
-            return Ok(earlier.clone());
+        self.warn(warnings, self.earlier.warnings_of(frame.index).cloned().collect());
+        self.accept(frame, warnings)?;
+        self.console.line(&format!("frame {} has not changed: its mesh is kept", frame.index));
+        Ok(earlier.clone())
+    }
+
+    /// Averages a frame with its neighbours, if there are any, and writes its mesh.
+    pub fn finish(
+        &self,
+        own: Own,
+        neighbours: &[&Mesh],
+        fingerprint: String,
+        warnings: &mut Vec<WarningReport>,
+    ) -> Result<FrameReport, Failure> {
+        let Own { frame, mut made, progress } = own;
+        self.accept(frame, warnings)?;
+        let explain = |error| self.scene.explain(&error, Some(frame));
+        if !neighbours.is_empty() {
+            made.steady(neighbours, &SteadyParams::DEFAULT, self.threads, &progress).map_err(explain)?;
         }
-        let progress = self.console.frame(frame.index);
-        let made = self.reconstruct(frame, files, warnings, &progress)?;
         let file = self.mesh_file.make(&made, frame.index, self.threads, &progress);
-        let Made { bytes, bounds, warning } = file.map_err(|error| self.scene.explain(&error, Some(frame)))?;
+        let Made { bytes, bounds, warning } = file.map_err(explain)?;
         self.warn(warnings, warning.into_iter().collect());
         self.accept(frame, warnings)?;
 
@@ -120,40 +182,34 @@ impl Job<'_> {
         )))
     }
 
-    fn fingerprint(&self, files: &FrameFiles) -> String {
-        let mut fingerprint = self.settings.clone();
-        for file in files.contents() {
-            fingerprint.add(&[u8::from(file.is_some())]);
-            fingerprint.add(file.unwrap_or_default());
-        }
-        fingerprint.finish()
-    }
-
     fn is_still_there(&self, earlier: &FrameReport) -> bool {
         let same = fs::read(self.folder.join(&earlier.file)).is_ok_and(|bytes| sha256(&bytes) == earlier.sha256);
         same && (!self.stages || self.stages_folder(earlier.index).is_dir())
     }
 
-    fn reconstruct(
-        &self,
-        frame: &SceneFrame,
+    /// Reconstructs a frame by itself. Warnings are written to the terminal and added to `warnings`, also if the frame fails.
+    pub fn reconstruct<'s>(
+        &'s self,
+        frame: &'s SceneFrame,
         mut files: FrameFiles,
         warnings: &mut Vec<WarningReport>,
-        progress: &FrameProgress,
-    ) -> Result<Frame<&Rig>, Failure> {
+    ) -> Result<Own<'s>, Failure> {
+        let progress = self.console.frame(frame.index);
         progress.begin("decode");
         let missing = take(&mut files.missing);
         let missing = missing.into_iter().map(|file| WarningReport::of_missing(file, self.scene, frame));
         self.warn(warnings, missing.collect());
         let pictures = files.decode(self.threads)?;
         progress.end("decode");
-        let progress: &dyn Progress = progress;
         let memory = self.max_memory.map_or_else(Memory::default, Memory::limited);
         let mut made = Frame::new(self.rig, *self.params, memory);
-        let result = made.run_all(&pictures.inputs(), self.threads, progress);
+        let result = made.run_all(&pictures.inputs(), self.threads, &progress);
         self.warn(warnings, self.warnings_of(&made, frame, warnings));
         result.map_err(|error| self.scene.explain(&error, Some(frame)))?;
-        Ok(made)
+        if !self.stages {
+            made.drop_intermediates();
+        }
+        Ok(Own { frame, made, progress })
     }
 
     /// The core's warnings about a frame. That a camera has no picture or mask goes without saying where `known` says that

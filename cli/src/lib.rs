@@ -11,6 +11,7 @@ mod join;
 mod json;
 mod manifest;
 mod mesh_file;
+mod neighbours;
 mod output;
 mod overrides;
 mod pack;

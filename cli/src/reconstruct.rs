@@ -8,19 +8,19 @@ use crate::{
     json,
     manifest::Manifest,
     mesh_file::MeshFile,
+    neighbours::{self, Planned, Ready, Waiting},
     output, overrides,
     progress::Console,
-    report::{self, Earlier, FrameFailure, Report, peak_memory},
+    report::{self, Earlier, FrameFailure, FrameReport, Report, peak_memory},
     run::Run,
     video::Videos,
     warning::WarningReport,
 };
-use pcmvs_core::{Camera, Params, Rig, Warning, calibration::CalibrationParams};
+use pcmvs_core::{Camera, Mesh, Params, Rig, Warning, calibration::CalibrationParams};
 use pcmvs_scene::{Disk, Failure, Scene, Silhouettes, Threads, thread_count};
 use std::{
     panic::{AssertUnwindSafe, catch_unwind},
-    path::Path,
-    sync::{Mutex, PoisonError, atomic::AtomicBool},
+    sync::{Mutex, MutexGuard, PoisonError, atomic::AtomicBool},
 };
 
 /// Largest number of frames in memory at a time, because each takes hundreds of MiB. Further threads work on the views of
@@ -38,7 +38,13 @@ pub fn run(options: &Reconstruct, cancelled: &AtomicBool) -> Result<(), Failure>
     let evidence = calibration::evidence(&scene, None)?;
     let silhouettes = Silhouettes::new(options.common.masks.files(), &mut scene)?;
     let videos = Videos::open(&scene)?;
+    let all = scene.frames.clone();
     scene.select_frames(options.frames.as_ref().map(|list| list.0.as_slice()))?;
+    let asked: Vec<u32> = scene.frames.iter().map(|frame| frame.index).collect();
+    let alone = options.alone || !options.preset.averages();
+    if !alone {
+        scene.frames = neighbours::with_neighbours(all, &asked);
+    }
     if options.output.exists() && !options.output.is_dir() {
         return Err(Failure::Input(format!("{}: is a file: name a folder", options.output.display())));
     }
@@ -61,7 +67,7 @@ pub fn run(options: &Reconstruct, cancelled: &AtomicBool) -> Result<(), Failure>
         calibration = Some(found.to_json(&scene));
     }
     let rig = Rig::new(&cameras).map_err(|error| scene.explain(&error, None))?;
-    let settings = settings(&mesh_file, &params, &cameras, silhouettes)?;
+    let settings = settings(&mesh_file, &params, &cameras, silhouettes, alone)?;
     let settings_text = settings.clone().finish();
     let earlier = Earlier::read(&options.output, &settings_text);
     let about_rig = warnings_about(&rig, &scene);
@@ -74,6 +80,8 @@ pub fn run(options: &Reconstruct, cancelled: &AtomicBool) -> Result<(), Failure>
     }
     let job = Job {
         scene: &scene,
+        asked: &asked,
+        alone,
         rig: &rig,
         params: &params,
         max_memory: options.max_memory.map(|mib| mib.saturating_mul(1 << 20)),
@@ -102,7 +110,7 @@ pub fn run(options: &Reconstruct, cancelled: &AtomicBool) -> Result<(), Failure>
         frames: Vec::new(),
         failures: Vec::new(),
     };
-    let report = with_not_asked(report, &earlier, &scene, &options.output);
+    let report = with_not_asked(report, &job);
     let (report, worst) = make_frames(&job, report);
     if report.frames.is_empty() {
         return Err(worst.unwrap_or(Failure::Cancelled));
@@ -113,7 +121,7 @@ pub fn run(options: &Reconstruct, cancelled: &AtomicBool) -> Result<(), Failure>
     match worst {
         Some(failure) => Err(failure),
         None => {
-            println!("{} frames in {}", scene.frames.len(), options.output.display());
+            println!("{} frames in {}", asked.len(), options.output.display());
             Ok(())
         }
     }
@@ -131,60 +139,130 @@ fn settings(
     params: &Params,
     cameras: &[Camera],
     silhouettes: Silhouettes,
+    alone: bool,
 ) -> Result<Fingerprint, Failure> {
     let mut fingerprint = Fingerprint::of_program()?;
-    fingerprint.add(format!("{params:?} {cameras:?} {silhouettes:?} {mesh_file:?}").as_bytes());
+    fingerprint.add(format!("{params:?} {cameras:?} {silhouettes:?} {mesh_file:?} {alone}").as_bytes());
     Ok(fingerprint)
 }
 
 /// Adds the frames of an earlier run that belong to the same clip but are not part of this run.
-fn with_not_asked(mut report: Report, earlier: &Earlier, scene: &Scene, folder: &Path) -> Report {
-    let asked = |index: u32| scene.frames.iter().any(|f| f.index == index);
-    for frame in earlier.frames.iter().filter(|e| !asked(e.index) && folder.join(&e.file).is_file()) {
-        report.warnings.extend(earlier.warnings_of(frame.index).cloned());
+fn with_not_asked(mut report: Report, job: &Job) -> Report {
+    for frame in job.earlier.frames.iter().filter(|e| !job.is_asked(e.index) && job.folder.join(&e.file).is_file()) {
+        report.warnings.extend(job.earlier.warnings_of(frame.index).cloned());
         report.frames.push(frame.clone());
     }
     report
 }
 
-/// Reconstructs all frames, even if some of them fail. The report is written after each good frame, so that a killed run
-/// can be continued.
-fn make_frames(job: &Job, report: Report) -> (Report, Option<Failure>) {
-    let report = Mutex::new(report);
-    let frames = &job.scene.frames;
-    // Frames are read one after another, in their order, because that is how videos are read. No other work of the pool is
-    // done meanwhile, which could wait for the same lock.
-    let turn = Mutex::new(0);
-    let outcomes = job.threads.map_at_most(MAX_FRAMES, frames.len(), |_| {
-        let mut next = turn.lock().unwrap_or_else(PoisonError::into_inner);
-        let frame = &frames[*next];
-        *next += 1;
-        let index = frame.index;
-        let files = guarded(index, || job.read(frame));
-        drop(next);
-        let mut warnings = Vec::new();
-        let outcome = files.and_then(|files| guarded(index, || job.run(frame, files, &mut warnings)));
-        let mut report = report.lock().unwrap_or_else(PoisonError::into_inner);
+/// The report of a run while frames are made, and the failures so far.
+struct Outcome<'a> {
+    job: &'a Job<'a>,
+    report: Report,
+    failures: Vec<Failure>,
+}
+
+impl Outcome<'_> {
+    /// Adds a frame that has been written, or its failure. The report is written after each good frame, so that a killed run
+    /// can be continued.
+    fn add(&mut self, index: u32, outcome: Result<FrameReport, Failure>, warnings: Vec<WarningReport>) {
+        let Self { job, report, failures } = self;
         report.warnings.extend(warnings);
         report.warnings.sort_by_key(|warning| warning.frame);
         let outcome = outcome.and_then(|done| {
             report.frames.push(done);
             report.frames.sort_by_key(|f| f.index);
             report.peak_memory = peak_memory();
-            output::write_json(&job.folder.join(report::FILE_NAME), &*report)
+            output::write_json(&job.folder.join(report::FILE_NAME), report)
         });
-        if let Err(failure) = &outcome
-            && *failure != Failure::Cancelled
-        {
+        let Err(failure) = outcome else { return };
+        if failure != Failure::Cancelled {
             job.console.line(&format!("error: {failure}"));
             report.failures.push(FrameFailure { index, error: failure.to_string() });
             report.failures.sort_by_key(|f| f.index);
         }
-        outcome
+        failures.push(failure);
+    }
+}
+
+/// Makes all frames, even if some of them fail.
+fn make_frames(job: &Job, report: Report) -> (Report, Option<Failure>) {
+    let mut outcome = Outcome { job, report, failures: Vec::new() };
+    match keep_earlier(job, &mut outcome) {
+        Ok(kept) => outcome = make_missing(job, &kept, outcome),
+        Err(failure) => outcome.failures.push(failure),
+    }
+    let Outcome { report, failures, .. } = outcome;
+    (report, summary(&failures, job.asked.len()))
+}
+
+/// Keeps the results of an earlier run for which nothing has changed, and returns their frames.
+fn keep_earlier(job: &Job, outcome: &mut Outcome) -> Result<Vec<u32>, Failure> {
+    let mut kept = Vec::new();
+    if job.earlier.frames.is_empty() {
+        return Ok(kept);
+    }
+    let plan = neighbours::plan(&job.scene.frames, |index| job.is_asked(index), job.alone);
+    let digests = neighbours::digests(job, &plan)?;
+    for (planned, earlier) in plan.iter().zip(neighbours::kept(job, &plan, &digests)) {
+        let Some(earlier) = earlier else { continue };
+        let mut warnings = Vec::new();
+        let done = job.keep(planned.frame, earlier, &mut warnings);
+        outcome.add(earlier.index, done, warnings);
+        kept.push(earlier.index);
+    }
+    Ok(kept)
+}
+
+/// Makes the frames that are asked for and not `kept`, and those that they are averaged with.
+fn make_missing<'a>(job: &'a Job<'a>, kept: &[u32], outcome: Outcome<'a>) -> Outcome<'a> {
+    let is_missing = |index: u32| job.is_asked(index) && !kept.contains(&index);
+    let plan = neighbours::plan(&job.scene.frames, is_missing, job.alone);
+    let (outcome, waiting) = (Mutex::new(outcome), Mutex::new(Waiting::new(&plan)));
+    // Frames are read one after another, in their order, because that is how videos are read. No other work of the pool is
+    // done meanwhile, which could wait for the same lock.
+    let turn = Mutex::new(0);
+    job.threads.map_at_most(MAX_FRAMES, plan.len(), |_| {
+        let mut next = lock(&turn);
+        let place = *next;
+        *next += 1;
+        let Planned { frame, is_asked, .. } = plan[place];
+        let index = frame.index;
+        let files = guarded(index, || job.read(frame));
+        drop(next);
+        let mut warnings = Vec::new();
+        let own = files.and_then(|files| {
+            let digest = Job::digest(&files);
+            Ok((guarded(index, || job.reconstruct(frame, files, &mut warnings))?, digest))
+        });
+        let ready = match own {
+            Ok((own, digest)) => lock(&waiting).made(place, own, digest, warnings),
+            Err(failure) => {
+                if is_asked {
+                    lock(&outcome).add(index, Err(failure), warnings);
+                }
+                lock(&waiting).failed(place)
+            }
+        };
+        for Ready { place, own, digest, neighbours, mut warnings } in ready {
+            let frame = plan[place].frame;
+            let fingerprint = job.fingerprint(&digest, neighbours.iter().map(|n| n.as_ref().map(|(digest, _)| digest.clone())));
+            let meshes: Vec<&Mesh> = neighbours.iter().flatten().map(|(_, mesh)| &**mesh).collect();
+            let done = guarded(frame.index, || {
+                if job.console.is_cancelled() {
+                    return Err(Failure::Cancelled);
+                }
+                job.finish(own, &meshes, fingerprint, &mut warnings)
+            });
+            lock(&outcome).add(frame.index, done, warnings);
+        }
     });
-    let report = report.into_inner().unwrap_or_else(PoisonError::into_inner);
-    let failures: Vec<Failure> = outcomes.into_iter().filter_map(Result::err).collect();
-    (report, summary(&failures, frames.len()))
+    outcome.into_inner().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// Locks a value. A panic in another frame has not left it half-changed.
+fn lock<T>(value: &Mutex<T>) -> MutexGuard<'_, T> {
+    value.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
 /// Work on a frame. A panic is a failure of the frame alone.

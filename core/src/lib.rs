@@ -121,6 +121,7 @@ mod math;
 pub mod memory;
 pub mod merge;
 pub mod mesh;
+mod neighbour_grid;
 pub mod params;
 pub mod point_cloud;
 mod progress;
@@ -131,6 +132,7 @@ pub mod silhouette;
 mod simd;
 pub mod simplify;
 mod stage;
+pub mod steady;
 pub mod surface;
 #[cfg(test)]
 mod testing;

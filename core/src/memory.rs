@@ -14,6 +14,9 @@
 //! A form of the finished mesh ([`crate::Frame::form`]) needs at most `500 V + 5 P + 24 X` bytes besides, for a texture of X
 //! texels.
 //!
+//! The mean with neighbouring frames ([`crate::Frame::steady`]) needs at most `300 (V + W)` bytes besides, where W is the number
+//! of vertices of the largest neighbour. Its own mesh and those of its neighbours are not counted.
+//!
 //! 96 L is for reading views. Of a figure with a clean contour this takes 30 bytes per pixel, or 35 where the lens distorts.
 //! A matte with nearly as much contour as is still refined takes 83 to 88, or 86 to 90 if it comes from a clean plate. On
 //! several threads, each thread takes this much while it reads views.
@@ -45,6 +48,8 @@ const PER_FORM_VERTEX: u64 = 500;
 const PER_SEEN_PIXEL: u64 = 5;
 /// Bytes per texel of a texture: the triangle that it shows, its colour, and the pictures that gaps are filled from.
 const PER_TEXEL: u64 = 24;
+/// Bytes per vertex of a mesh, and of the neighbour that it is averaged with: neighbours, smoothed colours, nodes and sums.
+const PER_STEADY_VERTEX: u64 = 300;
 /// Share of a picture that an object is expected to cover.
 const EXPECTED_INSIDE: f64 = 0.25;
 /// Vertices of a mesh per pixel inside a silhouette, with voxels of one pixel: an upright figure's surface is about three
@@ -144,6 +149,21 @@ pub(crate) fn check_form(
 pub fn form(views: &[View], mesh: &Mesh, size: u32) -> u64 {
     let seen = if size > 0 { PER_SEEN_PIXEL * pixels(views) } else { 0 };
     PER_FORM_VERTEX * mesh.positions.len() as u64 + seen + PER_TEXEL * u64::from(size) * u64::from(size)
+}
+
+/// Refuses to average a mesh with its neighbours if that needs more than `limit` bytes besides the frame, which needs `frame`.
+///
+/// # Errors
+/// [`crate::Error::OutOfMemory`].
+pub(crate) fn check_steady(
+    frame: impl FnOnce() -> u64,
+    mesh: &Mesh,
+    neighbours: &[&Mesh],
+    limit: Option<u64>,
+) -> Result<()> {
+    let vertices = |mesh: &Mesh| mesh.positions.len() as u64;
+    let largest = neighbours.iter().map(|mesh| vertices(mesh)).max().unwrap_or(0);
+    within(|| frame() + PER_STEADY_VERTEX * (vertices(mesh) + largest), limit)
 }
 
 /// Refuses all frames of a rig if the views alone need more than `limit` bytes.

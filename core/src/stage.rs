@@ -26,6 +26,8 @@ pub enum Stage {
     /// Another form of the finished mesh ([`crate::Frame::form`]), with fewer triangles or a texture. It is not one of the
     /// stages of a frame: [`crate::frame::ORDER`] does not have it.
     Form = 8,
+    /// The mean with neighbouring frames ([`crate::steady`]). It is not one of the stages of a frame either.
+    Steady = 9,
 }
 
 impl Stage {
@@ -46,6 +48,7 @@ impl Stage {
             Self::Mesh => "mesh",
             Self::Colour => "colour",
             Self::Form => "form",
+            Self::Steady => "steady",
         }
     }
 }

@@ -1,7 +1,7 @@
 //! Colours of vertices that no camera sees (§7), by diffusion from their surroundings.
 
-use crate::point_cloud::Mesh;
-use alloc::{vec, vec::Vec};
+use crate::{point_cloud::Mesh, surface::VertexNeighbours};
+use alloc::vec::Vec;
 use glam::Vec3;
 
 /// Number of Gauss-Seidel iterations that smooth the diffused colours.
@@ -19,7 +19,7 @@ pub(super) fn fill(mesh: &Mesh, colours: &[Option<Vec3>], out: &mut Vec<Vec3>) {
     if count == 0 || count == colours.len() {
         return;
     }
-    let neighbours = Neighbours::new(mesh, |v| colours[v as usize].is_none());
+    let neighbours = VertexNeighbours::of_some(mesh, |v| colours[v as usize].is_none());
     // The vertices without a colour, in the order in which the known colours reach them.
     let mut reached: Vec<bool> = colours.iter().map(Option::is_some).collect();
     let mut order: Vec<u32> = Vec::new();
@@ -48,37 +48,5 @@ pub(super) fn fill(mesh: &Mesh, colours: &[Option<Vec3>], out: &mut Vec<Vec3>) {
             let around = neighbours.of(v);
             out[v as usize] = around.iter().map(|&n| out[n as usize]).sum::<Vec3>() / around.len() as f32;
         }
-    }
-}
-
-/// The neighbours of some vertices. The other end of an edge is listed once per triangle at the edge.
-struct Neighbours {
-    starts: Vec<u32>,
-    list: Vec<u32>,
-}
-
-impl Neighbours {
-    fn new(mesh: &Mesh, wanted: impl Fn(u32) -> bool) -> Self {
-        let mut starts = vec![0u32; mesh.positions.len() + 1];
-        let corners =
-            || mesh.triangles.iter().flat_map(|t| (0..3).map(move |k| (t[k], [t[(k + 1) % 3], t[(k + 2) % 3]])));
-        for (v, _) in corners().filter(|&(v, _)| wanted(v)) {
-            starts[v as usize + 1] += 2;
-        }
-        for v in 0..mesh.positions.len() {
-            starts[v + 1] += starts[v];
-        }
-        let mut list = vec![0u32; starts[mesh.positions.len()] as usize];
-        let mut next = starts.clone();
-        for (v, others) in corners().filter(|&(v, _)| wanted(v)) {
-            let at = &mut next[v as usize];
-            list[*at as usize..][..2].copy_from_slice(&others);
-            *at += 2;
-        }
-        Self { starts, list }
-    }
-
-    fn of(&self, v: u32) -> &[u32] {
-        &self.list[self.starts[v as usize] as usize..self.starts[v as usize + 1] as usize]
     }
 }

@@ -60,14 +60,14 @@ impl<R: Deref<Target = Rig> + Sync> Frame<R> {
         let steps = u32::from(params.faces.is_some()) + u32::from(params.texture.is_some());
         let part = |part| Part { of: progress, stage: Stage::Form, part, parts: steps };
         let mesh = match params.faces {
-            None => Cow::Borrowed(&self.mesh),
+            None => Cow::Borrowed(self.mesh()),
             Some(faces) => {
-                within_memory(&self.mesh, 0)?;
+                within_memory(self.mesh(), 0)?;
                 let defaults = SimplifyParams::new(faces, footprint);
                 // A texture has its own colours, so that those of the vertices need not be kept.
                 let colour_pixels = if params.texture.is_some() { 0.0 } else { defaults.colour_pixels };
                 let params = SimplifyParams { colour_pixels, ..defaults };
-                Cow::Owned(simplify(&self.mesh, &params, &part(0))?)
+                Cow::Owned(simplify(self.mesh(), &params, &part(0))?)
             }
         };
         let Some(params) = &params.texture else {

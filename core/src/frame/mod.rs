@@ -13,6 +13,7 @@ mod prior;
 mod reconstruction;
 mod stages;
 mod state;
+mod steady;
 mod warning;
 
 pub use diagnostics::ViewDiagnostics;

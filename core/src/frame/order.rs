@@ -28,7 +28,7 @@ pub const ORDER: [Stage; 8] = [
     Stage::Colour,
 ];
 
-/// Place of a stage in [`ORDER`]. [`Stage::Form`] comes after all of them.
+/// Place of a stage in [`ORDER`]. [`Stage::Form`] and [`Stage::Steady`] come after all of them.
 pub fn position(stage: Stage) -> usize {
     ORDER.iter().position(|&s| s == stage).unwrap_or(ORDER.len())
 }
@@ -54,6 +54,10 @@ impl<R: Deref<Target = Rig> + Sync> Frame<R> {
                 camera: None,
                 problem: "`form` is not a stage of a frame: a finished frame has any number of forms".into(),
             }),
+            Stage::Steady => Err(Error::WrongOrder {
+                camera: None,
+                problem: "`steady` is not a stage of a frame: it needs the meshes of other frames".into(),
+            }),
         }
     }
 
@@ -61,7 +65,7 @@ impl<R: Deref<Target = Rig> + Sync> Frame<R> {
     /// frame's parameters, nor of [`Stage::Views`], whose work is in [`Frame::view`].
     fn is_reported(&self, stage: Stage) -> bool {
         match stage {
-            Stage::Views | Stage::Form => false,
+            Stage::Views | Stage::Form | Stage::Steady => false,
             Stage::Contours | Stage::Detect | Stage::Merge | Stage::Mesh => self.params.method == Method::Pcmvs,
             Stage::Coarse => self.params.method == Method::Pcmvs && self.params.coarse.is_some(),
             _ => true,
@@ -79,7 +83,8 @@ impl<R: Deref<Target = Rig> + Sync> Frame<R> {
             Stage::Detect => Hash64::of_parts(executor.map(of.detected.len(), |i| point_cloud::hash(&of.detected[i]))),
             Stage::Merge => point_cloud::hash(&of.merged),
             Stage::Mesh => self.mesh.uncoloured_hash(),
-            Stage::Colour | Stage::Form => self.mesh.hash(),
+            Stage::Colour => self.mesh.hash(),
+            Stage::Form | Stage::Steady => self.mesh().hash(),
         }
     }
 
@@ -105,6 +110,7 @@ impl<R: Deref<Target = Rig> + Sync> Frame<R> {
             self.require(previous)?;
         }
         self.reached = previous;
+        self.steadied = None;
         let reported = self.is_reported(stage);
         if reported {
             progress.on_stage_start(stage);
@@ -145,6 +151,12 @@ impl<R: Deref<Target = Rig> + Sync> Frame<R> {
         progress.on_stage_end(Stage::Views);
         read?;
         ORDER.into_iter().skip(1).try_for_each(|stage| self.step(stage, executor, progress))
+    }
+
+    /// Adds the hash of the mean, in place of that of an earlier one.
+    pub(super) fn complete_steady(&mut self) {
+        self.hashes.retain(|&(done, _)| done != Stage::Steady);
+        self.hashes.push((Stage::Steady, self.mesh().hash()));
     }
 
     fn complete(&mut self, stage: Stage, executor: &impl Executor) {

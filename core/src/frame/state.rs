@@ -9,7 +9,7 @@ use crate::{
     memory,
     mesh::weigh,
     params::{Method, Params},
-    point_cloud::{Mesh, PointCloud},
+    point_cloud::{Mesh, PointCloud, Rank},
     progress::{self, Progress},
     report::Counts,
     rig::Rig,
@@ -17,7 +17,7 @@ use crate::{
     view::{Buffers, View, ViewInput},
 };
 use alloc::{format, vec::Vec};
-use core::ops::Deref;
+use core::{mem::take, ops::Deref};
 use spin::{Mutex, Once};
 
 /// One frame, from pictures to a coloured mesh. `R` is a reference to the rig, such as `&Rig` or `Arc<Rig>`.
@@ -51,7 +51,12 @@ pub struct Frame<R> {
     /// One slot per view for its points, used until the stage `Detect` is complete.
     pub(super) found: Vec<Mutex<Option<(PointCloud, Counts)>>>,
     pub(super) intermediates: Intermediates,
+    /// Whether each view has points that stereo found, in the rig's order. Empty before the stage `Detect` is complete.
+    pub(super) has_stereo: Vec<bool>,
+    /// The mesh of this frame alone.
     pub(super) mesh: Mesh,
+    /// The mean with neighbouring frames, once it has been asked for.
+    pub(super) steadied: Option<Mesh>,
     pub(super) gains: Vec<[f32; 3]>,
     pub(super) counts: Counts,
     pub(super) hashes: Vec<(Stage, u64)>,
@@ -80,7 +85,9 @@ impl<R: Deref<Target = Rig>> Frame<R> {
             octaves: (0..count).map(|_| Once::new()).collect(),
             found: slots(count),
             intermediates: Intermediates::default(),
+            has_stereo: Vec::new(),
             mesh: Mesh::default(),
+            steadied: None,
             gains: Vec::new(),
             counts: Counts::default(),
             hashes: Vec::new(),
@@ -255,10 +262,12 @@ impl<R: Deref<Target = Rig>> Frame<R> {
             return Err(Error::WrongOrder { camera: Some(camera), problem });
         }
         self.intermediates.detected.clear();
+        self.has_stereo.clear();
         let mut counts = Counts::default();
         for slot in &mut self.found {
             let (mut cloud, found) = slot.get_mut().take().unwrap_or_default();
             weigh(&mut cloud, self.params.meshing.weights.as_ref());
+            self.has_stereo.push(cloud.iter().any(|point| point.rank == Rank::Detected));
             self.intermediates.detected.push(cloud);
             counts.add_detection(&found);
         }
@@ -283,8 +292,14 @@ impl<R: Deref<Target = Rig>> Frame<R> {
         &self.intermediates
     }
 
-    /// The final mesh, uncoloured after [`Stage::Mesh`] and coloured after [`Stage::Colour`].
+    /// The final mesh, uncoloured after [`Stage::Mesh`], coloured after [`Stage::Colour`], and the mean with neighbouring
+    /// frames after [`Frame::steady`].
     pub fn mesh(&self) -> &Mesh {
+        self.steadied.as_ref().unwrap_or(&self.mesh)
+    }
+
+    /// The mesh of this frame alone, as it was before [`Frame::steady`].
+    pub fn own_mesh(&self) -> &Mesh {
         &self.mesh
     }
 
@@ -304,6 +319,14 @@ impl<R: Deref<Target = Rig>> Frame<R> {
         &self.hashes
     }
 
+    /// Drops the results of the stages before the final mesh, which neither [`Frame::steady`] nor [`Frame::form`] needs, to free
+    /// their memory.
+    pub fn drop_intermediates(&mut self) {
+        let Intermediates { hull, .. } = take(&mut self.intermediates);
+        // The memory that a form may use is reckoned from it.
+        self.intermediates.hull = hull;
+    }
+
     /// Returns the working memory for the next frame. All results are dropped.
     pub fn recycle(mut self) -> Memory {
         let workspace = &mut self.memory.workspace;
@@ -312,6 +335,9 @@ impl<R: Deref<Target = Rig>> Frame<R> {
         }
         self.intermediates.recycle_into(workspace);
         self.mesh.recycle_into(workspace);
+        if let Some(mesh) = self.steadied {
+            mesh.recycle_into(workspace);
+        }
         let views = self.views.into_iter().chain(self.incoming.into_iter().filter_map(Mutex::into_inner));
         self.memory.buffers.spare().extend(views.map(Buffers::from));
         self.memory
@@ -320,7 +346,8 @@ impl<R: Deref<Target = Rig>> Frame<R> {
     /// Returns the result. Call it when all stages are complete.
     pub fn into_reconstruction(self) -> Reconstruction {
         let (warnings, diagnostics) = (self.warnings(), self.diagnostics());
-        let Self { mesh, gains, counts, hashes, intermediates, .. } = self;
+        let Self { mesh, steadied, gains, counts, hashes, intermediates, .. } = self;
+        let mesh = steadied.unwrap_or(mesh);
         Reconstruction { mesh, gains, counts, hashes, warnings, diagnostics, intermediates }
     }
 }

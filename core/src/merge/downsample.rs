@@ -1,6 +1,6 @@
 //! §5.1: downsampling. Makes the sampling as uniform as possible and keeps the points of highest fidelity.
 
-use super::neighbour_grid::NeighbourGrid;
+use crate::neighbour_grid::NeighbourGrid;
 use crate::{
     point_cloud::{Point, PointCloud, Rank},
     report::Counts,

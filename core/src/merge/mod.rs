@@ -2,7 +2,6 @@
 
 mod conflict;
 mod downsample;
-mod neighbour_grid;
 mod virtual_view;
 
 pub use conflict::ConflictParams;

@@ -2,4 +2,3 @@
 
 mod conflict;
 mod downsample;
-mod neighbour_grid;

@@ -6,7 +6,9 @@ mod components;
 mod envelope;
 mod marching_cubes;
 pub(crate) mod neighbourhood;
+mod vertex_neighbours;
 
 pub use components::drop_small_components;
 pub use envelope::{Envelope, SLOPE};
 pub use marching_cubes::{Unstored, marching_cubes};
+pub(crate) use vertex_neighbours::VertexNeighbours;

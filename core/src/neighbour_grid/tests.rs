@@ -1,6 +1,6 @@
 //! The neighbour grid finds what a k-d tree finds.
 
-use super::super::neighbour_grid::NeighbourGrid;
+use super::NeighbourGrid;
 use crate::testing::law;
 use alloc::{vec, vec::Vec};
 use glam::Vec3;

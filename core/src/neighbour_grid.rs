@@ -81,3 +81,6 @@ impl NeighbourGrid {
         ((z * self.size[1] + y) * self.size[0] + x) as usize
     }
 }
+
+#[cfg(test)]
+mod tests;
