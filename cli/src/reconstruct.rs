@@ -246,7 +246,8 @@ fn make_missing<'a>(job: &'a Job<'a>, kept: &[u32], outcome: Outcome<'a>) -> Out
         };
         for Ready { place, own, digest, neighbours, mut warnings } in ready {
             let frame = plan[place].frame;
-            let fingerprint = job.fingerprint(&digest, neighbours.iter().map(|n| n.as_ref().map(|(digest, _)| digest.clone())));
+            let fingerprint =
+                job.fingerprint(&digest, neighbours.iter().map(|n| n.as_ref().map(|(digest, _)| digest.clone())));
             let meshes: Vec<&Mesh> = neighbours.iter().flatten().map(|(_, mesh)| &**mesh).collect();
             let done = guarded(frame.index, || {
                 if job.console.is_cancelled() {

@@ -210,9 +210,10 @@ fn an_interrupted_run_ends_with_3_and_can_be_continued() {
     let mut child = command.stderr(Stdio::piped()).stdout(Stdio::null()).spawn().unwrap();
     let mut lines = BufReader::new(child.stderr.take().unwrap());
     let mut line = String::new();
-    while !line.contains("frame 1 ") {
+    // A frame is written when the one after it has been made.
+    while !line.contains("frame 2 ") {
         line.clear();
-        assert!(lines.read_line(&mut line).unwrap() > 0, "it ended before its second frame");
+        assert!(lines.read_line(&mut line).unwrap() > 0, "it ended before its third frame");
     }
     assert!(Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap().success());
     lines.read_to_string(&mut line).unwrap();

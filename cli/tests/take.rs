@@ -74,7 +74,8 @@ fn a_frame_that_is_not_in_the_range_is_refused() {
 
 #[test]
 fn an_offset_brings_a_camera_into_step() {
-    let right = meshes(&Capture::new(6, 3), &["--frames", "1"], &[1]);
+    let one = &["--frames", "1", "--alone"];
+    let right = meshes(&Capture::new(6, 3), one, &[1]);
     let mut capture = with_range(6, 3);
     // Pictures of `cam02` under the number of the frame before.
     for kind in ["images", "masks"] {
@@ -83,9 +84,9 @@ fn an_offset_brings_a_camera_into_step() {
             fs::rename(path(frame), path(frame - 1)).unwrap();
         }
     }
-    assert_ne!(meshes(&capture, &["--frames", "1"], &[1]), right);
+    assert!(meshes(&capture, one, &[1]) != right);
     capture.scene["offsets"] = json!({ "cam02": -1 });
-    assert_eq!(meshes(&capture, &["--frames", "1"], &[1]), right);
+    assert!(meshes(&capture, one, &[1]) == right);
 }
 
 /// A capture whose silhouettes are those of a ball that moves by some pixels per frame. Those of `cam03` are late by a frame.
@@ -155,19 +156,86 @@ fn a_change_remakes_the_frames_that_it_touches() {
     };
     assert_eq!(kept(&capture, &[]), [0; 0]);
     fs::copy(capture.path("images/cam01_0.png"), capture.path("images/cam01_2.png")).unwrap();
-    assert_eq!(kept(&capture, &[]), [0, 1, 3], "a picture");
+    // The frames before and after are averaged with it.
+    assert_eq!(kept(&capture, &[]), [0], "a picture");
     capture.mask("masks/cam03_1.png", 31.5, 13.0);
-    assert_eq!(kept(&capture, &[]), [0, 2, 3], "a mask");
+    assert_eq!(kept(&capture, &[]), [3], "a mask");
     fs::remove_file(capture.path("masks/cam00_3.png")).unwrap();
-    assert_eq!(kept(&capture, &[]), [0, 1, 2], "a mask that is no longer there");
+    assert_eq!(kept(&capture, &[]), [0, 1], "a mask that is no longer there");
     // For cam04, frame f now shows what frame f + 1 showed. There is no picture 4.
     capture.scene["offsets"] = json!({ "cam04": 1 });
     assert_eq!(kept(&capture, &[]), [0; 0], "an offset");
     capture.scene["fps"] = json!(50);
     capture.scene["frames"] = json!({ "first": 1, "last": 3 });
-    assert_eq!(kept(&capture, &[]), [1, 2, 3], "what no mesh depends on");
+    assert_eq!(
+        kept(&capture, &[]),
+        [2, 3],
+        "what no mesh depends on, except that frame 1 has no frame before it any more"
+    );
     capture.scene["cameras"][2]["t"][0] = json!(capture.scene["cameras"][2]["t"][0].as_f64().unwrap() + 1e-3);
     assert_eq!(kept(&capture, &[]), [0; 0], "a camera");
     assert_eq!(kept(&capture, &["--set", "hull.voxel_pixels=1.7"]), [0; 0], "a parameter");
     assert_eq!(kept(&capture, &["--set", "hull.voxel_pixels=1.7"]), [1, 2, 3]);
+}
+
+/// A capture whose silhouettes differ from frame to frame.
+fn flickering(frames: u32) -> Capture {
+    let capture = with_range(6, frames);
+    for frame in 0..frames {
+        for camera in 0..6 {
+            let radius = 12.0 + ((3 * frame + 5 * camera) % 7) as f32 / 14.0;
+            capture.mask(&format!("masks/cam{camera:02}_{frame}.png"), 31.5, radius);
+        }
+    }
+    capture
+}
+
+#[test]
+fn a_frame_is_averaged_with_those_before_and_after_it() {
+    let capture = flickering(5);
+    let all = [0, 1, 2, 3, 4];
+    let averaged = meshes(&capture, &["--threads", "1"], &all);
+    // The bytes do not depend on what else is made, nor on threads.
+    for arguments in [&["--frames", "2"][..], &["--frames", "2,3", "--threads", "3"]] {
+        fs::remove_dir_all(capture.path("out")).unwrap();
+        assert!(meshes(&capture, arguments, &[2])[0] == averaged[2], "{arguments:?}");
+        assert!(!capture.path("out/frame_0001.glb").exists());
+    }
+    let alone = meshes(&capture, &["--alone"], &all);
+    assert!(all.into_iter().all(|frame| alone[frame as usize] != averaged[frame as usize]));
+    for preset in ["paper", "preview"] {
+        let single = meshes(&capture, &["--preset", preset, "--alone"], &all);
+        assert!(meshes(&capture, &["--preset", preset], &all) == single, "{preset}");
+    }
+    // Frames with a gap between them are no neighbours.
+    let mut gap = flickering(5);
+    gap.scene["frames"] = json!([{ "index": 0 }, { "index": 2 }, { "index": 4 }]);
+    let frames = gap.scene["frames"].as_array_mut().unwrap();
+    for frame in frames {
+        for kind in ["images", "masks"] {
+            let path = |camera: u32| format!("{kind}/cam{camera:02}_{}.png", frame["index"]);
+            let paths: Vec<String> = (0..6).map(path).collect();
+            frame[kind] = json!(paths);
+        }
+    }
+    for key in ["images", "masks"] {
+        gap.scene.as_object_mut().unwrap().remove(key);
+    }
+    assert!(meshes(&gap, &[], &[2])[0] == alone[2]);
+}
+
+#[test]
+fn a_frame_whose_neighbour_fails_is_made_without_it() {
+    let capture = flickering(4);
+    let whole = meshes(&capture, &[], &[0, 1, 2, 3]);
+    let picture = capture.path("images/cam03_1.png");
+    let bytes = fs::read(&picture).unwrap();
+    fs::write(&picture, "this is text").unwrap();
+    let output = capture.run(&[]);
+    assert_eq!(output.status.code(), Some(2), "{}", stderr(&output));
+    let made = |frame: u32| fs::read(capture.path(&format!("out/frame_{frame:04}.glb"))).unwrap();
+    assert!(made(0) != whole[0] && made(2) != whole[2] && made(3) == whole[3]);
+    // Once it can be made, its neighbours are made again.
+    fs::write(&picture, bytes).unwrap();
+    assert!(meshes(&capture, &[], &[0, 1, 2, 3]) == whole);
 }

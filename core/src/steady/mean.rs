@@ -88,6 +88,9 @@ impl Means {
     /// Moves the vertices to the mean, which has the frame itself with weight 1, and gives them its normal and colour.
     pub fn apply(self, mesh: &mut Mesh, footprint: f32) {
         for (v, sum) in self.0.into_iter().enumerate() {
+            if sum.weight == 0.0 {
+                continue;
+            }
             let normal = mesh.normals[v];
             mesh.positions[v] += normal * (footprint * sum.offset / (1.0 + sum.weight));
             mesh.normals[v] = (normal + sum.normal).normalize_or(normal);

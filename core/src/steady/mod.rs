@@ -13,6 +13,7 @@
 mod mean;
 mod motion;
 mod nodes;
+mod search;
 mod system;
 mod target;
 
@@ -75,3 +76,6 @@ pub fn steady(
     means.apply(mesh, footprint);
     Ok(())
 }
+
+#[cfg(test)]
+mod tests;

@@ -1,15 +1,16 @@
 //! The motion of a mesh's nodes to the mesh of another frame: non-rigid registration from coarse to fine.
 //!
-//! Each iteration looks up, for some vertices, the nearest vertex of the other mesh in space and colour, and moves all nodes
-//! such that vertices come onto the tangent planes of these and onto the same luma there (Park et al., Colored point cloud
-//! registration revisited, 2017), while adjacent nodes move alike.
+//! Each iteration looks up, for some vertices, the nearest vertex of the other mesh in space and colour (`search`), and moves
+//! all nodes such that vertices come onto the tangent planes of these and onto the same luma there (Park et al., Colored point
+//! cloud registration revisited, 2017), while adjacent nodes move alike (`system`).
 
 use super::{
-    nodes::{NODES_PER_VERTEX, Nodes},
+    nodes::{Groups, Nodes},
+    search::{Pull, Search},
     system::{Block, System},
-    target::{DEGREES, Target, luma},
+    target::{DEGREES, Target},
 };
-use crate::{executor::Executor, neighbour_grid::NeighbourGrid};
+use crate::executor::Executor;
 use alloc::{vec, vec::Vec};
 use glam::{DMat3, DVec3, Vec3};
 
@@ -135,19 +136,7 @@ impl Moves<'_> {
     }
 }
 
-/// One vertex and the tangent plane that it should come onto.
-#[derive(Clone, Copy)]
-struct Pull {
-    vertex: u32,
-    position: Vec3,
-    normal: Vec3,
-    /// Gradient of luma along the surface, and the luma that is missing.
-    gradient: Vec3,
-    difference: f32,
-    weight: f32,
-}
-
-/// The motions of all nodes.
+/// The motions of all nodes of a mesh to the mesh of another frame.
 pub(super) fn motions(
     own: &Target,
     nodes: &Nodes,
@@ -157,28 +146,23 @@ pub(super) fn motions(
 ) -> Vec<Motion> {
     let mut motions = vec![Motion::REST; nodes.places.len()];
     for (k, level) in params.levels.iter().enumerate() {
-        let degree = DEGREES - 1 - k;
-        let search = Search {
-            own,
-            nodes,
-            target,
-            degree,
-            gradients: &target.gradients(degree, executor),
-            grid: &target.grid(level.target_stride as usize, level.search_pixels / 2.0),
-            level,
-        };
-        let groups = groups(nodes, level.stride as usize);
+        let (degree, is_finest) = (DEGREES - 1 - k, k + 1 == DEGREES);
+        let search = Search::new(own, target, degree, level, executor);
+        let groups = Groups::new(nodes, level.stride as usize);
         for _ in 0..level.iterations {
-            let pulls = search.pulls(&motions, executor);
+            let moves = Moves { nodes, motions: &motions };
+            let pulls = search.pulls(&moves, executor);
             let blocks = executor.map(nodes.places.len(), |node| {
                 let mut block = Block::default();
                 for &(sample, share) in groups.of(node) {
-                    let Some(pull) = &pulls[sample as usize] else { continue };
-                    block.count += f64::from(share);
-                    add(&mut block, own, nodes, &motions, node, pull, share, level.luma_pixels);
+                    if let Some(pull) = &pulls[sample as usize] {
+                        block.count += f64::from(share);
+                        moves.add(&mut block, node, pull, f64::from(share), f64::from(level.luma_pixels));
+                    }
                 }
                 block.normalise();
-                if degree == 0 {
+                // Not earlier, because all nodes start at rest.
+                if is_finest {
                     hold(&mut block, &motions[node], params);
                 }
                 block
@@ -193,30 +177,24 @@ pub(super) fn motions(
     motions
 }
 
-/// Adds the equations of one pull on a node: distance from the tangent plane, and luma.
-#[allow(clippy::too_many_arguments)]
-fn add(
-    block: &mut Block,
-    own: &Target,
-    nodes: &Nodes,
-    motions: &[Motion],
-    node: usize,
-    pull: &Pull,
-    share: f32,
-    luma_pixels: f32,
-) {
-    let place = nodes.places[node];
-    let p = motions[node].apply(place, own.positions[pull.vertex as usize]);
-    let arm = p.as_dvec3() - (place.as_dvec3() + motions[node].translation);
-    let to = (pull.position - p).as_dvec3();
-    let weight = f64::from(share * pull.weight);
-    let normal = pull.normal.as_dvec3();
-    block.add(arm.cross(normal), normal, normal.dot(to), weight);
-    let gradient = pull.gradient.as_dvec3() * f64::from(luma_pixels);
-    let missing = f64::from(luma_pixels * pull.difference) + gradient.dot(to);
-    // Cauchy's weight: another material has any luma.
-    let far = missing / (f64::from(luma_pixels) * 20.0);
-    block.add(arm.cross(gradient), gradient, missing, weight / (1.0 + far * far));
+/// Difference in luma from which on two places hardly pull each other: another material has any luma.
+const SAME_LUMA: f64 = 20.0;
+
+impl Moves<'_> {
+    /// Adds the equations of a pull on a node: distance from the tangent plane, and luma.
+    fn add(&self, block: &mut Block, node: usize, pull: &Pull, share: f64, luma_pixels: f64) {
+        let (place, motion) = (self.nodes.places[node], &self.motions[node]);
+        let p = motion.apply(place, pull.from);
+        let arm = p.as_dvec3() - (place.as_dvec3() + motion.translation);
+        let to = (pull.position - p).as_dvec3();
+        let weight = share * f64::from(pull.weight);
+        let normal = pull.normal.as_dvec3();
+        block.add(arm.cross(normal), normal, normal.dot(to), weight);
+        let gradient = pull.gradient.as_dvec3() * luma_pixels;
+        let missing = luma_pixels * f64::from(pull.difference) + gradient.dot(to);
+        let far = missing / (luma_pixels * SAME_LUMA);
+        block.add(arm.cross(gradient), gradient, missing, weight / (1.0 + far * far));
+    }
 }
 
 /// Holds a node that hardly moves.
@@ -225,104 +203,5 @@ fn hold(block: &mut Block, motion: &Motion, params: &MotionParams) {
     let weight = f64::from(params.rest) / ((1.0 + far) * (1.0 + far));
     for axis in DVec3::AXES {
         block.add(DVec3::ZERO, axis, -motion.translation.dot(axis), weight);
-    }
-}
-
-/// The samples that each node moves.
-struct Groups {
-    starts: Vec<u32>,
-    /// Index of the sample, and the node's share in it.
-    list: Vec<(u32, f32)>,
-}
-
-impl Groups {
-    fn of(&self, node: usize) -> &[(u32, f32)] {
-        &self.list[self.starts[node] as usize..self.starts[node + 1] as usize]
-    }
-}
-
-/// Sorts every `stride`th vertex by the nodes that move it.
-fn groups(nodes: &Nodes, stride: usize) -> Groups {
-    let samples = nodes.shares.iter().step_by(stride).enumerate();
-    let all = samples.flat_map(|(i, shares)| (0..NODES_PER_VERTEX).map(move |k| (i, shares[k])));
-    let all = all.filter(|&(_, (_, share))| share > 0.0);
-    let mut starts = vec![0u32; nodes.places.len() + 1];
-    for (_, (node, _)) in all.clone() {
-        starts[node as usize + 1] += 1;
-    }
-    for n in 0..nodes.places.len() {
-        starts[n + 1] += starts[n];
-    }
-    let mut list = vec![(0, 0.0); starts[nodes.places.len()] as usize];
-    let mut next = starts.clone();
-    for (i, (node, share)) in all {
-        let at = &mut next[node as usize];
-        list[*at as usize] = (i as u32, share);
-        *at += 1;
-    }
-    Groups { starts, list }
-}
-
-/// What the search for nearest vertices needs.
-struct Search<'a> {
-    own: &'a Target<'a>,
-    nodes: &'a Nodes,
-    target: &'a Target<'a>,
-    degree: usize,
-    gradients: &'a [Vec3],
-    grid: &'a NeighbourGrid,
-    level: &'a LevelParams,
-}
-
-/// Vertices that one job of an executor looks up.
-const SAMPLES_PER_JOB: usize = 256;
-/// Smallest cosine between the normals of a vertex and of its nearest one.
-const SAME_SIDE: f32 = 0.4;
-
-impl Search<'_> {
-    /// For every `stride`th vertex, what it is pulled to.
-    fn pulls(&self, motions: &[Motion], executor: &impl Executor) -> Vec<Option<Pull>> {
-        let stride = self.level.stride as usize;
-        let mut pulls = vec![None; self.own.positions.len().div_ceil(stride)];
-        executor.map_parts(pulls.chunks_mut(SAMPLES_PER_JOB), |part, pulls| {
-            for (i, pull) in (part * SAMPLES_PER_JOB..).zip(pulls) {
-                *pull = self.pull(i * stride, motions);
-            }
-        });
-        pulls
-    }
-
-    fn pull(&self, v: usize, motions: &[Motion]) -> Option<Pull> {
-        let Self { own, nodes, target, degree, level, .. } = self;
-        let moves = Moves { nodes, motions };
-        let p = moves.position(v, own.positions[v]);
-        let normal = (moves.rotation(v) * own.mesh.normals[v].as_dvec3()).as_vec3();
-        let colour = own.colours[*degree][v];
-        let farthest = level.search_pixels * level.search_pixels;
-        let (mut best, mut least) = (None, farthest);
-        let stride = level.target_stride as usize;
-        self.grid.near(p, level.search_pixels, |i| {
-            let u = i * stride;
-            let distance = target.positions[u].distance_squared(p);
-            if distance >= least || target.mesh.normals[u].dot(normal) < SAME_SIDE {
-                return;
-            }
-            let difference = target.colours[*degree][u].distance_squared(colour);
-            let cost = distance + level.colour_pixels * level.colour_pixels * difference;
-            if cost < least {
-                (best, least) = (Some(u), cost);
-            }
-        });
-        let u = best?;
-        let distance = (target.positions[u] - p).dot(target.mesh.normals[u]);
-        let far = 4.0 * distance / level.search_pixels;
-        Some(Pull {
-            vertex: v as u32,
-            position: target.positions[u],
-            normal: target.mesh.normals[u],
-            gradient: self.gradients[u],
-            difference: luma(colour) - luma(target.colours[*degree][u]),
-            weight: 1.0 / (1.0 + far * far),
-        })
     }
 }

@@ -7,7 +7,7 @@ use core::cmp::Reverse;
 use glam::Vec3;
 
 /// Number of nodes that move a vertex.
-pub(super) const NODES_PER_VERTEX: usize = 4;
+const NODES_PER_VERTEX: usize = 4;
 
 pub(super) struct Nodes {
     /// The places of the nodes, in pixels of footprint.
@@ -25,7 +25,9 @@ impl Nodes {
         let mut edges: Vec<[u32; 2]> = Vec::new();
         for triangle in &mesh.mesh.triangles {
             let [a, b, c] = triangle.map(|v| owners[v as usize]);
-            edges.extend([[a, b], [b, c], [c, a]].into_iter().filter(|[a, b]| a != b).map(|[a, b]| [a.min(b), a.max(b)]));
+            edges.extend(
+                [[a, b], [b, c], [c, a]].into_iter().filter(|[a, b]| a != b).map(|[a, b]| [a.min(b), a.max(b)]),
+            );
         }
         edges.sort_unstable();
         edges.dedup();
@@ -87,4 +89,39 @@ fn spread(mesh: &Target, spacing: f32) -> (Vec<Vec3>, Vec<u32>) {
         }
     }
     (places, owners)
+}
+
+/// The samples that each node moves.
+pub(super) struct Groups {
+    starts: Vec<u32>,
+    /// Index of the sample, and the node's share in it.
+    list: Vec<(u32, f32)>,
+}
+
+impl Groups {
+    /// Every `stride`th vertex is a sample.
+    pub fn new(nodes: &Nodes, stride: usize) -> Self {
+        let samples = nodes.shares.iter().step_by(stride).enumerate();
+        let all = samples.flat_map(|(i, shares)| shares.iter().map(move |&share| (i, share)));
+        let all = all.filter(|&(_, (_, share))| share > 0.0);
+        let mut starts = vec![0u32; nodes.places.len() + 1];
+        for (_, (node, _)) in all.clone() {
+            starts[node as usize + 1] += 1;
+        }
+        for n in 0..nodes.places.len() {
+            starts[n + 1] += starts[n];
+        }
+        let mut list = vec![(0, 0.0); starts[nodes.places.len()] as usize];
+        let mut next = starts.clone();
+        for (i, (node, share)) in all {
+            let at = &mut next[node as usize];
+            list[*at as usize] = (i as u32, share);
+            *at += 1;
+        }
+        Self { starts, list }
+    }
+
+    pub fn of(&self, node: usize) -> &[(u32, f32)] {
+        &self.list[self.starts[node] as usize..self.starts[node + 1] as usize]
+    }
 }
