@@ -211,6 +211,9 @@ enum pcmvs_stage
   // Makes a form of the finished mesh, see `pcmvs_frame_form`. It belongs to progress and errors only: it is not in the
   // order, and `pcmvs_frame_step` does not know it.
   PCMVS_STAGE_FORM = 8,
+  // Averages the finished mesh with those of neighbouring frames, see `pcmvs_frame_steady`. As `PCMVS_STAGE_FORM`, it belongs
+  // to progress and errors only.
+  PCMVS_STAGE_STEADY = 9,
 };
 #ifndef __cplusplus
 #if __STDC_VERSION__ >= 202311L
@@ -889,6 +892,17 @@ const char *pcmvs_version_string(void);
 
 // Returns the English name of a status for logs, or "unknown" for a number of another version. The string is static.
 const char *pcmvs_status_name(uint32_t status);
+
+// Averages a finished mesh with those of neighbouring frames, such as the one before and the one after it, along surfaces that
+// move with the subject, so that surfaces and colours are steady in time. `neighbours` are at most 16 other handles of finished
+// frames, of rigs with the same cameras. The mesh of each as it was before this function counts, so that the order in which
+// frames are averaged does not matter. `PCMVS_MESH_KIND_FINAL`, forms and files then have the mean; a later call replaces it,
+// and without neighbours the frame has its own mesh again. Discards the form. The command line averages each frame with one
+// before and one after it. The neighbours are in use only at the beginning of the call. Fails with `PCMVS_STATUS_WRONG_ORDER`
+// unless all frames are complete. On failure nothing but the form changes.
+pcmvs_status pcmvs_frame_steady(struct pcmvs_frame *frame,
+                                const struct pcmvs_frame *const *neighbours,
+                                size_t count);
 
 // Returns the number of stages that this library runs for a frame.
 uint32_t pcmvs_stage_count(void);

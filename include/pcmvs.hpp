@@ -9,8 +9,11 @@
 
 #include "pcmvs.h"
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
+#include <functional>
+#include <initializer_list>
 #include <memory>
 #include <string>
 #include <type_traits>
@@ -264,6 +267,18 @@ public:
 
     pcmvs_status try_form(const pcmvs_form_options &options) noexcept { return pcmvs_frame_form(get(), &options); }
 
+    pcmvs_status try_steady(std::initializer_list<std::reference_wrapper<const Frame>> neighbours) noexcept {
+        std::array<const pcmvs_frame *, 16> handles{};
+        if (neighbours.size() > handles.size()) {
+            return PCMVS_STATUS_INVALID_ARGUMENT;
+        }
+        std::size_t count = 0;
+        for (const Frame &neighbour : neighbours) {
+            handles[count++] = neighbour.get();
+        }
+        return pcmvs_frame_steady(get(), handles.data(), count);
+    }
+
     pcmvs_status try_get_texture(Texture &texture) const noexcept {
         pcmvs_texture c;
         const pcmvs_status status = pcmvs_frame_get_texture(get(), &c, sizeof c);
@@ -350,6 +365,9 @@ public:
 
     /// Makes a form of the finished mesh; see pcmvs_frame_form.
     void form(const pcmvs_form_options &options) { check(try_form(options)); }
+
+    /// Averages the finished mesh with those of neighbouring frames; see pcmvs_frame_steady.
+    void steady(std::initializer_list<std::reference_wrapper<const Frame>> neighbours) { check(try_steady(neighbours)); }
 
     Texture get_texture() const {
         Texture texture;

@@ -14,5 +14,5 @@ fn main() -> io::Result<()> {
         _ => return Err(io::Error::other("usage: plain_capture FOLDER [VIEWS WIDTH HEIGHT]")),
     };
     let folder = arguments.first().ok_or_else(|| io::Error::other("name a folder"))?;
-    plain::write(&capture, Path::new(folder))
+    plain::write(&capture, 0, Path::new(folder))
 }

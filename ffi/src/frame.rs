@@ -51,6 +51,11 @@ pub(crate) fn shared(frame: *const pcmvs_frame, work: impl FnOnce(&Work) -> Resu
     }
 }
 
+/// Reads a frame during a call on another one, which keeps the failure.
+pub(crate) fn content(frame: *const pcmvs_frame, work: impl FnOnce(&Work) -> Result<()>) -> Result<()> {
+    body(frame)?.work.shared(work)
+}
+
 /// Does work that needs the frame for itself.
 pub(crate) fn exclusive(
     frame: *mut pcmvs_frame,

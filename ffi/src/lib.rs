@@ -25,6 +25,7 @@ mod work;
 pub mod version;
 
 pub mod status;
+mod steady;
 
 pub mod stage;
 

@@ -31,6 +31,9 @@ pub enum pcmvs_stage {
     /// Makes a form of the finished mesh, see `pcmvs_frame_form`. It belongs to progress and errors only: it is not in the
     /// order, and `pcmvs_frame_step` does not know it.
     Form = 8,
+    /// Averages the finished mesh with those of neighbouring frames, see `pcmvs_frame_steady`. As `PCMVS_STAGE_FORM`, it belongs
+    /// to progress and errors only.
+    Steady = 9,
 }
 
 /// Returned by `pcmvs_stage_at` beyond the last stage.
@@ -39,14 +42,17 @@ pub const PCMVS_NO_STAGE: u32 = 0xFFFF_FFFF;
 /// Bytes for a stage's name with its final zero.
 const NAME_SIZE: usize = 24;
 
-/// The names of [`ORDER`] and then that of [`Stage::Form`], as C reads them.
-static NAMES: [[u8; NAME_SIZE]; ORDER.len() + 1] = names();
+/// The stages that progress and errors may name besides those of [`ORDER`].
+const OTHERS: [Stage; 2] = [Stage::Form, Stage::Steady];
 
-const fn names() -> [[u8; NAME_SIZE]; ORDER.len() + 1] {
-    let mut names = [[0; NAME_SIZE]; ORDER.len() + 1];
+/// The names of [`ORDER`] and then those of [`OTHERS`], as C reads them.
+static NAMES: [[u8; NAME_SIZE]; ORDER.len() + OTHERS.len()] = names();
+
+const fn names() -> [[u8; NAME_SIZE]; ORDER.len() + OTHERS.len()] {
+    let mut names = [[0; NAME_SIZE]; ORDER.len() + OTHERS.len()];
     let mut stage = 0;
     while stage < names.len() {
-        let name = if stage < ORDER.len() { ORDER[stage] } else { Stage::Form }.name().as_bytes();
+        let name = if stage < ORDER.len() { ORDER[stage] } else { OTHERS[stage - ORDER.len()] }.name().as_bytes();
         assert!(name.len() < NAME_SIZE, "the name needs a final zero");
         let mut i = 0;
         while i < name.len() {
@@ -81,7 +87,7 @@ pub extern "C" fn pcmvs_stage_at(index: u32) -> u32 {
 /// does not know. The string is static.
 #[unsafe(no_mangle)]
 pub extern "C" fn pcmvs_stage_name(stage: u32) -> *const c_char {
-    let place = ORDER.iter().chain([&Stage::Form]).position(|s| s.id() == stage);
+    let place = ORDER.iter().chain(&OTHERS).position(|s| s.id() == stage);
     place.map_or(c"unknown".as_ptr(), |place| NAMES[place].as_ptr().cast())
 }
 

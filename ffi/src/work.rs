@@ -8,9 +8,10 @@ use crate::{
     status::pcmvs_status::WrongOrder,
 };
 use pcmvs_core::{
-    Error, Form, FormParams, Frame, Memory, Rig, Stage, ViewInput,
+    Error, Form, FormParams, Frame, Memory, Mesh, Rig, Stage, ViewInput,
     frame::{ORDER, position},
     memory,
+    steady::SteadyParams,
 };
 use std::{mem::replace, sync::Arc};
 
@@ -124,6 +125,14 @@ impl Work {
         let form = self.frame.form(&params, &self.options.threads(), &progress).map_err(at(Stage::Form))?;
         self.form = Some(form);
         Ok(())
+    }
+
+    /// Averages the finished mesh with those of its neighbours. Without any, the frame has its own mesh again.
+    pub fn steady(&mut self, neighbours: &[&Mesh]) -> Result<()> {
+        self.form = None;
+        let progress = self.options.progress(&self.clock);
+        let threads = self.options.threads();
+        self.frame.steady(neighbours, &SteadyParams::DEFAULT, &threads, &progress).map_err(at(Stage::Steady))
     }
 
     /// The form that was made last.

@@ -116,6 +116,18 @@ fn forms_are_the_command_lines() {
 }
 
 #[test]
+fn averaged_frames_are_the_command_lines() {
+    let sample = Sample::take(3);
+    let program = build(sample.path(), C99, "tests/c/steady.c", Link::Shared);
+    let result = sample.path().join("steady.glb");
+    let folders = ["plain", "plain1", "plain2"].map(|folder| sample.path().join(folder));
+    output(&program, folders.into_iter().chain([result.clone()]));
+    command_lines_glb(&sample, &[]);
+    let expected = fs::read(sample.path().join("out/frame_0001.glb")).unwrap();
+    assert!(fs::read(result).unwrap() == expected, "the bytes differ from the command line's");
+}
+
+#[test]
 fn wrapper_keeps_its_promises() {
     let sample = Sample::new();
     let program = build(sample.path(), CPP17, "tests/cpp/wrapper.cpp", Link::Shared);

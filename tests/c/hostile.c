@@ -249,6 +249,13 @@ static void read_results(pcmvs_frame *frame) {
     CHECK(memchr(error.message, 0, sizeof error.message) != NULL);
 }
 
+static void average(pcmvs_frame *frame) {
+    const pcmvs_frame *neighbours[2];
+    neighbours[0] = frames[draw(FRAMES)];
+    neighbours[1] = draw(3) == 0 ? NULL : frames[draw(FRAMES)];
+    TRY(pcmvs_frame_steady(frame, neighbours, draw(3)));
+}
+
 static void make_form(pcmvs_frame *frame) {
     pcmvs_form_options form;
     pcmvs_export_options file;
@@ -296,7 +303,7 @@ static void one_call(void) {
     float gains[48];
     uint32_t i;
     busy = frame;
-    switch (draw(21)) {
+    switch (draw(22)) {
     case 0: set_cameras(); break;
     case 1: reconstruct(frame); break;
     case 2:
@@ -342,6 +349,7 @@ static void one_call(void) {
         TRY(pcmvs_rig_set_gains(rigs[draw(RIGS)], gains, capture.count));
         break;
     case 19: make_form(frame); break;
+    case 20: average(frame); break;
     default:
         if (draw(4) == 0) {
             calibrate();

@@ -129,6 +129,7 @@ static void check_reading(const struct capture *capture, pcmvs_rig *rig, pcmvs_f
 
 /* Passes NULL for each pointer of each function in turn. The handles are valid and the frame is complete. */
 static void check_null(const struct capture *capture, pcmvs_rig *rig, pcmvs_frame *frame) {
+    const pcmvs_frame *no_frame = NULL;
     pcmvs_frame *untouched = frame;
     pcmvs_view view = capture->views[0];
     pcmvs_error error;
@@ -232,6 +233,9 @@ static void check_null(const struct capture *capture, pcmvs_rig *rig, pcmvs_fram
     NULL_POINTER(pcmvs_frame_merge(NULL));
     NULL_POINTER(pcmvs_frame_mesh(NULL));
     NULL_POINTER(pcmvs_frame_colour(NULL));
+    NULL_POINTER(pcmvs_frame_steady(NULL, NULL, 0));
+    NULL_POINTER(pcmvs_frame_steady(frame, NULL, 1));
+    NULL_POINTER(pcmvs_frame_steady(frame, &no_frame, 1));
     NULL_POINTER(pcmvs_frame_form(NULL, &form));
     NULL_POINTER(pcmvs_frame_form(frame, NULL));
     NULL_POINTER(pcmvs_frame_reconstruct(NULL, capture->views, capture->count, NULL));

@@ -124,10 +124,18 @@ impl Sample {
         Self::of(&turned_capture())
     }
 
+    /// A capture of a moving figure. `plain` has its first frame, and `plainN` the frame N.
+    pub fn take(frames: u32) -> Self {
+        Self::of(&plain::recorded(8, 120, 90, &[], frames))
+    }
+
     fn of(capture: &Capture) -> Self {
         let folder = tempfile::tempdir().unwrap();
         capture.write(&folder.path().join("scene")).unwrap();
-        plain::write(capture, &folder.path().join("plain")).unwrap();
+        plain::write(capture, 0, &folder.path().join("plain")).unwrap();
+        for frame in 1..capture.frames.len() {
+            plain::write(capture, frame, &folder.path().join(format!("plain{frame}"))).unwrap();
+        }
         Self { folder }
     }
 

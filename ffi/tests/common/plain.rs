@@ -11,14 +11,20 @@ pub fn capture(views: u32, width: u32, height: u32) -> Capture {
 /// The same with single cameras that do not stand where the calibration has them, by index and by how many pixels right and
 /// down.
 pub fn turned(views: u32, width: u32, height: u32, turned: &[(usize, [f64; 2])]) -> Capture {
+    recorded(views, width, height, turned, 1)
+}
+
+/// The same with so many frames, 30 per second, in which the figure moves.
+pub fn recorded(views: u32, width: u32, height: u32, turned: &[(usize, [f64; 2])], frames: u32) -> Capture {
     let distortion = [-0.05, 0.02, 1e-4, -2e-4, 0.0];
     let cameras = Ring { count: views, distortion, ..Ring::default() }.sized(width, height).cameras();
     let faults = Faults { gain: 0.05, bumped: turned.to_vec(), ..Faults::default() };
-    Capture::still(Subject::Figure, &cameras, &faults)
+    let times: Vec<f64> = (0..frames).map(|frame| f64::from(frame) / 30.0).collect();
+    Capture::new(Subject::Figure, &cameras, &times, &faults)
 }
 
-/// Writes cameras.txt, camNN.ppm and camNN.pgm.
-pub fn write(capture: &Capture, folder: &Path) -> io::Result<()> {
+/// Writes cameras.txt, and camNN.ppm and camNN.pgm of a frame.
+pub fn write(capture: &Capture, frame: usize, folder: &Path) -> io::Result<()> {
     fs::create_dir_all(folder)?;
     let mut text = format!("{}\n", capture.cameras.len());
     for (i, c) in capture.cameras.iter().enumerate() {
@@ -30,7 +36,7 @@ pub fn write(capture: &Capture, folder: &Path) -> io::Result<()> {
             file.extend_from_slice(pixels);
             file
         };
-        let frame = &capture.frames[0];
+        let frame = &capture.frames[frame];
         fs::write(folder.join(format!("cam{i:02}.ppm")), netpbm("P6", &frame.images[i].rgb))?;
         if let Some(mask) = &frame.masks[i] {
             fs::write(folder.join(format!("cam{i:02}.pgm")), netpbm("P5", mask))?;
