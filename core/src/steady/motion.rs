@@ -52,7 +52,7 @@ impl MotionParams {
     /// The measured values.
     pub const DEFAULT: Self = Self {
         node_pixels: 16.0,
-        rest_pixels: 0.4,
+        rest_pixels: 0.12,
         rest: 4.0,
         levels: [
             LevelParams {

@@ -185,6 +185,16 @@ impl Part {
         part.bounded()
     }
 
+    /// A point of the world in the frame that moves with the part.
+    pub fn to_local(&self, p: DVec3) -> DVec3 {
+        self.frame.to_local(p)
+    }
+
+    /// A point of the frame that moves with the part in the world.
+    pub fn to_world(&self, p: DVec3) -> DVec3 {
+        self.frame.to_world(p)
+    }
+
     fn bounded(mut self) -> Self {
         let (centre, radius) = self.shape.ball();
         self.centre = self.frame.to_world(centre * self.scale);

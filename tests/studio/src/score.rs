@@ -79,8 +79,26 @@ impl<'a> TriangleGrid<'a> {
 
     /// Distance of the nearest triangle, if one is within reach.
     pub fn distance(&self, p: DVec3) -> Option<f64> {
-        let [x, y, z] = self.cell(p);
         let mut least = f64::MAX;
+        self.near(p, |corners| least = least.min(to_triangle(p, corners)));
+        (least <= self.reach).then_some(least)
+    }
+
+    /// How far the mesh is from `p` along a unit vector, negative against it: the nearest of all places within reach.
+    pub fn along(&self, p: DVec3, direction: DVec3) -> Option<f64> {
+        let mut nearest: Option<f64> = None;
+        self.near(p, |corners| {
+            let Some(s) = crossing(p, direction, corners) else { return };
+            if libm::fabs(s) <= self.reach && nearest.is_none_or(|other| libm::fabs(s) < libm::fabs(other)) {
+                nearest = Some(s);
+            }
+        });
+        nearest
+    }
+
+    /// Calls `f` with the corners of all triangles that may be within reach.
+    fn near(&self, p: DVec3, mut f: impl FnMut([DVec3; 3])) {
+        let [x, y, z] = self.cell(p);
         for i in x - 1..=x + 1 {
             for j in y - 1..=y + 1 {
                 // Cells that are consecutive in z are consecutive in the list.
@@ -89,12 +107,23 @@ impl<'a> TriangleGrid<'a> {
                     if *cell > [i, j, z + 1] {
                         break;
                     }
-                    least = least.min(to_triangle(p, self.mesh.corners(*face as usize)));
+                    f(self.mesh.corners(*face as usize));
                 }
             }
         }
-        (least <= self.reach).then_some(least)
     }
+}
+
+/// Where a line crosses a triangle, as a multiple of its direction.
+fn crossing(p: DVec3, direction: DVec3, [a, b, c]: [DVec3; 3]) -> Option<f64> {
+    let normal = (b - a).cross(c - a);
+    let slope = normal.dot(direction);
+    if slope == 0.0 {
+        return None;
+    }
+    let s = normal.dot(a - p) / slope;
+    let q = p + direction * s;
+    [(a, b), (b, c), (c, a)].iter().all(|&(from, to)| normal.cross(to - from).dot(q - from) >= 0.0).then_some(s)
 }
 
 /// Distance of a point from a triangle.

@@ -117,6 +117,20 @@ impl Solid {
         corners.into_iter().map(|c| c * self.bound(p + c * STEP, parts)).sum::<DVec3>() / (4.0 * STEP)
     }
 
+    /// A surface point as a point of the part that it belongs to, by the part's index and in its frame. `None` where parts
+    /// blend.
+    pub fn material(&self, p: DVec3) -> Option<(usize, DVec3)> {
+        let own = |part: usize| self.bound(p, 1 << part).abs();
+        let part = (0..self.parts.len()).min_by(|&a, &b| own(a).total_cmp(&own(b)))?;
+        let blended = (self.bound(p, self.all()) - self.bound(p, 1 << part)).abs() > 1e-5;
+        (!blended).then(|| (part, self.parts[part].to_local(p)))
+    }
+
+    /// Where a point of a part is in the world: the inverse of [`Self::material`], at any time.
+    pub fn place(&self, (part, p): (usize, DVec3)) -> DVec3 {
+        self.parts[part].to_world(p)
+    }
+
     /// Outward unit normal.
     pub fn normal(&self, p: DVec3) -> DVec3 {
         self.gradient(p, self.all()).normalize_or_zero()
