@@ -84,7 +84,7 @@
 //! - **Determinism**: the same inputs give the same bits on every platform, with any executor and for any numbering of
 //!   the cameras. [`Frame::hashes`] has one hash per stage to verify this.
 //! - **Meshes** are closed and manifold, and triangles are counter-clockwise as seen from outside.
-//! - **Frames** are independent of each other, unless the host sets a [`frame::Prior`].
+//! - **Frames** are independent of each other, unless the host sets a [`frame::Prior`] or averages them ([`Frame::steady`]).
 //! - **Invalid input** gives an [`Error`] that names the camera and the remedy.
 //! - **Memory** can be limited ([`Memory::limited`]). A frame that needs more is refused before it allocates it.
 //! - The crate is `no_std` and needs only `alloc`. It does not access files, clocks or threads.

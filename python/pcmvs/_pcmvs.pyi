@@ -107,6 +107,13 @@ class Frame:
     def mesh(self) -> Mesh: ...
     def hull(self) -> Mesh: ...
     def coarse(self) -> Mesh: ...
+    def steady(
+        self,
+        neighbours: Sequence[Frame],
+        *,
+        threads: int | None = None,
+        progress: Progress | None = None,
+    ) -> None: ...
     def form(
         self,
         *,

@@ -15,6 +15,7 @@ use pcmvs_core::{
     Error, Executor, Form, FormParams, Memory, Progress, Stage, TextureParams,
     frame::{ORDER, position},
     silhouette::Silhouette,
+    steady::SteadyParams,
 };
 use pcmvs_scene::Pictures;
 use pyo3::{
@@ -179,6 +180,33 @@ impl Frame {
     /// The mesh that guides detection, after the stage "coarse". Empty if the parameters have no coarse pass.
     fn coarse(&self, py: Python) -> PyResult<Mesh> {
         self.mesh_of(py, Stage::Coarse, &self.frame.intermediates().coarse)
+    }
+
+    /// Averages the finished mesh with those of neighbouring frames, such as the one before and the one after it, along
+    /// surfaces that move with the subject. ``mesh()`` and ``form()`` then have the mean. The meshes of the neighbours count as
+    /// they were reconstructed, so that the order in which frames are averaged does not matter. A later call replaces the
+    /// result of an earlier one; without neighbours, the frame has its own mesh again.
+    #[pyo3(signature = (neighbours, *, threads = None, progress = None))]
+    fn steady(
+        &mut self,
+        py: Python,
+        neighbours: Vec<PyRef<Self>>,
+        threads: Option<NonZeroUsize>,
+        progress: Option<&Bound<PyAny>>,
+    ) -> PyResult<()> {
+        let own_mesh = |other: PyRef<Self>| -> Result<pcmvs_core::Mesh, Problem> {
+            other.require(Stage::Colour)?;
+            if other.frame.rig().origin() != self.frame.rig().origin() {
+                return Err(Problem::argument("a neighbour has other cameras: use frames of the same rig"));
+            }
+            Ok(other.frame.own_mesh().clone())
+        };
+        // Copies, because the work runs without Python's lock.
+        let meshes = neighbours.into_iter().map(own_mesh).collect::<Result<Vec<_>, _>>()?;
+        let meshes: Vec<&pcmvs_core::Mesh> = meshes.iter().collect();
+        run(py, threads, progress, |executor, progress| {
+            Ok(self.frame.steady(&meshes, &SteadyParams::DEFAULT, executor, progress)?)
+        })
     }
 
     /// Another form of the finished mesh.

@@ -43,12 +43,12 @@ def finished(scene: pcmvs.Scene) -> pcmvs.Frame:
 
 @pytest.fixture
 def command(capture: Path, tmp_path: Path) -> Any:
-    """Runs ``pcmvs reconstruct`` on the first frame. Returns the folder of its results."""
+    """Runs ``pcmvs reconstruct`` on the first frame, by itself unless told otherwise. Returns the folder of its results."""
 
-    def run(*options: str) -> Path:
+    def run(*options: str, alone: bool = True) -> Path:
         out = tmp_path / "command"
         program = path_from("PCMVS_COMMAND")
-        subprocess.run([program, "reconstruct", capture, "-o", out, "--frames", "0", *options], check=True)
+        subprocess.run([program, "reconstruct", capture, "-o", out, "--frames", "0", *["--alone"][: int(alone)], *options], check=True)
         return out
 
     return run

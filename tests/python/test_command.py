@@ -13,6 +13,23 @@ def test_a_glb_file_equals_that_of_the_command_line(scene, pictures, command, pr
     assert frame.mesh().to_glb(up=scene.up) == file.read_bytes()
 
 
+def test_an_averaged_frame_equals_that_of_the_command_line(scene, finished, command):
+    first, second = (pcmvs.reconstruct(scene.rig(), **scene.pictures(frame)) for frame in (0, 1))
+    stages = set()
+    first.steady([second], progress=lambda stage, done: stages.add(stage))
+    assert stages == {"steady"} and list(first.hashes)[-1] == "steady"
+    file = command(alone=False) / "frame_0000.glb"
+    assert first.mesh().to_glb(up=scene.up) == file.read_bytes()
+    # The other frame's own mesh counts, whatever has been averaged before. Without neighbours a frame is itself again.
+    second.steady([first])
+    first.steady([second])
+    assert first.mesh().to_glb(up=scene.up) == file.read_bytes()
+    first.steady([])
+    assert (first.mesh().positions == finished.mesh().positions).all()
+    with pytest.raises(pcmvs.OrderError, match="colour"):
+        first.steady([pcmvs.Frame(scene.rig(), **scene.pictures(1))])
+
+
 def test_a_form_equals_that_of_the_command_line(scene, finished, command):
     form = finished.form(faces=2000, texture=256)
     assert form.texture.shape == (256, 256, 3) and form.uvs.shape == (len(form.positions), 2) and form.colours is None

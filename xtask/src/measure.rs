@@ -119,12 +119,12 @@ impl Captured {
         &self.pcmvs
     }
 
-    /// Reconstructs on one thread and scores every frame. Results of an earlier run are kept. The meshes are PLY files,
+    /// Reconstructs every frame by itself on one thread, and scores it. Results of an earlier run are kept. The meshes are PLY files,
     /// because the reader of the scoring tool drops vertex colours of a GLB that has a material.
     pub fn measure(&self, job: &Job) -> Result<Measured> {
         let (scene, out) = (self.scene(job.scene), target().join("captured").join(job.folder()));
         let mut command =
-            program(&self.pcmvs, &format!("reconstruct --threads 1 --format ply --preset {}", job.preset));
+            program(&self.pcmvs, &format!("reconstruct --threads 1 --format ply --alone --preset {}", job.preset));
         command.args(job.frames.into_iter().flat_map(|list| ["--frames", list]));
         command.args(job.cameras.into_iter().flat_map(|list| ["--cameras", list]));
         command.args(job.set.iter().flat_map(|assignment| ["--set", assignment]));

@@ -99,6 +99,7 @@ fn same_files() -> Result<String> {
     fs::create_dir_all(&files).map_err(problem(&files))?;
     let scene = root().join("web/public/sample");
     sample::make(&scene)?;
+    // With the average over its neighbours in the take.
     for options in ["", WEB] {
         let options = format!("reconstruct --frames 0 {options}");
         let (here, there) = (files.join("here"), files.join("there"));
