@@ -5,7 +5,6 @@ use crate::{
     left_out::LeftOut,
     math::{max, ordered},
     params::Method,
-    point_cloud::Rank,
     rig::Rig,
     stage::Stage,
     view::View,
@@ -70,9 +69,7 @@ impl<R: Deref<Target = Rig>> Frame<R> {
         }
         warnings.extend(self.disagreements());
         if self.require(Stage::Detect).is_ok() && self.params().method == Method::Pcmvs {
-            let has_stereo =
-                |place: usize| self.intermediates().detected[place].iter().any(|p| p.rank == Rank::Detected);
-            let silent = cameras().filter(|&(_, place)| self.views()[place].is_used() && !has_stereo(place));
+            let silent = cameras().filter(|&(_, place)| self.views()[place].is_used() && !self.has_stereo[place]);
             warnings.extend(silent.map(|(camera, _)| Warning::NoStereoPoints { camera }));
         }
         warnings

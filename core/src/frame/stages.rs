@@ -11,13 +11,13 @@ use crate::{
     memory, merge, mesh,
     mesh::weigh,
     params::Method,
-    point_cloud::{Mesh, concat},
+    point_cloud::Mesh,
     progress::Progress,
     report::Counts,
     rig::Rig,
     surface::drop_small_components,
 };
-use core::{iter::once, mem::take, ops::Deref};
+use core::{mem::take, ops::Deref};
 
 impl<R: Deref<Target = Rig> + Sync> Frame<R> {
     /// §0: the visual hull, and its mesh without stray components.
@@ -95,9 +95,7 @@ impl<R: Deref<Target = Rig> + Sync> Frame<R> {
         if self.params.method == Method::Hull {
             return Ok(());
         }
-        let of = &self.intermediates;
-        let clouds = once(&of.frontier).chain(&of.detected).chain(once(&of.implicit)).map(|cloud| &cloud[..]);
-        let all = concat(clouds, &mut self.memory.workspace);
+        let all = self.intermediates.all_points(&mut self.kept, &mut self.memory.workspace);
         let mut counts = Counts::default();
         let neighbours = self.params.detection.search.neighbours;
         let merged = merge::merge(self.context(progress)?, all, neighbours, &self.params.merging, &mut counts)?;
@@ -121,6 +119,7 @@ impl<R: Deref<Target = Rig> + Sync> Frame<R> {
         self.memory.workspace = workspace;
         let meshed = meshed?;
         (self.mesh, self.counts.components_dropped) = (meshed.mesh, meshed.components_dropped);
+        self.intermediates.meshed(&mut self.kept, &mut self.memory.workspace);
         Ok(())
     }
 

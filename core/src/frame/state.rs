@@ -1,6 +1,11 @@
 //! The state of a frame.
 
-use super::{intermediates::Intermediates, memory::Memory, prior::Prior, reconstruction::Reconstruction};
+use super::{
+    intermediates::{Intermediates, Kept},
+    memory::Memory,
+    prior::Prior,
+    reconstruction::Reconstruction,
+};
 use crate::{
     context::Context,
     detect::{Guide, PyramidLevel, detect_view},
@@ -9,7 +14,7 @@ use crate::{
     memory,
     mesh::weigh,
     params::{Method, Params},
-    point_cloud::{Mesh, PointCloud},
+    point_cloud::{Mesh, PointCloud, Rank},
     progress::{self, Progress},
     report::Counts,
     rig::Rig,
@@ -51,6 +56,9 @@ pub struct Frame<R> {
     /// One slot per view for its points, used until the stage `Detect` is complete.
     pub(super) found: Vec<Mutex<Option<(PointCloud, Counts)>>>,
     pub(super) intermediates: Intermediates,
+    pub(super) kept: Kept,
+    /// Whether stereo has found points in each view, in the rig's order. Empty before detection is complete.
+    pub(super) has_stereo: Vec<bool>,
     pub(super) mesh: Mesh,
     pub(super) gains: Vec<[f32; 3]>,
     pub(super) counts: Counts,
@@ -80,6 +88,8 @@ impl<R: Deref<Target = Rig>> Frame<R> {
             octaves: (0..count).map(|_| Once::new()).collect(),
             found: slots(count),
             intermediates: Intermediates::default(),
+            kept: Kept::default(),
+            has_stereo: Vec::new(),
             mesh: Mesh::default(),
             gains: Vec::new(),
             counts: Counts::default(),
@@ -90,6 +100,14 @@ impl<R: Deref<Target = Rig>> Frame<R> {
     /// Sets what is known from a neighbouring frame.
     pub fn set_prior(&mut self, prior: Prior) {
         self.prior = Some(prior);
+    }
+
+    /// Whether results of stages are kept when the stages that need them are complete, as they are by default. Without
+    /// them less memory is needed at a time: all points are freed as soon as they are merged, and the merged cloud and the
+    /// surface that guided detection with the final mesh. [`Frame::intermediates`] then has none of them, and the stages that
+    /// need them cannot be run again without the stages before them.
+    pub fn keep_intermediates(&mut self, keep: bool) {
+        self.kept.all = keep;
     }
 
     /// The rig.
@@ -255,10 +273,12 @@ impl<R: Deref<Target = Rig>> Frame<R> {
             return Err(Error::WrongOrder { camera: Some(camera), problem });
         }
         self.intermediates.detected.clear();
+        self.has_stereo.clear();
         let mut counts = Counts::default();
         for slot in &mut self.found {
             let (mut cloud, found) = slot.get_mut().take().unwrap_or_default();
             weigh(&mut cloud, self.params.meshing.weights.as_ref());
+            self.has_stereo.push(cloud.iter().any(|point| point.rank == Rank::Detected));
             self.intermediates.detected.push(cloud);
             counts.add_detection(&found);
         }
