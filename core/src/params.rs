@@ -13,6 +13,7 @@ use crate::{
     hull::{AgreementParams, HullParams},
     merge::{ConflictParams, DownsampleParams, MergingParams},
     mesh::{MeshingParams, SpaceConstraint, WeightParams},
+    reading::ReadingParams,
     silhouette::ContourParams,
 };
 
@@ -23,6 +24,8 @@ use crate::{
 pub struct Params {
     /// The kind of result.
     pub method: Method,
+    /// Resolution at which pictures are read. The paper reads them as they are.
+    pub reading: ReadingParams,
     /// Contours from the photographs (§0). Without it mattes are taken as they are given, as in the paper.
     pub contour: Option<ContourParams>,
     /// Visual hull (§0).
@@ -109,6 +112,7 @@ impl Params {
         let weights = WeightParams { frontier: 58.0, substituted: 0.2, implicit: 0.1 };
         let default = Self {
             method: Method::Pcmvs,
+            reading: ReadingParams { octave: 0, blurred: Some(0.25) },
             contour: Some(ContourParams { reach_pixels: 4.5 }),
             hull: HullParams { voxel_pixels: 1.5 },
             agreement: Some(AgreementParams { blame: AgreementParams::BLAME, uncovered: 0.1, largest_share: 0.25 }),
@@ -131,6 +135,7 @@ impl Params {
             Preset::Default => default,
             Preset::Hull => Self { method: Method::Hull, ..default },
             Preset::Paper => Self {
+                reading: ReadingParams::FULL,
                 contour: None,
                 agreement: None,
                 coarse: None,

@@ -151,7 +151,7 @@ impl<R: Deref<Target = Rig> + Sync> Frame<R> {
         progress: &dyn Progress,
         read: impl Fn(usize, &dyn Fn(Option<&ViewInput>) -> Result<()>) -> core::result::Result<(), E> + Sync,
     ) -> core::result::Result<(), E> {
-        memory::check_rig(self.rig(), self.memory.limit())?;
+        memory::check_rig(self.rig(), self.params(), self.memory.limit())?;
         progress.on_stage_start(Stage::Views);
         let read = executor.map(self.cameras(), |camera| {
             read(camera, &|input| match input {

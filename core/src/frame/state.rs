@@ -7,8 +7,9 @@ use super::{
     reconstruction::Reconstruction,
 };
 use crate::{
+    coarse::band,
     context::Context,
-    detect::{Guide, PyramidLevel, detect_view},
+    detect::{DetectionParams, Guide, PyramidLevel, detect_view},
     error::{Error, Result},
     hull::{Comparison, VisualHull},
     memory,
@@ -56,6 +57,8 @@ pub struct Frame<R> {
     /// One slot per view for its points, used until the stage `Detect` is complete.
     pub(super) found: Vec<Mutex<Option<(PointCloud, Counts)>>>,
     pub(super) intermediates: Intermediates,
+    /// Octaves by which the coarse pass began above that of its parameters.
+    pub(super) further_octaves: u32,
     pub(super) kept: Kept,
     /// Whether stereo has found points in each view, in the rig's order. Empty before detection is complete.
     pub(super) has_stereo: Vec<bool>,
@@ -88,6 +91,7 @@ impl<R: Deref<Target = Rig>> Frame<R> {
             octaves: (0..count).map(|_| Once::new()).collect(),
             found: slots(count),
             intermediates: Intermediates::default(),
+            further_octaves: 0,
             kept: Kept::default(),
             has_stereo: Vec::new(),
             mesh: Mesh::default(),
@@ -172,11 +176,11 @@ impl<R: Deref<Target = Rig>> Frame<R> {
 
     pub(super) fn read_view(&self, camera: usize, input: &ViewInput, progress: &dyn Progress) -> Result<()> {
         let place = self.open_place(camera)?;
-        memory::check_rig(&self.rig, self.memory.limit())?;
+        memory::check_rig(&self.rig, &self.params, self.memory.limit())?;
         progress::step(progress, Stage::Views, camera as u32, self.cameras() as u32)?;
         let buffers = self.memory.buffers.take();
-        let contour = self.params.contour.as_ref();
-        let make = |scratch: &mut _| View::with_buffers(&self.rig, camera, input, contour, scratch, buffers);
+        let (contour, reading) = (self.params.contour.as_ref(), &self.params.reading);
+        let make = |scratch: &mut _| View::with_buffers(&self.rig, camera, input, contour, reading, scratch, buffers);
         let view = self.memory.view_scratch.with(make)?;
         *self.incoming[place].lock() = Some(view);
         Ok(())
@@ -208,6 +212,7 @@ impl<R: Deref<Target = Rig>> Frame<R> {
             let Intermediates { hull, coarse, .. } = &self.intermediates;
             let guide = if coarse.triangles.is_empty() { Guide::Hull(hull) } else { Guide::Surface(coarse) };
             let params = &self.params.detection;
+            let params = &DetectionParams { band_pixels: band(params, self.further_octaves), ..*params };
             let context = self.context(progress)?;
             let level = |place| self.level(place);
             self.memory.detection.with(|scratch| detect_view(context, place, &level, guide, params, scratch))?
