@@ -167,12 +167,23 @@ impl Params {
                 colour: ColourParams { gains: None, blended_views: 1 },
                 ..default
             },
-            // The coarse pass as the only pass.
+            // The coarse pass as the only pass, of pictures at half the resolution.
             Preset::Preview => Self {
-                hull: HullParams { voxel_pixels: 2.5 },
+                reading: ReadingParams { octave: 1, ..default.reading },
+                contour: Some(ContourParams { reach_pixels: 3.0 }),
+                hull: HullParams { voxel_pixels: 1.6 },
                 coarse: None,
-                detection: coarse.detection,
-                meshing: MeshingParams { voxel_pixels: 2.5, ..default.meshing },
+                detection: DetectionParams {
+                    octave: 0,
+                    search: SearchParams {
+                        step_pixels: 0.8,
+                        neighbours: 3,
+                        window_radius: 2,
+                        ..coarse.detection.search
+                    },
+                    ..coarse.detection
+                },
+                meshing: MeshingParams { voxel_pixels: 1.5, ..default.meshing },
                 ..default
             },
         }
