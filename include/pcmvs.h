@@ -1072,7 +1072,8 @@ pcmvs_status pcmvs_frame_copy_cloud(const struct pcmvs_frame *frame,
                                     size_t *count);
 
 // Returns a pointer to a view's silhouette in the frame's memory, once `PCMVS_STAGE_VIEWS` is complete. Fails with
-// `PCMVS_STATUS_WRONG_ORDER` if the view has no silhouette. `size` is `sizeof *silhouette`.
+// `PCMVS_STATUS_WRONG_ORDER` if the view has no silhouette. `size` is `sizeof *silhouette`. It is smaller than the picture,
+// by a power of two, where the picture was read at a lower resolution: with the preset `preview`, or because it is blurred.
 pcmvs_status pcmvs_frame_get_silhouette(const struct pcmvs_frame *frame,
                                         uint32_t camera,
                                         struct pcmvs_silhouette *silhouette,

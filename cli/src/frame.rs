@@ -11,14 +11,32 @@ use crate::{
     warning::WarningReport,
 };
 use pcmvs_core::{
-    Frame, Memory, Mesh, Params, PointCloud, Reconstruction, Rig, Stage, export::ply, steady::SteadyParams,
+    Error, Frame, Memory, Mesh, Params, PointCloud, Reconstruction, Rig, Stage, export::ply, steady::SteadyParams,
 };
-use pcmvs_scene::{Disk, Failure, FrameFiles, Scene, SceneFrame, Silhouettes, Threads};
+use pcmvs_scene::{DecodedView, Disk, Failure, FrameFiles, Scene, SceneFrame, Silhouettes, Threads};
 use std::{
     fs,
     mem::take,
     path::{Path, PathBuf},
 };
+
+/// Why a frame cannot be made.
+enum Problem {
+    File(Failure),
+    Core(Error),
+}
+
+impl From<Failure> for Problem {
+    fn from(failure: Failure) -> Self {
+        Self::File(failure)
+    }
+}
+
+impl From<Error> for Problem {
+    fn from(error: Error) -> Self {
+        Self::Core(error)
+    }
+}
 
 /// What all frames of a run share.
 pub struct Job<'a> {
@@ -195,20 +213,26 @@ impl Job<'_> {
         warnings: &mut Vec<WarningReport>,
     ) -> Result<Own<'s>, Failure> {
         let progress = self.console.frame(frame.index);
-        progress.begin("decode");
         let missing = take(&mut files.missing);
         let missing = missing.into_iter().map(|file| WarningReport::of_missing(file, self.scene, frame));
         self.warn(warnings, missing.collect());
-        let pictures = files.decode(self.threads)?;
-        progress.end("decode");
         let memory = self.max_memory.map_or_else(Memory::default, Memory::limited);
         let mut made = Frame::new(self.rig, *self.params, memory);
-        let result = made.run_all(&pictures.inputs(), self.threads, &progress);
+        made.keep_intermediates(self.stages);
+        // Pictures are decoded one after the other, as their views are read, because all of them together take two thirds of
+        // the memory of their views.
+        let files = files.into_views();
+        let read = made.read_views(self.threads, &progress, |camera, give| {
+            let decoded = files.decode(camera)?;
+            let input = decoded.as_ref().map(DecodedView::input);
+            give(input.as_ref()).map_err(Problem::Core)
+        });
+        let result = read.and_then(|()| made.run_stages(self.threads, &progress).map_err(Problem::Core));
         self.warn(warnings, self.warnings_of(&made, frame, warnings));
-        result.map_err(|error| self.scene.explain(&error, Some(frame)))?;
-        if !self.stages {
-            made.drop_intermediates();
-        }
+        result.map_err(|problem| match problem {
+            Problem::File(failure) => failure,
+            Problem::Core(error) => self.scene.explain(&error, Some(frame)),
+        })?;
         Ok(Own { frame, made, progress })
     }
 

@@ -51,7 +51,7 @@ fn manifest_and_report_describe_the_files() {
             let bound = |end: usize| manifest["bounds"][end][axis].as_f64().unwrap() as f32;
             assert!(bound(0) <= box_.min[axis] && bound(1) >= box_.max[axis]);
         }
-        for stage in ["decode", "views", "hull", "colour", "write"] {
+        for stage in ["views", "hull", "colour", "write"] {
             assert!(made["seconds"][stage].as_f64().is_some_and(|s| s >= 0.0), "{stage}: {made}");
         }
         assert!(made["hashes"]["colour"].as_str().is_some_and(|h| h.len() == 16));

@@ -204,6 +204,11 @@ impl Pinhole {
         }
     }
 
+    /// The camera of the picture at a level of the image pyramid, where 0 is full resolution.
+    pub fn at_octave(&self, octave: u32) -> Self {
+        (0..octave).fold(*self, |camera, _| camera.halved())
+    }
+
     /// The rows of K·R, and K·(R·origin + t). The plane sweep derives its warps from them.
     pub fn projection(&self) -> ([Vec3; 3], Vec3) {
         (self.rows, self.offset)

@@ -126,6 +126,7 @@ pub mod params;
 pub mod point_cloud;
 mod progress;
 pub mod raster;
+pub mod reading;
 mod report;
 pub mod rig;
 pub mod silhouette;

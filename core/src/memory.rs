@@ -17,6 +17,8 @@
 //! The mean with neighbouring frames ([`crate::Frame::steady`]) needs at most `300 (V + W)` bytes besides, where W is the number
 //! of vertices of the largest neighbour. Its own mesh and those of its neighbours are not counted.
 //!
+//! P counts pixels at the resolution at which pictures are read ([`crate::reading`]), L those of the whole picture.
+//!
 //! 96 L is for reading views. Of a figure with a clean contour this takes 30 bytes per pixel, or 35 where the lens distorts.
 //! A matte with nearly as much contour as is still refined takes 83 to 88, or 86 to 90 if it comes from a clean plate. On
 //! several threads, each thread takes this much while it reads views.
@@ -56,10 +58,17 @@ const EXPECTED_INSIDE: f64 = 0.25;
 /// times as large as its silhouette.
 const EXPECTED_VERTICES: f64 = 3.0;
 
-/// The smallest number of bytes that any frame of a rig needs.
-pub fn smallest(rig: &Rig) -> u64 {
-    let sizes = || rig.cameras().iter().map(|c| u64::from(c.width) * u64::from(c.height));
-    PER_PIXEL * sizes().sum::<u64>() + before_the_hull(sizes().max().unwrap_or(0))
+/// The smallest number of bytes that any frame of a rig needs. Pictures that are read at a lower resolution because they are
+/// blurred count in full.
+pub fn smallest(rig: &Rig, params: &Params) -> u64 {
+    let sizes = rig.cameras().iter().map(|c| u64::from(c.width) * u64::from(c.height));
+    PER_PIXEL * read_pixels(rig, params) + before_the_hull(sizes.max().unwrap_or(0))
+}
+
+/// Number of pixels of all pictures at the resolution at which they are read.
+fn read_pixels(rig: &Rig, params: &Params) -> u64 {
+    let octave = params.reading.octave;
+    rig.cameras().iter().map(|c| u64::from(c.width >> octave) * u64::from(c.height >> octave)).sum()
 }
 
 /// Bytes for reading the views and the search for the hull, from the number of pixels of the largest view.
@@ -69,20 +78,21 @@ fn before_the_hull(largest: u64) -> u64 {
 
 /// Bytes that a frame needs up to the hull's mesh, once the hull is known.
 fn needed_for_hull(views: &[View], hull: &VisualHull) -> u64 {
-    let largest = views.iter().map(|v| v.luma.len() as u64).max().unwrap_or(0);
+    // In full resolution, in which masks are made.
+    let largest = views.iter().map(|v| (v.luma.len() as u64) << (2 * v.octave)).max().unwrap_or(0);
     PER_PIXEL * pixels(views) + before_the_hull(largest).max(PER_BLOCK * hull.field().0.blocks.len() as u64)
 }
 
 /// The number of bytes that a frame is expected to need, before anything but its rig is known. It assumes that the object
 /// covers a quarter of every picture.
 pub fn expected(rig: &Rig, params: &Params) -> u64 {
-    let pixels = rig.cameras().iter().map(|c| u64::from(c.width) * u64::from(c.height)).sum::<u64>();
+    let pixels = read_pixels(rig, params);
     let views = PER_PIXEL * pixels;
     let pixels = pixels as f64;
     let inside = EXPECTED_INSIDE * pixels;
     let voxel = f64::from(params.hull.voxel_pixels);
     let vertices = EXPECTED_VERTICES * inside / rig.cameras().len() as f64 / (voxel * voxel);
-    smallest(rig).max(views + later(pixels, inside, vertices, params))
+    smallest(rig, params).max(views + later(pixels, inside, vertices, params))
 }
 
 /// The largest number of bytes that a frame needs, once its silhouettes, its hull and the hull's mesh are known.
@@ -170,6 +180,6 @@ pub(crate) fn check_steady(
 ///
 /// # Errors
 /// [`crate::Error::OutOfMemory`].
-pub fn check_rig(rig: &Rig, limit: Option<u64>) -> Result<()> {
-    within(|| smallest(rig), limit)
+pub fn check_rig(rig: &Rig, params: &Params, limit: Option<u64>) -> Result<()> {
+    within(|| smallest(rig, params), limit)
 }

@@ -13,6 +13,7 @@ use crate::{
     hull::{AgreementParams, HullParams},
     merge::{ConflictParams, DownsampleParams, MergingParams},
     mesh::{MeshingParams, SpaceConstraint, WeightParams},
+    reading::ReadingParams,
     silhouette::ContourParams,
 };
 
@@ -23,6 +24,8 @@ use crate::{
 pub struct Params {
     /// The kind of result.
     pub method: Method,
+    /// Resolution at which pictures are read. The paper reads them as they are.
+    pub reading: ReadingParams,
     /// Contours from the photographs (§0). Without it mattes are taken as they are given, as in the paper.
     pub contour: Option<ContourParams>,
     /// Visual hull (§0).
@@ -109,6 +112,7 @@ impl Params {
         let weights = WeightParams { frontier: 58.0, substituted: 0.2, implicit: 0.1 };
         let default = Self {
             method: Method::Pcmvs,
+            reading: ReadingParams { octave: 0, blurred: Some(0.25) },
             contour: Some(ContourParams { reach_pixels: 4.5 }),
             hull: HullParams { voxel_pixels: 1.5 },
             agreement: Some(AgreementParams { blame: AgreementParams::BLAME, uncovered: 0.1, largest_share: 0.25 }),
@@ -131,6 +135,7 @@ impl Params {
             Preset::Default => default,
             Preset::Hull => Self { method: Method::Hull, ..default },
             Preset::Paper => Self {
+                reading: ReadingParams::FULL,
                 contour: None,
                 agreement: None,
                 coarse: None,
@@ -162,12 +167,23 @@ impl Params {
                 colour: ColourParams { gains: None, blended_views: 1 },
                 ..default
             },
-            // The coarse pass as the only pass.
+            // The coarse pass as the only pass, of pictures at half the resolution.
             Preset::Preview => Self {
-                hull: HullParams { voxel_pixels: 2.5 },
+                reading: ReadingParams { octave: 1, ..default.reading },
+                contour: Some(ContourParams { reach_pixels: 3.0 }),
+                hull: HullParams { voxel_pixels: 1.6 },
                 coarse: None,
-                detection: coarse.detection,
-                meshing: MeshingParams { voxel_pixels: 2.5, ..default.meshing },
+                detection: DetectionParams {
+                    octave: 0,
+                    search: SearchParams {
+                        step_pixels: 0.8,
+                        neighbours: 3,
+                        window_radius: 2,
+                        ..coarse.detection.search
+                    },
+                    ..coarse.detection
+                },
+                meshing: MeshingParams { voxel_pixels: 1.5, ..default.meshing },
                 ..default
             },
         }

@@ -8,6 +8,7 @@ use crate::{
     hash::Hash64,
     image::{self, ImageRef},
     left_out::LeftOut,
+    reading::{ReadingParams, Reduced},
     rig::Rig,
     silhouette::{
         ChromaKey, ContourParams, NoSilhouette, Silhouette, Uncertainty, chroma, clean_plate,
@@ -44,8 +45,10 @@ pub struct ViewInput<'a> {
 pub struct View {
     /// Place of the camera in [`Rig::order`].
     pub index: u16,
-    /// The camera.
+    /// The camera of the picture as it was read.
     pub camera: Pinhole,
+    /// Octave at which the picture was read: 0 is its full resolution.
+    pub octave: u32,
     /// Packed sRGB, row after row.
     pub rgb: Vec<u8>,
     /// Luma, row after row.
@@ -113,7 +116,7 @@ impl View {
     /// A view without picture. `index` is the place of the camera in [`Rig::order`].
     pub fn of_silhouette(index: u16, camera: Pinhole, silhouette: Option<Arc<Silhouette>>) -> Self {
         let (rgb, luma) = (Vec::new(), Vec::new());
-        Self { index, camera, rgb, luma, silhouette, given: None, added: 0, cut_out: false, left_out: None }
+        Self { index, camera, octave: 0, rgb, luma, silhouette, given: None, added: 0, cut_out: false, left_out: None }
     }
 
     /// Whether the view takes part in its frame.
@@ -161,10 +164,24 @@ impl View {
     /// # Errors
     /// [`Error::NoSuchCamera`], [`Error::Image`] and [`Error::Silhouette`].
     pub fn new(rig: &Rig, index: usize, input: &ViewInput, contour: Option<&ContourParams>) -> Result<Self> {
-        Self::with_buffers(rig, index, input, contour, &mut ViewScratch::default(), Buffers::default())
+        Self::at(rig, index, input, contour, &ReadingParams::FULL)
     }
 
-    /// [`Self::new`] with scratch buffers and the memory of an old view.
+    /// [`Self::new`] at another resolution.
+    ///
+    /// # Errors
+    /// As for [`Self::new`].
+    pub fn at(
+        rig: &Rig,
+        index: usize,
+        input: &ViewInput,
+        contour: Option<&ContourParams>,
+        reading: &ReadingParams,
+    ) -> Result<Self> {
+        Self::with_buffers(rig, index, input, contour, reading, &mut ViewScratch::default(), Buffers::default())
+    }
+
+    /// [`Self::at`] with scratch buffers and the memory of an old view.
     ///
     /// # Errors
     /// As for [`Self::new`].
@@ -173,6 +190,7 @@ impl View {
         index: usize,
         input: &ViewInput,
         contour: Option<&ContourParams>,
+        reading: &ReadingParams,
         scratch: &mut ViewScratch,
         buffers: Buffers,
     ) -> Result<Self> {
@@ -215,18 +233,28 @@ impl View {
             undistortion.rgb(picture, &mut rgb);
         }
         let mut left_out = None;
+        let is_masked = !matches!(input.mask, Mask::Unknown);
+        let coverage = match undistortion {
+            Some(undistortion) if is_masked => {
+                undistortion.coverage(mask, coverage, known);
+                coverage
+            }
+            _ => mask,
+        };
+        if !is_masked {
+            coverage.clear();
+        }
+        if undistortion.is_none() || !is_masked {
+            known.clear();
+        }
+        let (width, height) = (camera.width as usize, camera.height as usize);
+        let mut reduced = Reduced { width, height, rgb: &mut rgb, mask: coverage, known };
+        let octave = reduced.reduce(reading);
+        let (w, h) = (reduced.width as u32, reduced.height as u32);
         let silhouette = if let Mask::Unknown = input.mask {
             None
         } else {
-            let (w, h) = (camera.width, camera.height);
-            let coverage = match undistortion {
-                Some(undistortion) => {
-                    undistortion.coverage(mask, coverage, known);
-                    coverage
-                }
-                None => mask,
-            };
-            let known = |i: usize| undistortion.is_none() || known[i];
+            let known = |i: usize| known.is_empty() || known[i];
             let refined = contour
                 .and_then(|params| refine(w as usize, &rgb, coverage, known, params, contour_scratch, uncertainty));
             match Silhouette::with_buffers(w, h, coverage, known, &mut contour_scratch.distance, distance) {
@@ -242,7 +270,7 @@ impl View {
         luma.extend(rgb.chunks_exact(3).map(|p| image::luma([p[0], p[1], p[2]])));
         let cut_out = silhouette.as_ref().is_some_and(|silhouette| is_cut_out(&rgb, silhouette));
         let silhouette = silhouette.map(Arc::new);
-        let camera = rig.pinholes()[index];
-        Ok(Self { rgb, luma, cut_out, left_out, ..Self::of_silhouette(place as u16, camera, silhouette) })
+        let camera = rig.pinholes()[index].at_octave(octave);
+        Ok(Self { octave, rgb, luma, cut_out, left_out, ..Self::of_silhouette(place as u16, camera, silhouette) })
     }
 }

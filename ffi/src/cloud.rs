@@ -127,7 +127,8 @@ pub unsafe extern "C" fn pcmvs_frame_copy_cloud(
 }
 
 /// Returns a pointer to a view's silhouette in the frame's memory, once `PCMVS_STAGE_VIEWS` is complete. Fails with
-/// `PCMVS_STATUS_WRONG_ORDER` if the view has no silhouette. `size` is `sizeof *silhouette`.
+/// `PCMVS_STATUS_WRONG_ORDER` if the view has no silhouette. `size` is `sizeof *silhouette`. It is smaller than the picture,
+/// by a power of two, where the picture was read at a lower resolution: with the preset `preview`, or because it is blurred.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn pcmvs_frame_get_silhouette(
     frame: *const pcmvs_frame,

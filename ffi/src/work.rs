@@ -66,7 +66,7 @@ impl Work {
 
     /// Fails if the frame may not take as much memory as copies of pictures and reading views need together.
     pub fn check_copies(&self, copies: u64) -> Result<()> {
-        let needed = memory::smallest(self.frame.rig()) + copies;
+        let needed = memory::smallest(self.frame.rig(), self.frame.params()) + copies;
         match self.options.max_memory {
             limit if !self.options.keeps_memory() && needed > limit => Err(Error::OutOfMemory { needed, limit }.into()),
             _ => Ok(()),

@@ -258,7 +258,8 @@ impl Frame {
 
     /// The silhouette of a camera without lens distortion, after the stage "hull": the signed distance of each pixel to the
     /// contour, in pixels, positive on the object, float32, height x width. Not-a-number where the picture does not show the
-    /// pixel. None without a silhouette.
+    /// pixel. None without a silhouette. Smaller than the picture by a power of two where that was read at a lower
+    /// resolution: with the preset "preview", or because it is blurred.
     fn silhouette<'py>(&self, py: Python<'py>, camera: usize) -> PyResult<Option<Bound<'py, PyArray2<f32>>>> {
         self.require(Stage::Hull)?;
         let Some(found) = &self.frame.views()[self.place(camera)?].silhouette else { return Ok(None) };

@@ -7,7 +7,11 @@ use crate::{
     scene::{Background, Scene, SceneFrame, SilhouetteFiles},
 };
 use pcmvs_core::{ChromaKey, Executor, Mask, ViewInput, silhouette::MORE_COLOURS};
-use std::{io, path::Path};
+use std::{
+    io,
+    path::Path,
+    sync::{Mutex, PoisonError},
+};
 
 /// Where the silhouettes come from.
 #[derive(Debug, Clone, Copy)]
@@ -26,6 +30,17 @@ impl Silhouettes {
         let chosen = Self::of(files, scene)?;
         scene.silhouettes = files;
         Ok(chosen)
+    }
+
+    /// A camera's picture, and its mask or clean plate, as the core takes them.
+    fn input<'p>(&self, image: &'p Picture, mask: Option<&'p Picture>) -> ViewInput<'p> {
+        let mask = match (self, mask) {
+            (Self::Key(key), _) => Mask::ChromaKey(*key),
+            (Self::Files, Some(mask)) => Mask::Given(mask.view()),
+            (Self::Plates, Some(plate)) => Mask::CleanPlate(plate.view()),
+            (Self::Files | Self::Plates, None) => Mask::Unknown,
+        };
+        ViewInput { image: image.view(), mask }
     }
 
     fn of(files: SilhouetteFiles, scene: &Scene) -> Result<Self, Failure> {
@@ -185,10 +200,53 @@ impl<'s> FrameFiles<'s> {
         contents.map(|content| content.as_ref().and_then(Content::bytes))
     }
 
+    /// The files, to be decoded one by one.
+    pub fn into_views(self) -> UndecodedViews<'s> {
+        let Self { scene, frame, silhouettes, views, .. } = self;
+        let views = views.into_iter().map(|files| Mutex::new(Some(files))).collect();
+        UndecodedViews { scene, frame, silhouettes, views }
+    }
+
     /// Decodes all files.
     pub fn decode(self, executor: &impl Executor) -> Result<Pictures, Failure> {
-        let Self { scene, frame, silhouettes, .. } = self;
-        let decode = |camera: usize, content: Option<Content>, path: Option<&Path>| match (content, path) {
+        let silhouettes = self.silhouettes;
+        let views = self.into_views();
+        let decoded = executor.map(views.views.len(), |camera| views.decode(camera));
+        let of = |view: DecodedView| (view.image, view.mask);
+        let views = decoded.into_iter().map(|view| Ok(view?.map(of)));
+        Ok(Pictures { views: views.collect::<Result<_, Failure>>()?, silhouettes })
+    }
+}
+
+/// The pictures and masks of a frame, of which each is decoded by itself and its file then freed.
+pub struct UndecodedViews<'s> {
+    scene: &'s Scene,
+    frame: &'s SceneFrame,
+    silhouettes: Silhouettes,
+    views: Vec<Mutex<Option<ViewFiles>>>,
+}
+
+/// A camera's picture, and its mask or clean plate.
+pub struct DecodedView {
+    image: Picture,
+    mask: Option<Picture>,
+    silhouettes: Silhouettes,
+}
+
+impl DecodedView {
+    /// The pictures as the core takes them.
+    pub fn input(&self) -> ViewInput<'_> {
+        self.silhouettes.input(&self.image, self.mask.as_ref())
+    }
+}
+
+impl UndecodedViews<'_> {
+    /// Decodes a camera's files. `None` if it has no picture, or if they have been decoded before.
+    pub fn decode(&self, camera: usize) -> Result<Option<DecodedView>, Failure> {
+        let Self { scene, frame, silhouettes, .. } = *self;
+        let files = self.views[camera].lock().unwrap_or_else(PoisonError::into_inner).take();
+        let ViewFiles { image, mask } = files.unwrap_or_default();
+        let decode = |content: Option<Content>, path: Option<&Path>| match (content, path) {
             (Some(Content::File(bytes)), Some(path)) => {
                 let place = |problem| Failure::Input(format!("{}: {problem}", scene.place_of(frame, camera, path)));
                 Picture::decode(&bytes).map(Some).map_err(place)
@@ -196,16 +254,13 @@ impl<'s> FrameFiles<'s> {
             (Some(Content::Decoded(picture)), _) => Ok(Some(picture)),
             _ => Ok(None),
         };
-        let views = executor.map_parts(self.views, |camera, ViewFiles { image, mask }| {
-            let Some(image) = decode(camera, image, frame.image(camera))? else { return Ok(None) };
-            let mask = match (decode(camera, mask, scene.silhouette_file(frame, camera))?, silhouettes) {
-                (Some(mask), Silhouettes::Files) => Some(mask.into_mask()),
-                (None, Silhouettes::Files) => image.alpha(),
-                (other, Silhouettes::Plates | Silhouettes::Key(_)) => other,
-            };
-            Ok(Some((image, mask)))
-        });
-        Ok(Pictures { views: views.into_iter().collect::<Result<_, Failure>>()?, silhouettes })
+        let Some(image) = decode(image, frame.image(camera))? else { return Ok(None) };
+        let mask = match (decode(mask, scene.silhouette_file(frame, camera))?, silhouettes) {
+            (Some(mask), Silhouettes::Files) => Some(mask.into_mask()),
+            (None, Silhouettes::Files) => image.alpha(),
+            (other, Silhouettes::Plates | Silhouettes::Key(_)) => other,
+        };
+        Ok(Some(DecodedView { image, mask, silhouettes }))
     }
 }
 
@@ -262,16 +317,7 @@ impl Pictures {
 
     /// The pictures as the core takes them.
     pub fn inputs(&self) -> Vec<Option<ViewInput<'_>>> {
-        self.views.iter().map(|view| view.as_ref().map(|(image, mask)| self.input(image, mask.as_ref()))).collect()
-    }
-
-    fn input<'p>(&self, image: &'p Picture, mask: Option<&'p Picture>) -> ViewInput<'p> {
-        let mask = match (self.silhouettes, mask) {
-            (Silhouettes::Key(key), _) => Mask::ChromaKey(key),
-            (Silhouettes::Files, Some(mask)) => Mask::Given(mask.view()),
-            (Silhouettes::Plates, Some(plate)) => Mask::CleanPlate(plate.view()),
-            (Silhouettes::Files | Silhouettes::Plates, None) => Mask::Unknown,
-        };
-        ViewInput { image: image.view(), mask }
+        let views = self.views.iter().map(Option::as_ref);
+        views.map(|view| view.map(|(image, mask)| self.silhouettes.input(image, mask.as_ref()))).collect()
     }
 }

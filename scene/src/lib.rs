@@ -25,7 +25,7 @@ pub use document::Document;
 pub use failure::Failure;
 pub use files::{Disk, Files};
 pub use import::{Imported, Source, import, recognise};
-pub use inputs::{FrameFiles, MissingFile, NoVideos, Pictures, Silhouettes, Videos};
+pub use inputs::{DecodedView, FrameFiles, MissingFile, NoVideos, Pictures, Silhouettes, UndecodedViews, Videos};
 pub use lens::LensModel;
 pub use open::open;
 pub use pictures::Picture;

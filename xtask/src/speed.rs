@@ -69,8 +69,8 @@ pub fn scaling() -> Result<String> {
     let mut table = Table::new(&["views", "pictures", "s", "s per view and megapixel", "MiB"]);
     for (views, (width, height)) in views.into_iter().chain(widths) {
         let run = best(&capture(views, (width, height), 1)?, 1)?;
-        // From decoded pictures to the coloured mesh.
-        let seconds = run.seconds(|name| name != "decode" && name != "write");
+        // From files to the coloured mesh.
+        let seconds = run.seconds(|name| name != "write");
         let megapixels = f64::from(views * width * height) / 1e6;
         table.row(&[
             views.to_string(),

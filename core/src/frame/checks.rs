@@ -96,7 +96,8 @@ impl<R: Deref<Target = Rig> + Sync> Frame<R> {
             let origin = meeting_point(read.iter());
             let posed = |view: &View| {
                 let camera = &read[self.rig.order()[view.index as usize] as usize];
-                View::of_silhouette(view.index, Pinhole::new(camera, origin), view.silhouette_as_given().cloned())
+                let camera = Pinhole::new(camera, origin).at_octave(view.octave);
+                View::of_silhouette(view.index, camera, view.silhouette_as_given().cloned())
             };
             let views: Vec<View> = self.views.iter().filter(|view| is_evidence(view)).map(posed).collect();
             let smallest = self.params.meshing.smallest_component;

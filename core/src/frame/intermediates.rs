@@ -1,10 +1,13 @@
 //! The results of the stages before the final mesh.
 
 use crate::{
-    point_cloud::{Mesh, PointCloud},
+    error::{Error, Result},
+    point_cloud::{Mesh, PointCloud, concat},
+    stage::Stage,
     workspace::Workspace,
 };
-use alloc::vec::Vec;
+use alloc::{format, vec::Vec};
+use core::{iter::once, mem::take};
 
 /// Results of the stages before the final mesh. Positions are relative to the rig's origin.
 #[derive(Debug, Clone, Default)]
@@ -23,7 +26,78 @@ pub struct Intermediates {
     pub merged: PointCloud,
 }
 
+/// Which of the intermediate results a frame still has.
+#[derive(Debug)]
+pub(super) struct Kept {
+    /// Whether they are kept when they are no longer needed.
+    pub(super) all: bool,
+    /// Whether the points of single views and kinds are there, if they have been found.
+    points: bool,
+    /// Whether the merged cloud is there, if the points have been merged.
+    merged: bool,
+}
+
+impl Default for Kept {
+    fn default() -> Self {
+        Self { all: true, points: true, merged: true }
+    }
+}
+
+impl Kept {
+    /// Checks that what a stage needs has not been freed. A stage that makes it anew is noted.
+    ///
+    /// # Errors
+    /// [`Error::WrongOrder`].
+    pub(super) fn check(&mut self, stage: Stage) -> Result<()> {
+        let is_there = match stage {
+            Stage::Coarse | Stage::Detect | Stage::Merge => self.points,
+            Stage::Mesh => self.merged,
+            _ => true,
+        };
+        if !is_there {
+            let problem = format!(
+                "the frame keeps no intermediate results, so that what `{}` needs is gone: run the stages from `{}` on again, \
+                 or keep them",
+                stage.name(),
+                Stage::Contours.name()
+            );
+            return Err(Error::WrongOrder { camera: None, problem });
+        }
+        if stage == Stage::Contours {
+            (self.points, self.merged) = (true, true);
+        }
+        Ok(())
+    }
+}
+
 impl Intermediates {
+    /// All points in one cloud: frontier points, those of the views, implicit points. Those that are not `kept` are freed
+    /// one cloud after the other.
+    pub(super) fn all_points(&mut self, kept: &mut Kept, workspace: &mut Workspace) -> PointCloud {
+        let Self { frontier, detected, implicit, .. } = self;
+        if kept.all {
+            let clouds = once(&*frontier).chain(&*detected).chain(once(&*implicit));
+            return concat(clouds.map(|cloud| &cloud[..]), workspace);
+        }
+        kept.points = false;
+        let clouds = || once(&*frontier).chain(&*detected).chain(once(&*implicit));
+        let mut all = workspace.empty(clouds().map(Vec::len).sum());
+        for cloud in once(frontier).chain(detected).chain(once(implicit)) {
+            all.extend_from_slice(cloud);
+            *cloud = PointCloud::new();
+        }
+        all
+    }
+
+    /// Frees what no stage after meshing needs, unless it is kept.
+    pub(super) fn meshed(&mut self, kept: &mut Kept, workspace: &mut Workspace) {
+        if !kept.all {
+            kept.merged = false;
+            workspace.recycle(take(&mut self.merged));
+            take(&mut self.coarse).recycle_into(workspace);
+        }
+    }
+
     /// Returns the memory to a workspace.
     pub(super) fn recycle_into(self, workspace: &mut Workspace) {
         self.hull.recycle_into(workspace);

@@ -109,6 +109,7 @@ impl<R: Deref<Target = Rig> + Sync> Frame<R> {
         if let Some(previous) = previous {
             self.require(previous)?;
         }
+        self.kept.check(stage)?;
         self.reached = previous;
         self.steadied = None;
         let reported = self.is_reported(stage);
@@ -141,15 +142,38 @@ impl<R: Deref<Target = Rig> + Sync> Frame<R> {
         if inputs.len() != self.cameras() {
             return Err(Error::ViewCount { given: inputs.len() as u32, cameras: self.cameras() as u32 });
         }
-        memory::check_rig(self.rig(), self.memory.limit())?;
+        self.read_views(executor, progress, |camera, give| give(inputs[camera].into().as_ref()))?;
+        self.run_stages(executor, progress)
+    }
+
+    /// Reads all views. `read` makes a camera's picture, by the camera's index in [`Rig::cameras`], and gives it, or `None` if
+    /// the camera has none in this frame. Hosts that decode pictures there need memory for few of them at a time.
+    ///
+    /// # Errors
+    /// Those of `read` and of [`Frame::view`], of the camera with the lowest index.
+    pub fn read_views<E: From<Error> + Send>(
+        &self,
+        executor: &impl Executor,
+        progress: &dyn Progress,
+        read: impl Fn(usize, &dyn Fn(Option<&ViewInput>) -> Result<()>) -> core::result::Result<(), E> + Sync,
+    ) -> core::result::Result<(), E> {
+        memory::check_rig(self.rig(), self.params(), self.memory.limit())?;
         progress.on_stage_start(Stage::Views);
-        let read = executor.map(inputs.len(), |camera| match inputs[camera].into() {
-            Some(input) => self.read_view(camera, &input, progress),
-            None => self.without_picture(camera),
+        let read = executor.map(self.cameras(), |camera| {
+            read(camera, &|input| match input {
+                Some(input) => self.read_view(camera, input, progress),
+                None => self.without_picture(camera),
+            })
         });
-        let read = read.into_iter().collect::<Result<()>>();
         progress.on_stage_end(Stage::Views);
-        read?;
+        read.into_iter().collect()
+    }
+
+    /// Runs all stages, once every camera has its view.
+    ///
+    /// # Errors
+    /// Those of all stages.
+    pub fn run_stages(&mut self, executor: &impl Executor, progress: &dyn Progress) -> Result<()> {
         ORDER.into_iter().skip(1).try_for_each(|stage| self.step(stage, executor, progress))
     }
 

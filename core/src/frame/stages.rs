@@ -2,7 +2,7 @@
 
 use super::state::Frame;
 use crate::{
-    coarse::coarse,
+    coarse::{coarse, further_octaves},
     colour,
     contours::{Contours, contours},
     error::Result,
@@ -11,13 +11,13 @@ use crate::{
     memory, merge, mesh,
     mesh::weigh,
     params::Method,
-    point_cloud::{Mesh, concat},
+    point_cloud::Mesh,
     progress::Progress,
     report::Counts,
     rig::Rig,
     surface::drop_small_components,
 };
-use core::{iter::once, mem::take, ops::Deref};
+use core::{mem::take, ops::Deref};
 
 impl<R: Deref<Target = Rig> + Sync> Frame<R> {
     /// §0: the visual hull, and its mesh without stray components.
@@ -57,19 +57,22 @@ impl<R: Deref<Target = Rig> + Sync> Frame<R> {
     pub(super) fn make_guide(&mut self, executor: &impl Executor, progress: &dyn Progress) -> Result<()> {
         take(&mut self.intermediates.coarse).recycle_into(&mut self.memory.workspace);
         self.forget_points();
+        self.further_octaves = 0;
         if self.params.method == Method::Hull {
             return Ok(());
         }
         if let Some(prior) = &self.prior {
             self.intermediates.coarse = Mesh::clone(&prior.surface);
         } else if let Some(params) = &self.params.coarse {
+            let further = further_octaves(&self.views);
             let mut scratch = take(self.memory.detection.spare());
             let mut workspace = take(&mut self.memory.workspace);
             let made = coarse(
                 self.context(progress)?,
                 &self.intermediates.hull,
                 &self.intermediates.frontier,
-                (params, &self.params.meshing),
+                (params, &self.params.detection, &self.params.meshing),
+                further,
                 executor,
                 &mut scratch,
                 &mut workspace,
@@ -77,6 +80,7 @@ impl<R: Deref<Target = Rig> + Sync> Frame<R> {
             *self.memory.detection.spare() = scratch;
             self.memory.workspace = workspace;
             self.intermediates.coarse = made?;
+            self.further_octaves = further;
         }
         Ok(())
     }
@@ -95,9 +99,7 @@ impl<R: Deref<Target = Rig> + Sync> Frame<R> {
         if self.params.method == Method::Hull {
             return Ok(());
         }
-        let of = &self.intermediates;
-        let clouds = once(&of.frontier).chain(&of.detected).chain(once(&of.implicit)).map(|cloud| &cloud[..]);
-        let all = concat(clouds, &mut self.memory.workspace);
+        let all = self.intermediates.all_points(&mut self.kept, &mut self.memory.workspace);
         let mut counts = Counts::default();
         let neighbours = self.params.detection.search.neighbours;
         let merged = merge::merge(self.context(progress)?, all, neighbours, &self.params.merging, &mut counts)?;
@@ -121,6 +123,7 @@ impl<R: Deref<Target = Rig> + Sync> Frame<R> {
         self.memory.workspace = workspace;
         let meshed = meshed?;
         (self.mesh, self.counts.components_dropped) = (meshed.mesh, meshed.components_dropped);
+        self.intermediates.meshed(&mut self.kept, &mut self.memory.workspace);
         Ok(())
     }
 

@@ -1,9 +1,15 @@
 //! The state of a frame.
 
-use super::{intermediates::Intermediates, memory::Memory, prior::Prior, reconstruction::Reconstruction};
+use super::{
+    intermediates::{Intermediates, Kept},
+    memory::Memory,
+    prior::Prior,
+    reconstruction::Reconstruction,
+};
 use crate::{
+    coarse::band,
     context::Context,
-    detect::{Guide, PyramidLevel, detect_view},
+    detect::{DetectionParams, Guide, PyramidLevel, detect_view},
     error::{Error, Result},
     hull::{Comparison, VisualHull},
     memory,
@@ -17,7 +23,7 @@ use crate::{
     view::{Buffers, View, ViewInput},
 };
 use alloc::{format, vec::Vec};
-use core::{mem::take, ops::Deref};
+use core::ops::Deref;
 use spin::{Mutex, Once};
 
 /// One frame, from pictures to a coloured mesh. `R` is a reference to the rig, such as `&Rig` or `Arc<Rig>`.
@@ -51,7 +57,10 @@ pub struct Frame<R> {
     /// One slot per view for its points, used until the stage `Detect` is complete.
     pub(super) found: Vec<Mutex<Option<(PointCloud, Counts)>>>,
     pub(super) intermediates: Intermediates,
-    /// Whether each view has points that stereo found, in the rig's order. Empty before the stage `Detect` is complete.
+    /// Octaves by which the coarse pass began above that of its parameters.
+    pub(super) further_octaves: u32,
+    pub(super) kept: Kept,
+    /// Whether stereo has found points in each view, in the rig's order. Empty before detection is complete.
     pub(super) has_stereo: Vec<bool>,
     /// The mesh of this frame alone.
     pub(super) mesh: Mesh,
@@ -85,6 +94,8 @@ impl<R: Deref<Target = Rig>> Frame<R> {
             octaves: (0..count).map(|_| Once::new()).collect(),
             found: slots(count),
             intermediates: Intermediates::default(),
+            further_octaves: 0,
+            kept: Kept::default(),
             has_stereo: Vec::new(),
             mesh: Mesh::default(),
             steadied: None,
@@ -97,6 +108,14 @@ impl<R: Deref<Target = Rig>> Frame<R> {
     /// Sets what is known from a neighbouring frame.
     pub fn set_prior(&mut self, prior: Prior) {
         self.prior = Some(prior);
+    }
+
+    /// Whether results of stages are kept when the stages that need them are complete, as they are by default. Without
+    /// them less memory is needed at a time: all points are freed as soon as they are merged, and the merged cloud and the
+    /// surface that guided detection with the final mesh. [`Frame::intermediates`] then has none of them, and the stages that
+    /// need them cannot be run again without the stages before them.
+    pub fn keep_intermediates(&mut self, keep: bool) {
+        self.kept.all = keep;
     }
 
     /// The rig.
@@ -161,11 +180,11 @@ impl<R: Deref<Target = Rig>> Frame<R> {
 
     pub(super) fn read_view(&self, camera: usize, input: &ViewInput, progress: &dyn Progress) -> Result<()> {
         let place = self.open_place(camera)?;
-        memory::check_rig(&self.rig, self.memory.limit())?;
+        memory::check_rig(&self.rig, &self.params, self.memory.limit())?;
         progress::step(progress, Stage::Views, camera as u32, self.cameras() as u32)?;
         let buffers = self.memory.buffers.take();
-        let contour = self.params.contour.as_ref();
-        let make = |scratch: &mut _| View::with_buffers(&self.rig, camera, input, contour, scratch, buffers);
+        let (contour, reading) = (self.params.contour.as_ref(), &self.params.reading);
+        let make = |scratch: &mut _| View::with_buffers(&self.rig, camera, input, contour, reading, scratch, buffers);
         let view = self.memory.view_scratch.with(make)?;
         *self.incoming[place].lock() = Some(view);
         Ok(())
@@ -197,6 +216,7 @@ impl<R: Deref<Target = Rig>> Frame<R> {
             let Intermediates { hull, coarse, .. } = &self.intermediates;
             let guide = if coarse.triangles.is_empty() { Guide::Hull(hull) } else { Guide::Surface(coarse) };
             let params = &self.params.detection;
+            let params = &DetectionParams { band_pixels: band(params, self.further_octaves), ..*params };
             let context = self.context(progress)?;
             let level = |place| self.level(place);
             self.memory.detection.with(|scratch| detect_view(context, place, &level, guide, params, scratch))?
@@ -317,14 +337,6 @@ impl<R: Deref<Target = Rig>> Frame<R> {
     /// A 64-bit hash of the output of each complete stage, in the order in which the stages ran.
     pub fn hashes(&self) -> &[(Stage, u64)] {
         &self.hashes
-    }
-
-    /// Drops the results of the stages before the final mesh, which neither [`Frame::steady`] nor [`Frame::form`] needs, to free
-    /// their memory.
-    pub fn drop_intermediates(&mut self) {
-        let Intermediates { hull, .. } = take(&mut self.intermediates);
-        // The memory that a form may use is reckoned from it.
-        self.intermediates.hull = hull;
     }
 
     /// Returns the working memory for the next frame. All results are dropped.

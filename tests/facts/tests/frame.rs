@@ -134,3 +134,30 @@ fn a_prior_takes_the_place_of_the_coarse_pass() {
     frame.run_all(&SHOT.inputs(), &Serial, &Silent).expect("nothing is wrong");
     assert_same(&frame.into_reconstruction(), &expected, "with a prior");
 }
+
+/// A frame that keeps no intermediate results makes the same mesh and says the same about its views. Stages whose inputs are
+/// gone are refused until the stages before them have run again.
+#[test]
+fn a_frame_may_free_what_it_no_longer_needs() {
+    for preset in [Preset::Default, Preset::Paper, Preset::Hull] {
+        let expected = in_one_go(preset);
+        let mut frame = begun(preset, Memory::default());
+        frame.keep_intermediates(false);
+        frame.run_all(&SHOT.inputs(), &threads(2), &Silent).expect("nothing is wrong");
+        let pcmvs = preset != Preset::Hull;
+        if pcmvs {
+            let of = frame.intermediates();
+            assert!(of.merged.is_empty() && of.frontier.is_empty() && of.detected.iter().all(Vec::is_empty));
+            for stage in [Stage::Coarse, Stage::Detect, Stage::Merge, Stage::Mesh] {
+                let refused = frame.step(stage, &Serial, &Silent).expect_err("its inputs are gone");
+                assert_eq!(refused.code(), ErrorCode::WrongOrder, "{stage:?}");
+            }
+        }
+        assert_eq!(frame.warnings(), expected.warnings);
+        frame.step(Stage::Colour, &Serial, &Silent).expect("its inputs are there");
+        for stage in ORDER.into_iter().skip(2) {
+            frame.step(stage, &Serial, &Silent).expect("the stages before it have run again");
+        }
+        assert_same(&frame.into_reconstruction(), &expected, &format!("{preset:?}"));
+    }
+}
