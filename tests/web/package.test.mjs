@@ -249,10 +249,14 @@ test("packed and installed, it works in Node, from a plain script, and through a
 
     writeFileSync(
         join(app, "node.mjs"),
-        'import { ready, version } from "pcmvs";\nawait ready;\nconsole.log(version());\n',
+        `import { existsSync } from "node:fs";
+        import { ready, version } from "pcmvs";
+        await ready;
+        const player = ["pcmvs/element", "pcmvs/player"].map((name) => new URL(import.meta.resolve(name)));
+        console.log(version(), player.every((url) => existsSync(url)));`,
     );
     const { version } = JSON.parse(readFileSync(new URL("package.json", pkg), "utf8"));
-    assert.equal(execFileSync("node", ["node.mjs"], { cwd: app, encoding: "utf8" }).trim(), version);
+    assert.equal(execFileSync("node", ["node.mjs"], { cwd: app, encoding: "utf8" }).trim(), `${version} true`);
 
     const page = (code) => `<!doctype html><title>t</title><body><script type="module"${code}</script>`;
     writeFileSync(join(app, "index.html"), page(' src="./main.js">'));

@@ -150,5 +150,11 @@ test("the quality goes by the bandwidth", async (t) => {
     );
     await page.evaluate(() => globalThis.clip.setAttribute("quality", "mobile"));
     assert.equal(await page.evaluate(() => globalThis.clip.player.loadedQuality), "mobile");
+    await page.evaluate(() => globalThis.clip.setAttribute("quality", "best"));
+    await heard(page, "error");
+    assert.match(
+        await page.evaluate(() => globalThis.clip.error.message),
+        /no quality best in this clip: it has full, mobile/,
+    );
     assert.deepEqual(problems, []);
 });

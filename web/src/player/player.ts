@@ -158,7 +158,11 @@ export class ClipPlayer extends EventTarget {
 
     set quality(name: string) {
         this.wanted.quality = name;
-        this.chooseQuality();
+        try {
+            if (this.stream) this.stream.chosen = this.chosenQuality(this.stream.take);
+        } catch (error) {
+            this.fail(error);
+        }
     }
 
     /** The clip's sound, if it has one, to set its volume or to mute it. */
@@ -194,6 +198,7 @@ export class ClipPlayer extends EventTarget {
         this.take = take;
         this.order = take.indices.map((_, i) => i);
         const stream = new Stream(take);
+        stream.chosen = this.chosenQuality(take);
         const playback = new Playback(
             take.fps,
             {
@@ -214,14 +219,17 @@ export class ClipPlayer extends EventTarget {
         playback.clock.hear(take.audio);
         [this.stream, this.playback] = [stream, playback];
         this.object.quaternion.copy(take.rotation ? new Quaternion(...take.rotation) : upright(take.up ?? undefined));
-        this.chooseQuality();
         this.tell("loadedmetadata");
     }
 
-    private chooseQuality() {
-        if (!this.stream) return;
-        const index = this.stream.take.qualities.findIndex(({ name }) => name === this.wanted.quality);
-        this.stream.chosen = index < 0 ? null : index;
+    /** The index of the quality that is always taken, or null. */
+    private chosenQuality({ qualities }: Take): number | null {
+        const { quality } = this.wanted;
+        if (quality === "") return null;
+        const index = qualities.findIndex(({ name }) => name === quality);
+        const names = qualities.map(({ name }) => name).join(", ");
+        if (index < 0) throw new ClipError(`there is no quality ${quality} in this clip: it has ${names}`);
+        return index;
     }
 
     private get dueFrame(): number {
