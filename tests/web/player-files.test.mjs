@@ -26,6 +26,7 @@ test("what is wrong with a clip is said in words", async (t) => {
         "https://example.org/a.glb",
         "//example.org/a.glb",
         "a/%2e%2e/%2e%2e/one/frame_0000.glb",
+        "..%2fone/frame_0000.glb",
         "..\\one\\frame_0000.glb",
         "data:model/gltf-binary,a",
     ]) {
