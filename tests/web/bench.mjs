@@ -3,6 +3,7 @@ import { frameSeconds, large, longestTask, memory, sampleSeconds } from "./measu
 import { dist, ended, launch, openPage, serve } from "./site.mjs";
 
 const TIMES = 3;
+process.env.SHOTS = "README's picture of the page";
 const site = await serve({ "/": dist });
 const address = `${site.address}/`;
 

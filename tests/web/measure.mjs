@@ -90,6 +90,18 @@ export async function frameSeconds(browser, address, scene) {
     return { native, all, seconds, equal, problems };
 }
 
+/** A function that gives the memory of all processes of a browser, bytes. */
+export async function residentMemory(browser, page) {
+    const [client, system] = [await page.context().newCDPSession(page), await browser.newBrowserCDPSession()];
+    const resident = ({ id }) => Number(/VmRSS:\s+(\d+)/.exec(readFileSync(`/proc/${id}/status`, "utf8"))[1]) * 1024;
+    return async () => {
+        await client.send("HeapProfiler.collectGarbage");
+        await page.waitForTimeout(1000);
+        const { processInfo } = await system.send("SystemInfo.getProcessInfo");
+        return processInfo.reduce((sum, one) => sum + resident(one), 0);
+    };
+}
+
 /** Memory of all processes of a browser after 3 and after 20 runs, bytes. */
 export async function memory(browser, address) {
     const { page, problems } = await openPage(browser, address);
@@ -98,15 +110,7 @@ export async function memory(browser, address) {
     await openFolder(page, capture([0]));
     // This preset keeps all there is to keep: meshes, the stages' clouds and hull, pictures of all cameras.
     await page.selectOption("#preset", "preview");
-    const [client, system] = [await page.context().newCDPSession(page), await browser.newBrowserCDPSession()];
-    const used = async () => {
-        await client.send("HeapProfiler.collectGarbage");
-        await page.waitForTimeout(1000);
-        const { processInfo } = await system.send("SystemInfo.getProcessInfo");
-        const resident = ({ id }) =>
-            Number(/VmRSS:\s+(\d+)/.exec(readFileSync(`/proc/${id}/status`, "utf8"))[1]) * 1024;
-        return processInfo.reduce((sum, one) => sum + resident(one), 0);
-    };
+    const used = await residentMemory(browser, page);
     const seen = [];
     for (let i = 1; i <= 20; i++) {
         await run(page);

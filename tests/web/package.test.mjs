@@ -8,14 +8,14 @@ import { test } from "node:test";
 import { fileURLToPath } from "node:url";
 import { promisify } from "node:util";
 import { build } from "vite";
-import { bump, capture, folder, scene } from "./captures.mjs";
+import { ARC, bump, capture, folder, scene } from "./captures.mjs";
 import { launch, openPage, pcmvs, sample, serve } from "./site.mjs";
 
 const pkg = new URL("../../wasm/pkg/", import.meta.url);
 
-function frameOf({ Rig, Frame }, rig = new Rig(scene.cameras)) {
+function frameOf({ Rig, Frame }, rig = new Rig(scene.cameras), count = scene.cameras.length) {
     const frame = new Frame(rig);
-    scene.cameras.forEach((_, i) => {
+    scene.cameras.slice(0, count).forEach((_, i) => {
         frame.setImage(i, readFileSync(join(sample, scene.frames[0].images[i])));
         frame.setMask(i, readFileSync(join(sample, scene.frames[0].masks[i])));
     });
@@ -116,7 +116,7 @@ test("cameras that contribute nothing are warnings", async () => {
 test("a calibration is checked and refined as by the command line", async (t) => {
     const api = await import(new URL("index.js", pkg));
     await api.ready;
-    const source = capture([0], (s) => bump(s.cameras[3], 10));
+    const source = capture([0], (s) => bump(s.cameras[3], 10), ARC);
     const given = JSON.parse(readFileSync(join(source, "scene.json"), "utf8")).cameras;
     const rig = new api.Rig(given);
     const calibrator = new api.Calibrator(rig);
@@ -126,7 +126,7 @@ test("a calibration is checked and refined as by the command line", async (t) =>
         code: "image",
         message: "this camera has no picture yet",
     });
-    const frame = frameOf(api, rig);
+    const frame = frameOf(api, rig, ARC);
     calibrator.add(frame);
     frame.free();
     assert.throws(() => calibrator.run(() => false), { name: "PcmvsError", code: "cancelled" });
@@ -249,10 +249,14 @@ test("packed and installed, it works in Node, from a plain script, and through a
 
     writeFileSync(
         join(app, "node.mjs"),
-        'import { ready, version } from "pcmvs";\nawait ready;\nconsole.log(version());\n',
+        `import { existsSync } from "node:fs";
+        import { ready, version } from "pcmvs";
+        await ready;
+        const player = ["pcmvs/element", "pcmvs/player"].map((name) => new URL(import.meta.resolve(name)));
+        console.log(version(), player.every((url) => existsSync(url)));`,
     );
     const { version } = JSON.parse(readFileSync(new URL("package.json", pkg), "utf8"));
-    assert.equal(execFileSync("node", ["node.mjs"], { cwd: app, encoding: "utf8" }).trim(), version);
+    assert.equal(execFileSync("node", ["node.mjs"], { cwd: app, encoding: "utf8" }).trim(), `${version} true`);
 
     const page = (code) => `<!doctype html><title>t</title><body><script type="module"${code}</script>`;
     writeFileSync(join(app, "index.html"), page(' src="./main.js">'));

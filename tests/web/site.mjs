@@ -64,9 +64,10 @@ export function launch(more = []) {
 }
 
 /** A page, and a list of the errors that occur in it. */
-export async function openPage(browser, address, { options = {}, script } = {}) {
+export async function openPage(browser, address, { options = {}, script, prepare } = {}) {
     const context = await browser.newContext({
-        viewport: { width: 1280, height: 800 },
+        // Pictures are drawn by software, and small ones take less time.
+        viewport: { width: 960, height: 600 },
         acceptDownloads: true,
         ...options,
     });
@@ -78,8 +79,11 @@ export async function openPage(browser, address, { options = {}, script } = {}) 
     );
     page.on("pageerror", (error) => problems.push(String(error)));
     if (script) await page.addInitScript(script);
+    await prepare?.(page);
     await page.goto(address);
-    return { page, problems, shot: (name) => page.screenshot({ path: join(shots, `${name}.png`) }) };
+    // Pictures for people, who ask for them by setting SHOTS.
+    const shot = async (name) => process.env.SHOTS && page.screenshot({ path: join(shots, `${name}.png`) });
+    return { page, problems, shot };
 }
 
 export const ended = (page, timeout = 240_000) =>
@@ -129,16 +133,16 @@ export function drive() {
         site.close();
     });
     /** The page in `own` or the common browser. It is closed when the test ends. */
-    const open = async (t, { own = browser, ...options } = {}) => {
-        const opened = await openPage(own, `${site.address}/some/where/`, options);
+    const open = async (t, { own = browser, query = "", ...options } = {}) => {
+        const opened = await openPage(own, `${site.address}/some/where/${query}`, options);
         t.after(() => opened.page.context().close());
         return opened;
     };
     /** The page with a capture instead of the sample, set to the fastest preset. */
     const openWith = async (t, folder, options) => {
-        const opened = await open(t, options);
-        await opened.page.waitForSelector("#cancel:enabled");
-        await opened.page.click("#cancel");
+        // The sample would be reconstructed first.
+        const opened = await open(t, { query: "?clip=", ...options });
+        await opened.page.waitForFunction(() => /^Open/.test(document.getElementById("status").textContent));
         await openFolder(opened.page, folder);
         await opened.page.selectOption("#preset", "hull");
         return opened;

@@ -39,7 +39,11 @@ before(() => {
         return out;
     };
     const setSample = (fps) => {
-        const sample = { ...scene, fps, frames: scene.frames.slice(0, 1) };
+        // Every second camera is enough for a mesh, and takes half the time.
+        const half = (list) => list.filter((_, i) => i % 2 === 0);
+        const [{ images, masks, ...frame }] = scene.frames;
+        const frames = [{ ...frame, images: half(images), masks: half(masks) }];
+        const sample = { ...scene, fps, cameras: half(scene.cameras), frames };
         writeFileSync(join(copy, "web/public/sample/scene.json"), JSON.stringify(sample));
     };
     setSample(FPS[0]);

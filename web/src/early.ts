@@ -4,17 +4,20 @@
 import { sampleFiles } from "./page/files";
 import { viewFiles } from "./run/views";
 import { Pool, warm } from "./workers/pool";
-import type { FrameResult } from "./workers/protocol";
+import type { Entries, FrameResult } from "./workers/protocol";
 
-warm(2);
+/** The address of a published clip that is shown instead of the sample: `?clip=URL`. An empty one stands for none. */
+export const clipAddress = new URLSearchParams(location.search).get("clip");
+
+if (clipAddress === null) warm(2);
 /** Does everything but frames: it opens captures, makes pictures of cameras, and exports. */
 export const sidePool = new Pool(1);
 /** The files of the sample. */
-export const sample = sampleFiles();
+export const sample = clipAddress === null ? sampleFiles() : null;
 /** A sketch of the sample's first frame. */
-export const sketch = sketchSample();
+export const sketch = sample && sketchSample(sample);
 
-async function sketchSample(): Promise<FrameResult> {
+async function sketchSample(sample: Promise<Entries>): Promise<FrameResult> {
     const entries = await sample;
     const { cameras, frames, up } = await sidePool.run({ type: "open", entries });
     const views = cameras.map((_, camera) => viewFiles(frames[0], entries, camera, "masks", null));
@@ -28,5 +31,5 @@ async function sketchSample(): Promise<FrameResult> {
 }
 
 // Failures are reported where these are awaited.
-sample.catch(() => {});
-sketch.catch(() => {});
+sample?.catch(() => {});
+sketch?.catch(() => {});

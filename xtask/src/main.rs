@@ -80,7 +80,7 @@ enum Task {
         /// Build it and test it in Chromium, which is installed if it is missing
         #[arg(long, conflicts_with = "dist")]
         test: bool,
-        /// Build it, measure in Chromium, and renew the browser table of BENCHMARKS.md
+        /// Build it, measure in Chromium, and renew the tables of browser and player in BENCHMARKS.md
         #[arg(long, conflicts_with_all = ["dist", "test"])]
         bench: bool,
     },

@@ -14,8 +14,11 @@ const NEEDED: [&str; 3] = ["Cargo.toml", "README.md", "src/lib.rs"];
 /// Folders of a crate that are for its developers.
 const OURS: [&str; 3] = ["tests/", "benches/", "abi/"];
 /// What the npm package has. It needs no others.
-const NPM: [&str; 8] = [
+const NPM: [&str; 13] = [
+    "LICENSE-three",
     "README.md",
+    "element.d.ts",
+    "element.js",
     "index.d.ts",
     "index.js",
     "package.json",
@@ -23,6 +26,8 @@ const NPM: [&str; 8] = [
     "pcmvs.js",
     "pcmvs.scalar.wasm",
     "pcmvs.simd.wasm",
+    "player.d.ts",
+    "player.js",
 ];
 
 /// Checks the contents of all archives; with `all`, that crates.io would take the crates as far as Cargo can tell.

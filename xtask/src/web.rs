@@ -26,7 +26,11 @@ const BUILDS: [(&str, &str); 2] = [("simd", "-Ctarget-feature=+simd128"), ("scal
 /// The browser.
 const TRIPLE: &str = "wasm32-unknown-unknown";
 /// The files of the package that are written by hand.
-const WRITTEN: [&str; 4] = ["index.js", "index.d.ts", "package.json", "README.md"];
+const WRITTEN: [&str; 6] = ["index.js", "index.d.ts", "element.d.ts", "player.d.ts", "package.json", "README.md"];
+/// The player's files, each a mode of web/vite.player.ts.
+const PLAYER: [&str; 2] = ["element", "player"];
+/// Maximum size of the player with three.js inside, compressed, in bytes.
+const ELEMENT_BUDGET: usize = 240 << 10;
 
 /// Debian's packages that the tests need besides Node.
 const TOOLS: [setup::Package; 2] = [setup::CHROMIUM, ("python3", "/usr/bin/python3")];
@@ -83,7 +87,25 @@ pub fn wasm() -> Result<String> {
         }
     }
     WRITTEN.iter().try_for_each(|file| copy(&npm.join(file), &package.join(file)))?;
+    sizes.push(player(&package)?);
     Ok(sizes.join(", "))
+}
+
+/// Builds the player into the npm package; returns its size.
+fn player(package: &Path) -> Result<String> {
+    let web = root().join("web");
+    setup::node_packages(&web)?;
+    for mode in PLAYER {
+        let mut vite = program(web.join("node_modules/.bin/vite"), "build --logLevel warn --config vite.player.ts");
+        run(vite.args(["--mode", mode]).current_dir(&web))?;
+    }
+    // Its license must come with it, because element.js contains it.
+    copy(&web.join("node_modules/three/LICENSE"), &package.join("LICENSE-three"))?;
+    let compressed = gzip(&read(&package.join("element.js"))?)?.len();
+    if compressed > ELEMENT_BUDGET {
+        return Err(format!("element.js: {compressed} bytes compressed of {ELEMENT_BUDGET} allowed"));
+    }
+    Ok(format!("player {} KiB compressed of {} allowed", compressed >> 10, ELEMENT_BUDGET >> 10))
 }
 
 /// Builds the static site in `web/dist`, which works from any folder of any static host; returns its size.
@@ -134,9 +156,9 @@ pub fn test() -> Result<()> {
 /// Measures in the browser and renews its table in BENCHMARKS.md, and README's picture of the page.
 pub fn bench() -> Result<()> {
     dist()?;
-    let table = node("run --silent bench")?;
+    let (table, player) = (node("run --silent bench")?, node("run --silent bench-player")?);
     copy(&root().join("tests/web/shots/page.png"), &root().join("docs/page.png"))?;
-    replace_in(&root().join("BENCHMARKS.md"), &[("browser", table)])
+    replace_in(&root().join("BENCHMARKS.md"), &[("browser", table), ("player", player)])
 }
 
 /// Runs a script of the browser tests; returns how many tests passed, or what else it printed.

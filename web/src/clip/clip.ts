@@ -1,9 +1,10 @@
-// A clip: one GLB per frame, added as they are made, and the playhead.
+// A clip on the page: one GLB per frame, added as they are made, and the playhead.
 
 import type { ViewReport } from "pcmvs";
 import type { BufferGeometry } from "three";
 import type { FrameStages, QualityLevel } from "../workers/protocol";
 import { readGeometry } from "./glb";
+import { Playback } from "./playback";
 
 /** Number of geometries kept ready. Other frames are read from their GLBs again when they are shown. */
 const READY = 48;
@@ -17,7 +18,8 @@ export interface Findings {
 export interface ClipFrame {
     /** Number of the frame in its capture. */
     index: number;
-    glb: Blob | null;
+    /** Gives the frame's file; null if there is none yet. */
+    glb: (() => Promise<Blob>) | null;
     /** Null for a frame that came as a GLB. */
     preset: QualityLevel | null;
     triangles: number;
@@ -30,22 +32,25 @@ export interface ClipFrame {
 
 export class Clip {
     readonly frames: ClipFrame[];
-    private readonly geometries = new Map<ClipFrame, Promise<BufferGeometry>>();
-    private at = 0;
-    private timer = 0;
-    playing = false;
-    looping = true;
-    speed = 1;
+    private readonly playback: Playback;
+    /** Positions of the frames that have a mesh. */
+    private made: number[] = [];
     /** Another frame is to be shown, or a better mesh of the same one. */
     onshow: (frame: ClipFrame, geometry: BufferGeometry) => void = () => {};
     /** The playhead, the frames or whether it plays has changed. */
     onchange: () => void = () => {};
     /** The warnings of a frame have changed. */
     onwarnings: () => void = () => {};
+    /** A frame's file cannot be read. */
+    onproblem: (error: unknown) => void = () => {};
+    /** Called before every drawing while the clip plays. */
+    ontick: () => void = () => {};
+    ondispose: () => void = () => {};
 
     constructor(
         indices: number[],
         readonly fps: number,
+        ready = READY,
     ) {
         this.frames = indices.map((index) => ({
             index,
@@ -56,98 +61,102 @@ export class Clip {
             stages: null,
             findings: null,
         }));
+        const host = {
+            order: () => this.made,
+            read: async (position: number) => readGeometry(await (this.frames[position].glb as () => Promise<Blob>)()),
+            show: (position: number, geometry: BufferGeometry) => this.onshow(this.frames[position], geometry),
+            changed: () => this.onchange(),
+            ended: () => {},
+            failed: (error: unknown) => {
+                this.play(false);
+                this.onproblem(error);
+            },
+        };
+        this.playback = new Playback(fps, host, ready);
     }
 
     get position() {
-        return this.at;
+        return this.playback.position;
     }
 
     get current() {
-        return this.frames[this.at];
+        return this.frames[this.playback.position];
+    }
+
+    get playing() {
+        return this.playback.playing;
+    }
+
+    get looping() {
+        return this.playback.looping;
+    }
+
+    set looping(on: boolean) {
+        this.playback.looping = on;
+    }
+
+    set speed(rate: number) {
+        this.playback.clock.rate = rate;
     }
 
     /** Adds a frame's mesh, or replaces it by a better one. */
     set(position: number, made: Omit<ClipFrame, "index">) {
         const frame = this.frames[position];
-        this.drop(frame);
+        this.playback.forget(position);
         const warned = [frame, made].some(({ findings }) => findings && findings.warnings.length > 0);
-        Object.assign(frame, made);
-        if (warned) this.onwarnings();
         const empty = this.current.glb === null;
-        if (position === this.at || empty) void this.show(position);
+        Object.assign(frame, made);
+        this.made = this.frames.flatMap(({ glb }, i) => (glb ? [i] : []));
+        if (warned) this.onwarnings();
+        if (position === this.position || empty) void this.show(position);
         else this.onchange();
     }
 
+    /** Gives all frames their meshes, and shows the first. */
+    fill(made: (position: number) => Omit<ClipFrame, "index">) {
+        for (const [position, frame] of this.frames.entries()) Object.assign(frame, made(position));
+        this.made = this.frames.map((_, position) => position);
+        void this.show(0);
+    }
+
+    /** Plays a sound with the clip. */
+    hear(url: string | null) {
+        this.playback.clock.hear(url);
+    }
+
     /** Moves the playhead. Shows the frame's mesh if there is one. */
-    async show(position: number) {
-        this.at = position;
-        const frame = this.frames[position];
-        this.onchange();
-        if (!frame.glb) return;
-        const geometry = await this.geometry(frame);
-        // Meanwhile another frame may have been asked for.
-        if (this.current !== frame || this.geometries.get(frame) === undefined) return;
-        this.onshow(frame, geometry);
+    show(position: number): Promise<void> {
+        return this.playback.seek(position);
     }
 
     /** Moves to the next or the previous frame that has a mesh. */
     step(direction: 1 | -1) {
-        const count = this.frames.length;
-        for (let k = 1; k <= count; k++) {
-            const position = (((this.at + direction * k) % count) + count) % count;
-            if (this.frames[position].glb) return void this.show(position);
-        }
+        if (this.made.length === 0) return;
+        const after = this.made.filter((position) => (position - this.position) * direction > 0);
+        const next = direction > 0 ? (after[0] ?? this.made[0]) : (after.at(-1) ?? this.made.at(-1));
+        void this.show(next as number);
     }
 
     play(on: boolean) {
-        clearTimeout(this.timer);
-        this.playing = on;
-        this.onchange();
-        if (!on) return;
-        let due = performance.now();
-        const tick = () => {
-            const period = 1000 / (this.fps * this.speed);
-            due = Math.max(due + period, performance.now());
-            this.timer = window.setTimeout(() => {
-                const last = this.frames.findLastIndex((frame) => frame.glb !== null);
-                if (!this.looping && this.at >= last) return this.play(false);
-                this.step(1);
-                tick();
-            }, due - performance.now());
-        };
-        tick();
+        const begins = on && !this.playing;
+        this.playback.play(on);
+        if (begins) this.tick();
     }
 
     /** Stops and frees all geometries. */
     dispose() {
-        this.play(false);
-        for (const frame of this.frames) this.drop(frame);
+        this.playback.dispose();
+        this.ondispose();
     }
 
-    async geometry(frame: ClipFrame): Promise<BufferGeometry> {
-        let geometry = this.geometries.get(frame);
-        if (!geometry) {
-            geometry = readGeometry(frame.glb as Blob);
-            for (const old of this.geometries.keys()) {
-                if (this.geometries.size < READY) break;
-                if (old !== this.current) this.drop(old);
-            }
-        }
-        // A map keeps the order of insertion: the geometry used longest ago is dropped first.
-        this.geometries.delete(frame);
-        this.geometries.set(frame, geometry);
-        return geometry;
+    geometry(frame: ClipFrame): Promise<BufferGeometry> {
+        return this.playback.ready.load(this.frames.indexOf(frame));
     }
 
-    private drop(frame: ClipFrame) {
-        const geometry = this.geometries.get(frame);
-        this.geometries.delete(frame);
-        void geometry?.then(
-            (g) => {
-                g.userData.texture?.dispose();
-                g.dispose();
-            },
-            () => {},
-        );
+    private tick() {
+        if (!this.playing) return;
+        this.ontick();
+        this.playback.tick();
+        requestAnimationFrame(() => this.tick());
     }
 }

@@ -34,7 +34,9 @@ export async function ply(clip: Clip, frame: ClipFrame, pool: Pool): Promise<Blo
 /** All finished frames and sequence.json, the clip's manifest. */
 export async function clipZip(clip: Clip, scene: Pick<Scene, "units" | "up">, pool: Pool): Promise<Blob> {
     const frames = clip.frames.filter((frame) => frame.glb !== null);
-    const blobs = frames.map((frame) => frame.glb as Blob);
+    const blobs: Blob[] = [];
+    // One after the other: the frames of a published clip are loaded first.
+    for (const frame of frames) blobs.push(await (frame.glb as () => Promise<Blob>)());
     const [digests, infos] = await Promise.all([
         pool.run({ type: "digest", blobs }),
         Promise.all(blobs.map(inspectGlb)),

@@ -16,6 +16,11 @@ const HEADERS = 20;
  * `userData.texture` is its texture, if it has one.
  */
 export async function readGeometry(glb: Blob): Promise<BufferGeometry> {
+    const { buffers = [], images = [] } = await readJson(glb);
+    // A file that names others could make the page read any address.
+    if ([...buffers, ...images].some(({ uri }) => uri !== undefined && !/^data:/i.test(uri))) {
+        throw new Error("this GLB refers to other files: only files that contain everything are opened");
+    }
     const { scene } = await loader.parseAsync(await glb.arrayBuffer(), "");
     let found: Mesh<BufferGeometry> | null = null;
     scene.traverse((object) => {
@@ -55,11 +60,16 @@ export interface GlbInfo {
     max: number[];
 }
 
-/** Reads a GLB's description without its arrays. Throws if the file is not a GLB. */
-export async function inspectGlb(glb: Blob): Promise<GlbInfo> {
+/** The JSON of a GLB. Throws if the file is not a GLB. */
+async function readJson(glb: Blob) {
     const head = new DataView(await glb.slice(0, HEADERS).arrayBuffer());
     if (head.byteLength < HEADERS || head.getUint32(0, true) !== MAGIC) throw new Error("this is not a GLB file");
-    const json = JSON.parse(await glb.slice(HEADERS, HEADERS + head.getUint32(12, true)).text());
+    return JSON.parse(await glb.slice(HEADERS, HEADERS + head.getUint32(12, true)).text());
+}
+
+/** Reads a GLB's description without its arrays. Throws if the file is not a GLB. */
+export async function inspectGlb(glb: Blob): Promise<GlbInfo> {
+    const json = await readJson(glb);
     const primitive = json.meshes?.[0]?.primitives?.[0];
     const position = json.accessors?.[primitive?.attributes?.POSITION];
     if (!position) throw new Error("this GLB contains no mesh");

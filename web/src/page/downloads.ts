@@ -10,7 +10,7 @@ import { viewer } from "./view";
 type Make = (capture: Capture) => Promise<Blob | null> | Blob | null;
 
 export function listenToDownloads() {
-    saveOn("export-glb", "glb", ({ clip }) => clip.current.glb);
+    saveOn("export-glb", "glb", ({ clip }) => clip.current.glb?.() ?? null);
     saveOn("export-ply", "ply", ({ clip }) => ply(clip, clip.current, sidePool));
     saveOn("export-png", "png", () => viewer.still());
     saveOn("export-zip", "zip", ({ clip, source }) => clipZip(clip, source?.scene ?? {}, sidePool));

@@ -3,17 +3,22 @@
 import { Clip } from "../clip/clip";
 import { inspectGlb } from "../clip/glb";
 import { sidePool } from "../early";
+import { localTake } from "../player/local";
+import { Stream } from "../player/stream";
+import { readTake, type Take, upInScene } from "../player/take";
 import type { Entries, Entry, FrameResult } from "../workers/protocol";
 import { offerChoices, shownRig } from "./choices";
 import { setCapture, setScene } from "./current";
 import { $, button } from "./dom";
 import { showCameras } from "./look";
-import { clearErrors, setStatus } from "./messages";
+import { clearErrors, setStatus, showError } from "./messages";
 import { keepForOffline } from "./offline";
 import { reconstruct, stop } from "./runs";
 import { FPS, state } from "./state";
-import { markFrame } from "./transport";
 import { strip, viewer } from "./view";
+
+/** Frames of a published clip that are kept ready to be drawn. */
+const READY_OF_STREAM = 10;
 
 /** Opens files that are being found. With `run` it reconstructs at once, with a sketch if one has been started. */
 export async function open(name: string, found: Promise<Entries>, run: boolean, sketch?: Promise<FrameResult>) {
@@ -41,6 +46,21 @@ export async function open(name: string, found: Promise<Entries>, run: boolean, 
     }
 }
 
+/** Opens a published clip at an address. */
+export async function openPublished(url: string) {
+    const turn = ++state.turn;
+    stop();
+    clearErrors();
+    setStatus("Opening…");
+    try {
+        const take = await readTake(new URL(url, document.baseURI).href);
+        if (turn === state.turn) showTake(new URL(url, document.baseURI).pathname.split("/").at(-2) || url, take);
+    } catch (error) {
+        if (turn === state.turn) setStatus("Nothing opened");
+        throw error;
+    }
+}
+
 async function openClip(name: string, entries: Entries, turn: number) {
     const paths = [...entries.keys()].filter((path) => path.toLowerCase().endsWith(".glb")).sort();
     const blob = async (path: string) => {
@@ -48,24 +68,54 @@ async function openClip(name: string, entries: Entries, turn: number) {
         return new Blob([bytes], { type: "model/gltf-binary" });
     };
     const manifestPath = [...entries.keys()].find((path) => /(^|\/)sequence\.json$/.test(path));
-    const manifest: { fps?: number; up?: number[] } = manifestPath
+    const manifest: { version?: number; fps?: number; up?: number[] } = manifestPath
         ? JSON.parse(await (await blob(manifestPath)).text())
         : {};
+    if (manifestPath && manifest.version === 2) {
+        const { take, revoke } = await localTake(manifest, manifestPath, blob);
+        if (turn === state.turn) return showTake(name, take, revoke);
+        return revoke();
+    }
     const blobs = await Promise.all(paths.map(blob));
     const infos = await Promise.all(blobs.map(inspectGlb));
     if (turn !== state.turn) return;
     const index = (path: string, i: number) => Number(/(\d+)\.glb$/i.exec(path)?.[1] ?? i);
     const clip = new Clip(paths.map(index), manifest.fps ?? FPS);
+    showClip(name, clip, infos[0].up ?? manifest.up);
+    clip.fill((i) => ({ ...NOTHING_MADE, glb: async () => blobs[i], triangles: infos[i].triangles }));
+    startClip(clip);
+}
+
+/** A clip that came from files: nothing is known about how it was made. */
+const NOTHING_MADE = { preset: null, triangles: 0, seconds: 0, stages: null, findings: null };
+
+/** Shows a published clip, whose files are loaded as they are needed. */
+function showTake(name: string, take: Take, close = () => {}) {
+    const stream = new Stream(take);
+    const clip = new Clip(take.indices, take.fps, READY_OF_STREAM);
+    clip.ontick = () => stream.need(clip.position, clip.looping);
+    clip.ondispose = () => {
+        stream.dispose();
+        close();
+    };
+    showClip(name, clip, upInScene(take));
+    clip.hear(take.audio);
+    clip.fill((i) => ({ ...NOTHING_MADE, glb: () => stream.frame(i) }));
+    startClip(clip);
+}
+
+function showClip(name: string, clip: Clip, up: number[] | undefined) {
+    clip.onproblem = (error) => showError(error instanceof Error ? error.message : String(error));
     setCapture({ name, source: null, clip });
     $("cameras-section").hidden = true;
     button("run").disabled = button("check").disabled = true;
-    viewer.setUp(infos[0].up ?? manifest.up);
-    const meshes = `${blobs.length} ${blobs.length === 1 ? "mesh" : "meshes"}`;
-    $("summary").textContent = `A clip of ${meshes}: there is nothing to reconstruct.`;
-    for (const [i, glb] of blobs.entries()) {
-        clip.set(i, { glb, preset: null, triangles: infos[i].triangles, seconds: 0, stages: null, findings: null });
-        markFrame(i, "made");
-    }
+    viewer.setUp(up);
+    const count = clip.frames.length;
+    $("summary").textContent =
+        `A clip of ${count} ${count === 1 ? "mesh" : "meshes"}: there is nothing to reconstruct.`;
+}
+
+function startClip(clip: Clip) {
     setStatus("Clip opened");
-    if (blobs.length > 1) clip.play(true);
+    if (clip.frames.length > 1) clip.play(true);
 }

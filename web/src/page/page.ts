@@ -1,4 +1,4 @@
-// The page: connects its controls and opens the sample.
+// The page: connects its controls, and opens the sample or the clip that its address names.
 
 import { listenToChecks } from "./checks";
 import { listenToChoices } from "./choices";
@@ -6,7 +6,7 @@ import { listenToDownloads } from "./downloads";
 import { listenToKeys } from "./keys";
 import { listenToLook } from "./look";
 import { listenToRuns } from "./runs";
-import { listenToSources, openSample } from "./sources";
+import { listenToSources, openFirst } from "./sources";
 import { listenToTransport } from "./transport";
 
 listenToSources();
@@ -17,4 +17,4 @@ listenToLook();
 listenToTransport();
 listenToDownloads();
 listenToKeys();
-openSample();
+openFirst();

@@ -1,15 +1,25 @@
 // Where captures come from: the sample, the file pickers, and dropped files.
 
-import { sample, sidePool, sketch } from "../early";
+import { clipAddress, sample, sidePool, sketch } from "../early";
 import { $, input, on } from "./dom";
 import { droppedFiles, pickedFiles, sampleFiles } from "./files";
-import { attempt } from "./messages";
-import { open } from "./opening";
+import { attempt, setStatus } from "./messages";
+import { open, openPublished } from "./opening";
 
 const SAMPLE_NAME = "Sample: 20 synthetic cameras";
 
-/** Opens the sample, which is being fetched since before the page was loaded. */
-export const openSample = () => void attempt(() => open(SAMPLE_NAME, sample, true, sketch));
+/** Opens the clip that the page's address names, or the sample, which is being fetched since before the page was loaded. */
+export function openFirst() {
+    const address = clipAddress;
+    if (address === "") {
+        setStatus("Open a capture or a clip, or drop one");
+        $("summary").textContent = "Nothing is open.";
+        return;
+    }
+    if (address !== null) return void attempt(() => openPublished(address));
+    const files = sample;
+    if (files) void attempt(() => open(SAMPLE_NAME, files, true, sketch ?? undefined));
+}
 
 export function listenToSources() {
     on("sample", "click", () => void attempt(() => open(SAMPLE_NAME, sampleFiles(), true)));

@@ -124,7 +124,8 @@ export class Session {
             })),
             views: new Map(views.map((view, i) => [this.cameras[i].name, view])),
         };
-        this.clip.set(position, { ...made, findings, glb: new Blob([glb], { type: "model/gltf-binary" }) });
+        const blob = new Blob([glb], { type: "model/gltf-binary" });
+        this.clip.set(position, { ...made, findings, glb: async () => blob });
     }
 
     private advance(position: number, levels: QualityLevel[], level: QualityLevel, stage: Stage, done: number) {

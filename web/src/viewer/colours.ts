@@ -22,7 +22,7 @@ export const SURFACE_MATERIALS: Record<Shading, Material> = {
     normals: new MeshNormalMaterial({ side: DoubleSide }),
 };
 /** For surfaces that have a texture instead of the colours of their vertices. */
-export const TEXTURED = new MeshBasicMaterial({ map: new Texture(), side: DoubleSide });
+export const textured = () => new MeshBasicMaterial({ map: new Texture(), side: DoubleSide });
 export const POINTS = new PointsMaterial({ vertexColors: true, sizeAttenuation: false });
 export const FRUSTUM_LINES = new LineBasicMaterial({ color: 0x3ddc97, transparent: true, opacity: 0.75 });
 /** Of a camera with a warning. Transparent, because an opaque material needs another shader than that of other cameras. */

@@ -21,6 +21,11 @@ export class Navigation {
         this.controls.enabled = on;
     }
 
+    /** Lets go of the canvas. */
+    dispose() {
+        this.controls.dispose();
+    }
+
     /** The point that the camera turns around. */
     get target(): Vector3 {
         return this.controls.target;

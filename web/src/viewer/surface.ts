@@ -1,8 +1,17 @@
 // The reconstructed surface, or a stage's output in its place.
-import { BufferAttribute, BufferGeometry, Group, LineSegments, type Material, Mesh, Points } from "three";
+import {
+    BufferAttribute,
+    BufferGeometry,
+    Group,
+    LineSegments,
+    type Material,
+    Mesh,
+    type MeshBasicMaterial,
+    Points,
+} from "three";
 import { offsetOf } from "../clip/glb";
 import type { StageCloud, StageMesh } from "../workers/protocol";
-import { POINTS, type Shading, SURFACE_MATERIALS, TEXTURED, tagColours } from "./colours";
+import { POINTS, type Shading, SURFACE_MATERIALS, tagColours, textured } from "./colours";
 import { edges } from "./edges";
 
 export class Surface {
@@ -10,6 +19,8 @@ export class Surface {
     private readonly mesh = new Mesh<BufferGeometry, Material>(new BufferGeometry(), SURFACE_MATERIALS.colour);
     /** The mesh's edges, shown instead of it as a wireframe. */
     private readonly wires = new LineSegments<BufferGeometry, Material>(new BufferGeometry(), SURFACE_MATERIALS.colour);
+    /** Each surface has its own, because its texture is that of the frame that is shown. */
+    private readonly textured: MeshBasicMaterial = textured();
     private shading: Shading = "colour";
     private wireframe = false;
     private stage: Mesh | Points | null = null;
@@ -63,10 +74,16 @@ export class Surface {
         const texture = this.mesh.geometry.userData.texture;
         this.mesh.material = SURFACE_MATERIALS[shading];
         if (texture && shading === "colour") {
-            TEXTURED.map = texture;
-            this.mesh.material = TEXTURED;
+            this.textured.map = texture;
+            this.mesh.material = this.textured;
         }
         this.wires.material = texture ? SURFACE_MATERIALS.clay : SURFACE_MATERIALS[shading];
+    }
+
+    /** Frees what is its own. */
+    dispose() {
+        this.clear();
+        this.textured.dispose();
     }
 
     setWireframe(on: boolean) {

@@ -7,18 +7,15 @@ import {
     BufferAttribute,
     BufferGeometry,
     DirectionalLight,
-    DoubleSide,
     Group,
     LineSegments,
     Mesh,
-    MeshBasicMaterial,
     PerspectiveCamera,
     PlaneGeometry,
     Points,
     PolarGridHelper,
     Raycaster,
     Scene,
-    Texture,
     Vector2,
     Vector3,
     WebGLRenderer,
@@ -26,7 +23,7 @@ import {
 import { offsetOf } from "../clip/glb";
 import type { StageCloud, StageMesh } from "../workers/protocol";
 import { cameraToWorld, fit, projection, upright } from "./cameras";
-import { BLANK, FRUSTUM_LINES, POINTS, type Shading, SURFACE_MATERIALS } from "./colours";
+import { BLANK, FRUSTUM_LINES, POINTS, type Shading, SURFACE_MATERIALS, textured } from "./colours";
 import { Frusta } from "./frusta";
 import { Navigation } from "./navigation";
 import { Surface } from "./surface";
@@ -98,12 +95,11 @@ export class Viewer {
         const all = new Group();
         for (const material of Object.values(SURFACE_MATERIALS)) all.add(new Mesh(geometry, material));
         const plate = new PlaneGeometry();
-        const textured = new MeshBasicMaterial({ map: new Texture(), side: DoubleSide });
         all.add(
             new Points(geometry, POINTS),
             new LineSegments(plate, FRUSTUM_LINES),
             new Mesh(plate, BLANK),
-            new Mesh(plate, textured),
+            new Mesh(plate, textured()),
             new LineSegments(this.grid.geometry, this.grid.material),
         );
         const { renderer, scene } = this;

@@ -1,0 +1,161 @@
+// The files of a published clip: how they are loaded, and what is refused.
+import assert from "node:assert/strict";
+import { readFileSync, writeFileSync } from "node:fs";
+import { createServer } from "node:http";
+import { join } from "node:path";
+import { test } from "node:test";
+import { add, browser, edit, heard, openElement, root, site } from "./clips.mjs";
+import { openPage } from "./site.mjs";
+
+test("what is wrong with a clip is said in words", async (t) => {
+    const { page } = await openElement(t);
+    const faults = {
+        version: [(m) => (m.version = 7), /^sequence\.json: version 7 is not known/],
+        empty: [(m) => (m.frames = []), /the clip has no frames/],
+        count: [(m) => (m.frame_count = 3), /frame_count is 3, and 8 frames are listed/],
+        rate: [(m) => (m.fps = "fast"), /fps is not a number/],
+        bytes: [(m) => (m.frames[0].bytes += 1), /frame_0000\.glb: has fewer bytes than the manifest says/],
+        missing: [(m) => (m.frames[0].url = "none.glb"), /none\.glb: the host answers 404/],
+        shape: [(m) => (m.frames = {}), /frames is missing/],
+        segment: [(m) => (m.qualities[0].segments[0].frames = []), /quality full: a segment has no frames/, "two"],
+        other: [(m) => (m.qualities[1].segments[0].frames[0] = 99), /quality mobile: has other frames/, "two"],
+    };
+    for (const path of [
+        "../one/frame_0000.glb",
+        "/site/one/frame_0000.glb",
+        "https://example.org/a.glb",
+        "//example.org/a.glb",
+        "a/%2e%2e/%2e%2e/one/frame_0000.glb",
+        "..%2fone/frame_0000.glb",
+        "..\\one\\frame_0000.glb",
+        "data:model/gltf-binary,a",
+    ]) {
+        faults[`path${Object.keys(faults).length}`] = [
+            (m) => (m.frames[0].url = path),
+            /is not in the folder of the manifest/,
+        ];
+    }
+    const asked = [];
+    page.on("request", (request) => asked.push(request.url()));
+    for (const [name, [change, words, from]] of Object.entries(faults)) {
+        edit(`bad-${name}`, change, from);
+        await add(page, { src: `bad-${name}/sequence.json` });
+        await heard(page, "error");
+        assert.match(await page.evaluate(() => globalThis.clip.error.message), words, name);
+        assert.match(await page.locator("pcmvs-player [role=alert]").innerText(), words, name);
+        assert.equal(await page.evaluate(() => globalThis.heard.includes("ready")), false, name);
+    }
+    writeFileSync(join(root, "text.json"), "no manifest");
+    edit("outside", () => {});
+    const outside = readFileSync(join(root, "outside/frame_0000.glb"));
+    const image = /\{"bufferView":\d+,"mimeType":"image\/jpeg"\}/.exec(outside.toString("latin1"));
+    outside.write('{"uri":"https://example.org/a"}'.padEnd(image[0].length), image.index);
+    writeFileSync(join(root, "outside/frame_0000.glb"), outside);
+    edit("torn", () => {}, "whole");
+    const glb = readFileSync(join(root, "torn/full.glb"));
+    writeFileSync(join(root, "torn/full.glb"), glb.fill(0x20, 40, 400));
+    for (const [src, words] of [
+        ["text.json", /^text\.json: is not JSON: is this the address of a clip/],
+        ["nowhere/sequence.json", /^sequence\.json: the host answers 404/],
+        ["https://127.0.0.1:1/sequence.json", /^sequence\.json: cannot be loaded/],
+        ["outside/sequence.json", /this GLB refers to other files/],
+        ["torn/sequence.json", /^full\.glb: is damaged or not a file of pcmvs pack/],
+    ]) {
+        await add(page, { src });
+        await heard(page, "error");
+        assert.match(await page.evaluate(() => globalThis.clip.error.message), words, src);
+    }
+    assert.deepEqual(
+        asked.filter((url) => url.includes("/one/") || /example\.org/.test(url)),
+        [],
+    );
+    // Another clip in the same element plays.
+    await page.evaluate(() => globalThis.clip.setAttribute("src", "one/sequence.json"));
+    await heard(page, "ready");
+    assert.equal(await page.locator("pcmvs-player [role=alert]").isVisible(), false);
+});
+
+test("the first frames are shown before a file is complete", async (t) => {
+    const file = readFileSync(join(root, "whole/full.glb"));
+    const { page } = await openElement(t);
+    let finish;
+    const held = new Promise((resolve) => (finish = resolve));
+    const server = createServer(async (request, response) => {
+        response.setHeader("access-control-allow-origin", "*");
+        if (request.url.endsWith(".json")) return response.end(readFileSync(join(root, "whole/sequence.json")));
+        response.write(file.subarray(0, file.length / 2));
+        await held;
+        response.end(file.subarray(file.length / 2));
+    }).listen(0, "127.0.0.1");
+    t.after(() => server.close());
+    const own = await openPage(browser, `${site.address}/site/plain.html`);
+    t.after(() => own.page.context().close());
+    await own.page.waitForFunction(() => customElements.get("pcmvs-player"));
+    await add(own.page, { src: `http://127.0.0.1:${server.address().port}/sequence.json`, autoplay: "" });
+    await heard(own.page, "ready");
+    finish();
+    await heard(own.page, "ended");
+    // The strict page allows its own host only.
+    await add(page, { src: `http://127.0.0.1:${server.address().port}/sequence.json` });
+    await heard(page, "error");
+});
+
+test("a connection that breaks is tried once more, and not more often", async (t) => {
+    const { page } = await openElement(t);
+    const asked = new Map();
+    let broken = 1;
+    await page.route("**/two/full_002.glb", (route) => {
+        const times = (asked.get("full") ?? 0) + 1;
+        asked.set("full", times);
+        return times <= broken ? route.abort() : route.continue();
+    });
+    await add(page, { src: "two/sequence.json", autoplay: "", quality: "full" });
+    await heard(page, "ended");
+    assert.equal(asked.get("full"), 2);
+    asked.clear();
+    broken = 99;
+    await add(page, { src: "two/sequence.json", autoplay: "", quality: "full" });
+    await heard(page, "error");
+    assert.match(await page.evaluate(() => globalThis.clip.error.message), /^full_002\.glb: cannot be loaded/);
+    assert.equal(asked.get("full"), 2);
+});
+
+test("the quality goes by the bandwidth", async (t) => {
+    const { page, problems } = await openElement(t);
+    const asked = new Set();
+    page.on("request", (request) => asked.add(request.url().split("/").at(-1)));
+    const network = await page.context().newCDPSession(page);
+    await network.send("Network.enable");
+    const play = async (bytes) => {
+        asked.clear();
+        const conditions = { offline: false, latency: 0, downloadThroughput: bytes, uploadThroughput: bytes };
+        await network.send("Network.emulateNetworkConditions", conditions);
+        await network.send("Network.setCacheDisabled", { cacheDisabled: true });
+        await add(page, { src: "two/sequence.json", autoplay: "", loop: "" });
+        await page.waitForFunction(() => globalThis.clip.shownFrames > 2 * 8, undefined, { timeout: 60_000 });
+        return [...asked].filter((name) => name.endsWith(".glb"));
+    };
+    const rates = JSON.parse(readFileSync(join(root, "two/sequence.json"), "utf8")).qualities.map(({ bytes }) => bytes);
+    assert.ok(rates[0] > 2 * rates[1], `${rates}`);
+    // What is sent in a second is a little more than the small quality, and then a lot more than the large one.
+    const slow = await play(1.6 * rates[1]);
+    assert.ok(
+        slow.every((name) => name.startsWith("mobile")),
+        `${slow}`,
+    );
+    const fast = await play(-1);
+    assert.ok(fast[0].startsWith("mobile"), `${fast}`);
+    assert.ok(
+        fast.some((name) => name.startsWith("full")),
+        `${fast}`,
+    );
+    await page.evaluate(() => globalThis.clip.setAttribute("quality", "mobile"));
+    assert.equal(await page.evaluate(() => globalThis.clip.player.loadedQuality), "mobile");
+    await page.evaluate(() => globalThis.clip.setAttribute("quality", "best"));
+    await heard(page, "error");
+    assert.match(
+        await page.evaluate(() => globalThis.clip.error.message),
+        /no quality best in this clip: it has full, mobile/,
+    );
+    assert.deepEqual(problems, []);
+});
