@@ -93,6 +93,7 @@ fn c_and_rust_agree() {
         "MESH" = G::Mesh,
         "COLOUR" = G::Colour,
         "FORM" = G::Form,
+        "STEADY" = G::Steady,
     );
     values!(facts, "PCMVS_LENS_", "OPENCV" = pcmvs_lens::Opencv, "FISHEYE" = pcmvs_lens::Fisheye);
     use pcmvs_pixel_format as F;

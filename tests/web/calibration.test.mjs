@@ -58,7 +58,7 @@ test("a camera that was moved is named and marked, and the refined cameras are u
     assert.deepEqual(await marked(page), []);
     writeFileSync(join(source, "scene.json"), JSON.stringify(saved));
     const made = folder();
-    pcmvs("reconstruct", source, "-o", made, "--preset", "hull", "--frames", "0");
+    pcmvs("reconstruct", source, "-o", made, "--alone", "--preset", "hull", "--frames", "0");
     await page.fill("#scrub", "0");
     assert.ok((await download(page, "export-glb")).equals(readFileSync(join(made, "frame_0000.glb"))));
     await shot("calibration-used");

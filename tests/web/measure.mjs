@@ -69,7 +69,7 @@ export function large() {
 export async function frameSeconds(browser, address, scene) {
     const out = folder();
     let start = performance.now();
-    pcmvs("reconstruct", scene, "-o", out, "--threads", "1");
+    pcmvs("reconstruct", scene, "-o", out, "--alone", "--threads", "1");
     const native = (performance.now() - start) / 1000;
     const { page, problems } = await openPage(browser, address);
     await page.waitForSelector("#cancel:enabled");

@@ -23,7 +23,7 @@ test("dropped folders, zips and GLBs open", async (t) => {
     const source = capture([0]);
     const zips = [zipped(source), zipped(source, 0)];
     const out = folder();
-    pcmvs("reconstruct", source, "-o", out, "--preset", "hull");
+    pcmvs("reconstruct", source, "-o", out, "--alone", "--preset", "hull");
     const glb = join(out, "frame_0000.glb");
     for (const dropped of [source, ...zips]) {
         await page.evaluate(() => document.getElementById("name").replaceChildren());
@@ -76,7 +76,7 @@ test("every form of a mesh shows the same person", async (t) => {
     };
     for (const [name, options] of Object.entries(forms)) {
         const out = folder();
-        pcmvs("reconstruct", source, "-o", out, "--preset", "hull", ...options);
+        pcmvs("reconstruct", source, "-o", out, "--alone", "--preset", "hull", ...options);
         const glb = join(out, `${name}.glb`);
         cpSync(join(out, "frame_0000.glb"), glb);
         await page.evaluate(() => document.getElementById("status").replaceChildren());
@@ -101,7 +101,7 @@ for (const [name, make] of Object.entries({ middlebury, colmap, transforms, open
         await run(page);
         const out = folder();
         pcmvs("import", "--from", name, source, "-o", join(out, "scene"));
-        pcmvs("reconstruct", join(out, "scene"), "-o", join(out, "mesh"), "--preset", "hull");
+        pcmvs("reconstruct", join(out, "scene"), "-o", join(out, "mesh"), "--alone", "--preset", "hull");
         same(await download(page, "export-glb"), readFileSync(join(out, "mesh/frame_0000.glb")));
         assert.deepEqual(problems, []);
     });

@@ -236,7 +236,7 @@ const script = (from) => `
 
 test("packed and installed, it works in Node, from a plain script, and through a bundler", async (t) => {
     const out = folder();
-    pcmvs("reconstruct", sample, "-o", out, "--frames", "0", "--preset", "hull");
+    pcmvs("reconstruct", sample, "-o", out, "--alone", "--frames", "0", "--preset", "hull");
     const expected = createHash("sha256")
         .update(readFileSync(join(out, "frame_0000.glb")))
         .digest("hex");

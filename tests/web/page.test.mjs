@@ -63,9 +63,9 @@ test("the sample reconstructs by itself, plays, and exports what the command lin
         scrub.dispatchEvent(new Event("input"));
     });
     const out = folder();
-    pcmvs("reconstruct", sample, "-o", out, "--frames", "0,5");
+    pcmvs("reconstruct", sample, "-o", out, "--alone", "--frames", "0,5");
     same(await download(page, "export-glb"), readFileSync(join(out, "frame_0000.glb")));
-    pcmvs("reconstruct", sample, "-o", join(out, "ply"), "--frames", "0", "--format", "ply");
+    pcmvs("reconstruct", sample, "-o", join(out, "ply"), "--alone", "--frames", "0", "--format", "ply");
     samePly(await download(page, "export-ply"), readFileSync(join(out, "ply/frame_0000.ply")));
     const still = await download(page, "export-png");
     const [width, seen] = await page.evaluate(async (data) => {
@@ -238,7 +238,7 @@ test("chroma sliders change the silhouettes immediately, and give the command li
     await page.click("#through-leave");
     await run(page);
     const out = folder();
-    pcmvs("reconstruct", source, "-o", out, "--preset", "hull", "--masks", "chroma");
+    pcmvs("reconstruct", source, "-o", out, "--alone", "--preset", "hull", "--masks", "chroma");
     same(await download(page, "export-glb"), readFileSync(join(out, "frame_0000.glb")));
     assert.deepEqual(problems, []);
 });

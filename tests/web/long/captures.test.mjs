@@ -21,7 +21,7 @@ for (const name of ["wd2", "dino-sparse-ring"]) {
         assert.match(await text(page, "status"), /^1 of 1 frames in .* triangles$/);
         await shot(`real-${name}`);
         const out = folder();
-        pcmvs("reconstruct", scene, "-o", out);
+        pcmvs("reconstruct", scene, "-o", out, "--alone");
         same(await download(page, "export-glb"), readFileSync(join(out, "frame_0000.glb")));
         await page.click("#strip button:nth-child(3)");
         await page.waitForSelector("#photo:not([hidden])");
