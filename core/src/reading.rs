@@ -20,6 +20,8 @@ impl ReadingParams {
     pub const FULL: Self = Self { octave: 0, blurred: None };
 }
 
+/// Pictures are not read with fewer columns or rows than this, unless they have fewer themselves.
+const SMALLEST: usize = 120;
 /// Smallest number of the object's pixels that a picture keeps when it is halved because it is blurred.
 const ENOUGH: u64 = 150_000;
 /// Distance in pixels from the silhouette's contour, along each axis, at which second differences are those of the object.
@@ -40,7 +42,8 @@ impl Reduced<'_> {
     /// Brings the picture to the octave at which it is to be read, and returns that octave.
     pub(crate) fn reduce(&mut self, params: &ReadingParams) -> u32 {
         let mut octave = 0;
-        while self.width >= 4 && self.height >= 4 && (octave < params.octave || self.is_blurred(params.blurred)) {
+        while self.width.min(self.height) / 2 >= SMALLEST && (octave < params.octave || self.is_blurred(params.blurred))
+        {
             self.halve();
             octave += 1;
         }
@@ -162,7 +165,8 @@ mod tests {
         assert_eq!(octave(1700, 3.0, &params), 0);
         assert_eq!(octave(1700, 6.0, &params), 0);
         assert_eq!(octave(1700, 24.0, &ReadingParams::FULL), 0);
-        assert_eq!(octave(100, 3.0, &ReadingParams { octave: 2, blurred: None }), 2);
+        assert_eq!(octave(500, 3.0, &ReadingParams { octave: 3, blurred: None }), 2, "125 pixels are left");
+        assert_eq!(octave(200, 3.0, &ReadingParams { octave: 1, blurred: None }), 0);
     }
 
     #[test]

@@ -57,7 +57,7 @@ static pcmvs_status counted(int line, pcmvs_status status) {
 static int progress(void *user, uint32_t stage, uint32_t done, uint32_t total) {
     pcmvs_error error;
     (void)user;
-    CHECK(stage <= PCMVS_STAGE_FORM && done <= total);
+    CHECK(stage <= PCMVS_STAGE_STEADY && done <= total);
     if (draw(8) == 0) {
         EXPECT(pcmvs_frame_hull(busy), PCMVS_STATUS_BUSY);
         EXPECT(pcmvs_frame_begin(busy, NULL), PCMVS_STATUS_BUSY);
