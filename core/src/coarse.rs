@@ -63,8 +63,8 @@ pub(crate) fn band(detection: &DetectionParams, further: u32) -> f32 {
 
 /// Runs the coarse pass and returns its mesh.
 ///
-/// In large pictures, of which `further` is [`further_octaves`], the pass begins at a higher octave. Each octave below it is
-/// searched around the surface of the one before, by the parameters `detection` of the search that follows the pass.
+/// In large pictures the pass begins `further` octaves above that of its parameters. Each octave below is searched around the
+/// surface of the one before, by the parameters `detection` of the search that follows the pass.
 ///
 /// `hull_mesh` is the hull's own mesh and `frontier` the weighted frontier points. `scratch` holds one buffer per job
 /// that runs at the same time; the executor adds more if there are too few.

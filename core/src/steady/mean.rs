@@ -1,7 +1,7 @@
 //! The mean of a frame and its neighbours, vertex by vertex.
 
 use super::{
-    motion::Moves,
+    moves::Moves,
     target::{Target, VERTICES_PER_JOB},
 };
 use crate::{executor::Executor, point_cloud::Mesh};

@@ -12,7 +12,9 @@
 
 mod mean;
 mod motion;
+mod moves;
 mod nodes;
+mod params;
 mod search;
 mod system;
 mod target;
@@ -24,12 +26,12 @@ use crate::{
     progress::{self, Progress},
     stage::Stage,
 };
-use motion::Moves;
+use moves::Moves;
 use nodes::Nodes;
 use target::Target;
 
 pub use mean::MeanParams;
-pub use motion::{LevelParams, MotionParams};
+pub use params::{LevelParams, MotionParams};
 
 /// Parameters of [`steady`].
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -52,6 +54,9 @@ impl SteadyParams {
 ///
 /// # Errors
 /// [`crate::Error::Cancelled`].
+///
+/// # Panics
+/// If a mesh has no colours.
 pub fn steady(
     mesh: &mut Mesh,
     neighbours: &[&Mesh],

@@ -1,7 +1,8 @@
 //! For vertices of a mesh, the nearest vertices of the mesh of another frame, in space and colour.
 
 use super::{
-    motion::{LevelParams, Moves},
+    moves::Moves,
+    params::LevelParams,
     target::{Target, luma},
 };
 use crate::{executor::Executor, neighbour_grid::NeighbourGrid};

@@ -1,6 +1,6 @@
 //! The linear equations of one iteration: all nodes' small turns and shifts.
 
-use super::{motion::Motion, nodes::Nodes};
+use super::{moves::Motion, nodes::Nodes};
 use alloc::{vec, vec::Vec};
 use glam::DVec3;
 

@@ -2,6 +2,7 @@
 
 use facts::{Shot, threads, topology::assert_sound};
 use glam::DVec3;
+use libm::sqrt;
 use pcmvs_core::{Frame, Memory, Mesh, Params, Preset, Rig, Silent, steady::SteadyParams};
 use studio::{Capture, Faults, Ring, Subject, TriangleMesh, score};
 
@@ -55,7 +56,7 @@ impl Measured {
             let count = distances.len() as f64;
             let mean = distances.iter().sum::<f64>() / count;
             let variance = distances.iter().map(|d| (d - mean) * (d - mean)).sum::<f64>() / count;
-            found.jitter.push(variance.sqrt() / footprint);
+            found.jitter.push(sqrt(variance) / footprint);
             found.error.push(distances.iter().map(|d| d.abs()).sum::<f64>() / count / footprint);
             let way = (places[FRAMES - 1].0 - places[0].0).length();
             found.speed.push(way / (FRAMES - 1) as f64 / footprint);
