@@ -240,6 +240,8 @@ fn make_missing<'a>(job: &'a Job<'a>, kept: &[u32], outcome: Outcome<'a>) -> Out
             Err(failure) => {
                 if is_asked {
                     lock(&outcome).add(index, Err(failure), warnings);
+                } else if failure != Failure::Cancelled {
+                    job.console.line(&format!("{failure}: the frames beside it are averaged without it"));
                 }
                 lock(&waiting).failed(place)
             }

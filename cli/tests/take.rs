@@ -235,6 +235,14 @@ fn a_frame_whose_neighbour_fails_is_made_without_it() {
     assert_eq!(output.status.code(), Some(2), "{}", stderr(&output));
     let made = |frame: u32| fs::read(capture.path(&format!("out/frame_{frame:04}.glb"))).unwrap();
     assert!(made(0) != whole[0] && made(2) != whole[2] && made(3) == whole[3]);
+    // Also if only the neighbour is asked for, and not without a word.
+    let without = made(2);
+    fs::remove_dir_all(capture.path("out")).unwrap();
+    let output = capture.run(&["--frames", "2"]);
+    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    let message = stderr(&output);
+    assert!(message.contains("frame 1: camera `cam03`") && message.contains("averaged without it"), "{message}");
+    assert!(made(2) == without);
     // Once it can be made, its neighbours are made again.
     fs::write(&picture, bytes).unwrap();
     assert!(meshes(&capture, &[], &[0, 1, 2, 3]) == whole);
