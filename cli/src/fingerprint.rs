@@ -35,6 +35,12 @@ impl Fingerprint {
         self.0.update(bytes);
     }
 
+    /// Adds whether there are bytes, and then the bytes.
+    pub fn add_optional(&mut self, bytes: Option<&[u8]>) {
+        self.add(&[u8::from(bytes.is_some())]);
+        self.add(bytes.unwrap_or_default());
+    }
+
     pub fn finish(self) -> String {
         hex(self.0.finalize().as_slice())
     }

@@ -96,8 +96,7 @@ impl Job<'_> {
     pub fn digest(files: &FrameFiles) -> String {
         let mut digest = Fingerprint::default();
         for file in files.contents() {
-            digest.add(&[u8::from(file.is_some())]);
-            digest.add(file.unwrap_or_default());
+            digest.add_optional(file);
         }
         digest.finish()
     }
@@ -108,8 +107,7 @@ impl Job<'_> {
         let mut fingerprint = self.settings.clone();
         fingerprint.add(own.as_bytes());
         for neighbour in neighbours {
-            fingerprint.add(&[u8::from(neighbour.is_some())]);
-            fingerprint.add(neighbour.unwrap_or_default().as_bytes());
+            fingerprint.add_optional(neighbour.as_deref().map(str::as_bytes));
         }
         fingerprint.finish()
     }

@@ -79,13 +79,13 @@ impl<'a> Waiting<'a> {
         Self { plan, states: plan.iter().map(|_| State::Open).collect() }
     }
 
-    /// Notes that a frame has failed, or is not needed. Returns the frames that waited for it alone.
+    /// Notes that a frame has failed. Returns the frames that can be finished now.
     pub fn failed(&mut self, place: usize) -> Vec<Ready<'a>> {
         self.states[place] = State::Failed;
         self.ready_around(place)
     }
 
-    /// Notes that a frame has been reconstructed. Returns the frames that waited for it alone, itself included.
+    /// Notes that a frame has been reconstructed. Returns the frames that can be finished now: itself, or frames beside it.
     pub fn made(&mut self, place: usize, own: Own<'a>, digest: String, warnings: Vec<WarningReport>) -> Vec<Ready<'a>> {
         let Planned { is_asked, neighbours, .. } = &self.plan[place];
         // A copy, because the frame's own mesh goes with it when it is finished.

@@ -28,9 +28,8 @@ pub struct CoarseParams {
     pub voxel_pixels: f32,
 }
 
-/// Number of the object's pixels in the median picture with which its whole hull is searched at the octave of the parameters.
-/// In pictures with four times as many the search begins at the next octave, and so on: a window there shows as much of the
-/// object as it does in smaller pictures.
+/// The search of the whole hull begins at the highest octave at which the object still covers this many pixels of the median
+/// picture. A window there shows as much of the object as a window of a smaller picture does.
 const SEARCHED: usize = 60_000;
 /// Search range around a surface that was itself found around another one, relative to [`DetectionParams::band_pixels`].
 const NARROW: f32 = 0.5;

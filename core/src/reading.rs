@@ -22,9 +22,9 @@ impl ReadingParams {
 
 /// Pictures are not read with fewer columns or rows than this, unless they have fewer themselves.
 const SMALLEST: usize = 120;
-/// Smallest number of the object's pixels that a picture keeps when it is halved because it is blurred.
+/// A blurred picture is halved only if the object covers at least this many pixels afterwards.
 const ENOUGH: u64 = 150_000;
-/// Distance in pixels from the silhouette's contour, along each axis, at which second differences are those of the object.
+/// A second difference counts only where the pixels at this distance, along both axes and in both directions, show the object.
 const INNER: usize = 3;
 
 /// A picture and its mask at one resolution, packed: sRGB, and one byte per pixel, 255 on the object.
@@ -136,7 +136,7 @@ fn halve<const CHANNELS: usize>(w: usize, h: usize, bytes: &mut Vec<u8>) {
 mod tests {
     use super::*;
 
-    /// A picture of stripes of the given period in pixels, in front of which nothing is masked out but the border.
+    /// A picture of stripes with the given period in pixels, and a mask that leaves out its border.
     fn stripes(side: usize, period: f32) -> [Vec<u8>; 2] {
         let wave = |v: usize| libm::sinf(v as f32 * core::f32::consts::TAU / period);
         let level = |i: usize| (128.0 + 60.0 * wave(i % side) * wave(i / side)) as u8;

@@ -26,14 +26,14 @@ pub struct Intermediates {
     pub merged: PointCloud,
 }
 
-/// Which of the intermediate results a frame still has.
+/// Records which intermediate results the frame has not freed yet.
 #[derive(Debug)]
 pub(super) struct Kept {
-    /// Whether they are kept when they are no longer needed.
+    /// Whether the frame keeps all results until it is dropped.
     pub(super) all: bool,
-    /// Whether the points of single views and kinds are there, if they have been found.
+    /// False once merging has freed the points of the views, the frontier points and the implicit points.
     points: bool,
-    /// Whether the merged cloud is there, if the points have been merged.
+    /// False once meshing has freed the merged cloud.
     merged: bool,
 }
 
@@ -44,7 +44,8 @@ impl Default for Kept {
 }
 
 impl Kept {
-    /// Checks that what a stage needs has not been freed. A stage that makes it anew is noted.
+    /// Checks that the results that a stage needs have not been freed. If the stage is the one that makes them again, they
+    /// count as present from now on.
     ///
     /// # Errors
     /// [`Error::WrongOrder`].

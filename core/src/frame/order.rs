@@ -146,8 +146,9 @@ impl<R: Deref<Target = Rig> + Sync> Frame<R> {
         self.run_stages(executor, progress)
     }
 
-    /// Reads all views. `read` makes a camera's picture, by the camera's index in [`Rig::cameras`], and gives it, or `None` if
-    /// the camera has none in this frame. Hosts that decode pictures there need memory for few of them at a time.
+    /// Reads all views. Calls `read` once per camera, with the camera's index in [`Rig::cameras`] and a function. `read` passes
+    /// the camera's picture to that function, or `None` if the camera has no picture in this frame. A host that decodes the
+    /// picture inside `read` holds one decoded picture per thread at a time.
     ///
     /// # Errors
     /// Those of `read` and of [`Frame::view`], of the camera with the lowest index.
@@ -177,7 +178,7 @@ impl<R: Deref<Target = Rig> + Sync> Frame<R> {
         ORDER.into_iter().skip(1).try_for_each(|stage| self.step(stage, executor, progress))
     }
 
-    /// Adds the hash of the mean, in place of that of an earlier one.
+    /// Stores the hash of the averaged mesh, and removes that of an earlier average.
     pub(super) fn complete_steady(&mut self) {
         self.hashes.retain(|&(done, _)| done != Stage::Steady);
         self.hashes.push((Stage::Steady, self.mesh().hash()));

@@ -110,10 +110,10 @@ impl<R: Deref<Target = Rig>> Frame<R> {
         self.prior = Some(prior);
     }
 
-    /// Whether results of stages are kept when the stages that need them are complete, as they are by default. Without
-    /// them less memory is needed at a time: all points are freed as soon as they are merged, and the merged cloud and the
-    /// surface that guided detection with the final mesh. [`Frame::intermediates`] then has none of them, and the stages that
-    /// need them cannot be run again without the stages before them.
+    /// Sets whether the frame keeps the results of its stages until it is dropped. The default is true. With false, merging
+    /// frees all points, and meshing frees the merged cloud and the surface that guided detection, so that the peak of memory
+    /// is lower. [`Frame::intermediates`] then lacks them, and a stage that needs them can run again only after the stages that
+    /// make them.
     pub fn keep_intermediates(&mut self, keep: bool) {
         self.kept.all = keep;
     }

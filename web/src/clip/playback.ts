@@ -10,7 +10,7 @@ const AHEAD = 1;
 /** A moment that is as near to that of a frame counts as it, in frames. */
 const NEAR = 1e-6;
 
-/** Whose frames are played. Frames have positions. */
+/** The clip whose frames are played. A frame is named by its position in the clip. */
 export interface Host {
     /** The positions that can be played, in order. Frames follow each other at a constant rate. */
     order(): number[];

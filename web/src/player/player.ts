@@ -15,9 +15,9 @@ const READY = 10;
 export type ClipEvent = "loadedmetadata" | "ready" | "frame" | "timeupdate" | "play" | "pause" | "ended" | "error";
 
 /**
- * Plays a clip. Add `object` to a scene, and call `update` before every drawing:
+ * Plays a clip. Add `object` to a scene, and call `update` before every drawing.
  *
- * events: `loadedmetadata` when the manifest is read, `ready` when the first frame is shown, `frame` for every frame that is
+ * Events: `loadedmetadata` when the manifest is read, `ready` when the first frame is shown, `frame` for every frame that is
  * shown, `timeupdate`, `play`, `pause`, `ended`, and `error` with `error` set.
  */
 export class ClipPlayer extends EventTarget {
