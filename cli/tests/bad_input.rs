@@ -1,8 +1,6 @@
 //! Wrong input gives exit status 2, a message that names file and remedy, and no file under a final name.
 
-mod common;
-
-use common::{Capture, names, pcmvs};
+use crate::common::{self, Capture, names, pcmvs};
 use image::RgbImage;
 use serde_json::json;
 use std::{fs, process::Output};

@@ -1,8 +1,6 @@
 //! `pcmvs check`, `pcmvs refine` and `pcmvs reconstruct --refine`.
 
-mod common;
-
-use common::{Capture, pcmvs, stderr};
+use crate::common::{Capture, pcmvs, stderr};
 use image::RgbImage;
 use serde_json::{Value, json};
 use std::{fs, process::Output};

@@ -1,5 +1,4 @@
 //! Other libraries read the GLB and PLY files.
-#![allow(clippy::disallowed_methods, reason = "no result depends on the tests' own numbers")]
 
 use glam::{DVec3, Vec3};
 use pcmvs_core::{

@@ -1,9 +1,6 @@
 //! The forms of a mesh that the command writes: textured, compressed, upright.
-#![allow(clippy::disallowed_methods, reason = "no result depends on the tests' own numbers")]
 
-mod common;
-
-use common::{Capture, parts, stderr, view};
+use crate::common::{Capture, parts, stderr, view};
 use glam::{DQuat, DVec3, Vec3};
 use serde_json::Value;
 use std::{collections::BTreeMap, fs};

@@ -1,24 +1,15 @@
 //! Each importer follows the convention of its program: a point that is projected by that program's formula lands on the
 //! same pixel through the imported camera.
-#![allow(clippy::disallowed_methods, reason = "no result depends on the tests' own numbers")]
 
-#[path = "import/binary.rs"]
 mod binary;
-mod common;
-#[path = "import/formats.rs"]
 mod formats;
-#[path = "import/lenses.rs"]
 mod lenses;
-#[path = "import/masks.rs"]
 mod masks;
-#[path = "import/names.rs"]
-mod own_names;
-#[path = "import/text.rs"]
+mod names;
 mod text;
-#[path = "import/transforms.rs"]
 mod transforms;
 
-use common::{HEIGHT, WIDTH, names, pcmvs, stderr};
+use crate::common::{HEIGHT, WIDTH, names, pcmvs, stderr};
 use glam::{DVec2, DVec3};
 use image::{GrayImage, RgbImage};
 use pcmvs_core::{Camera, Lens};

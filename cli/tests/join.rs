@@ -1,9 +1,6 @@
 //! `pcmvs join`: parts of a clip become what a single run makes.
-#![allow(clippy::disallowed_methods, reason = "no result depends on the tests' own numbers")]
 
-mod common;
-
-use common::{Capture, assert_refused, names, pcmvs, stderr};
+use crate::common::{Capture, assert_refused, names, pcmvs, stderr};
 use serde_json::{Value, json};
 use std::{fs, path::Path, process::Output};
 

@@ -1,9 +1,6 @@
 //! `pcmvs pack`: the frames of a clip in one GLB file.
-#![allow(clippy::disallowed_methods, reason = "no result depends on the tests' own numbers")]
 
-mod common;
-
-use common::{Capture, names, parts, pcmvs, stderr, view};
+use crate::common::{Capture, names, parts, pcmvs, stderr, view};
 use gltf::animation::{Interpolation, util::ReadOutputs};
 use serde_json::{Value, json};
 use sha2::{Digest, Sha256};

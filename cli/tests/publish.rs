@@ -1,9 +1,6 @@
 //! `pcmvs pack --manifest`: a clip to publish, in several qualities and in segments.
-#![allow(clippy::disallowed_methods, reason = "no result depends on the tests' own numbers")]
 
-mod common;
-
-use common::{Capture, names, pcmvs, stderr};
+use crate::common::{Capture, names, pcmvs, stderr};
 use serde_json::{Value, json};
 use sha2::{Digest, Sha256};
 use std::{fs, path::PathBuf, process::Output, sync::atomic::AtomicBool};

@@ -1,9 +1,6 @@
 //! `pcmvs reconstruct` from files to files.
-#![allow(clippy::disallowed_methods, reason = "no result depends on the tests' own numbers")]
 
-mod common;
-
-use common::{Capture, names, stderr};
+use crate::common::{Capture, HEIGHT, WIDTH, names, pcmvs, stderr};
 use glam::DVec3;
 use serde_json::Value;
 use sha2::{Digest, Sha256};
@@ -182,7 +179,7 @@ fn silhouettes_from_the_backdrop() {
     capture.scene["frames"][0]["masks"] = Value::Null;
     for i in 0..6 {
         let path = capture.path(&format!("images/cam{i:02}_0.png"));
-        let picture = image::RgbImage::from_fn(common::WIDTH, common::HEIGHT, |x, y| {
+        let picture = image::RgbImage::from_fn(WIDTH, HEIGHT, |x, y| {
             let inside = (x as f32 - 31.5).hypot(y as f32 - 23.5) < 14.0;
             image::Rgb(if inside { [180, 90, 60] } else { [40, 165, 75] })
         });
@@ -205,7 +202,7 @@ fn an_interrupted_run_ends_with_3_and_can_be_continued() {
     let capture = Capture::new(5, 40);
     fs::write(capture.path("scene.json"), capture.scene.to_string()).unwrap();
     let (scene, out) = (capture.path(""), capture.path("out"));
-    let mut command = common::pcmvs();
+    let mut command = pcmvs();
     command.arg("reconstruct").arg(scene).arg("-o").arg(out).args(["--preset", "hull", "--threads", "1"]);
     let mut child = command.stderr(Stdio::piped()).stdout(Stdio::null()).spawn().unwrap();
     let mut lines = BufReader::new(child.stderr.take().unwrap());

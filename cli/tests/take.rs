@@ -1,9 +1,6 @@
 //! Takes: frames as a range with patterns, cameras that several takes share, and cameras that are out of step.
-#![allow(clippy::disallowed_methods, reason = "no result depends on the tests' own numbers")]
 
-mod common;
-
-use common::{Capture, HEIGHT, WIDTH, pcmvs, stderr};
+use crate::common::{Capture, HEIGHT, WIDTH, pcmvs, stderr};
 use image::{GrayImage, Luma};
 use serde_json::{Value, json};
 use std::fs;

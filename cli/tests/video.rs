@@ -1,8 +1,6 @@
 //! Takes whose pictures are videos. The tests need ffmpeg, and are skipped without it.
 
-mod common;
-
-use common::{Capture, pcmvs, stderr};
+use crate::common::{self, Capture, names, pcmvs, stderr};
 use serde_json::{Value, json};
 use std::{
     env, fs,
@@ -82,7 +80,7 @@ fn videos_give_the_meshes_of_their_pictures() {
     let output = capture.run(&[]);
     assert_eq!(stderr(&output).matches("has not changed").count(), FRAMES as usize, "{}", stderr(&output));
     // No file besides the videos and the results.
-    let names: Vec<String> = common::names(&capture.path(""));
+    let names: Vec<String> = names(&capture.path(""));
     assert!(names.iter().all(|name| name.starts_with("cam") || ["out", "scene.json"].contains(&&**name)), "{names:?}");
 }
 

@@ -1,9 +1,7 @@
 //! What is wrong with a frame without making it impossible is a warning: on the terminal, in report.json, and an error with
 //! `--strict`.
 
-mod common;
-
-use common::{Capture, stderr};
+use crate::common::{Capture, HEIGHT, WIDTH, stderr};
 use image::{GrayAlphaImage, LumaA, Rgba, RgbaImage};
 use serde_json::{Value, json};
 use std::fs;
@@ -198,10 +196,10 @@ fn the_alpha_channel_is_the_mask() {
         let path = capture.path(&format!("masks/cam{i:02}_0.png"));
         if i < 3 {
             let cut = |x, y| Rgba([colour, colour, colour, mask.get_pixel(x, y).0[0]]);
-            RgbaImage::from_fn(common::WIDTH, common::HEIGHT, cut).save(path).unwrap();
+            RgbaImage::from_fn(WIDTH, HEIGHT, cut).save(path).unwrap();
         } else {
             let cut = |x, y| LumaA([colour, mask.get_pixel(x, y).0[0]]);
-            GrayAlphaImage::from_fn(common::WIDTH, common::HEIGHT, cut).save(path).unwrap();
+            GrayAlphaImage::from_fn(WIDTH, HEIGHT, cut).save(path).unwrap();
         }
     }
     assert_eq!(bounds(&capture, &[]), expected);
@@ -213,7 +211,7 @@ fn the_alpha_channel_is_the_mask() {
             let [r, g, b] = photograph.get_pixel(x, y).0;
             Rgba([r, g, b, mask.get_pixel(x, y).0[0]])
         };
-        RgbaImage::from_fn(common::WIDTH, common::HEIGHT, cut).save(path).unwrap();
+        RgbaImage::from_fn(WIDTH, HEIGHT, cut).save(path).unwrap();
     }
     capture.scene["frames"][0]["masks"] = json!(null);
     assert_eq!(bounds(&capture, &[]), expected);

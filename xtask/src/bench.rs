@@ -6,6 +6,7 @@ use crate::{
     process::root,
     speed,
     tables::{Table, figure, replace_in},
+    take,
 };
 use std::fs;
 
@@ -63,7 +64,7 @@ const CONFIGURATIONS: [(&str, Option<&str>); 3] = [
 ];
 
 /// The tables. Each can be renewed by itself.
-const PARTS: [&str; 11] = [
+const PARTS: [&str; 13] = [
     "scores",
     "ablations-default",
     "faults",
@@ -75,6 +76,8 @@ const PARTS: [&str; 11] = [
     "meshing",
     "instructions",
     "wasm",
+    "steadiness",
+    "long-take",
 ];
 
 /// A table that does not need the captured scenes.
@@ -86,6 +89,8 @@ fn without_captures(name: &str) -> Option<Result<String>> {
         "meshing" => speed::meshing(),
         "instructions" => instructions::table(),
         "wasm" => browser::table(),
+        "steadiness" => take::steadiness(),
+        "long-take" => take::memory(),
         _ => return None,
     })
 }

@@ -27,6 +27,7 @@ mod setup;
 mod speed;
 mod steps;
 mod tables;
+mod take;
 mod test;
 mod web;
 mod windows;

@@ -1,6 +1,4 @@
 //! A tiny capture on disk, and the command that runs on it.
-#![allow(dead_code, reason = "each test uses its part")]
-#![allow(clippy::disallowed_methods, reason = "no result depends on the tests' own numbers")]
 
 use glam::{DMat3, DVec2, DVec3};
 use image::{GrayImage, Luma, Rgb, RgbImage};

@@ -20,9 +20,9 @@ mkdir -p "$out.parts/log"
 # shellcheck disable=SC2086  # SBATCH_OPTIONS is a list of words.
 array=$(sbatch --parsable ${SBATCH_OPTIONS:-} --job-name=pcmvs --requeue --open-mode=append \
     --array="0-$((tasks - 1))" --output="$out.parts/log/part_%a.txt" \
-    "$here/part.sh" "$scene" "$out.parts" "$first" "$last" "$part" "$@")
+    "$here/../part.sh" "$scene" "$out.parts" "$first" "$last" "$part" "$@")
 # shellcheck disable=SC2086
 join=$(sbatch --parsable ${SBATCH_OPTIONS:-} --job-name=pcmvs-join --requeue --open-mode=append \
     --dependency="afterok:$array" --kill-on-invalid-dep=yes --output="$out.parts/log/join.txt" \
-    "$here/join.sh" "$out.parts" "$out" "$first" "$last" "$tasks")
+    "$here/../join.sh" "$out.parts" "$out" "$first" "$last" "$tasks")
 echo "$array $join"

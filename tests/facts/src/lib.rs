@@ -4,6 +4,7 @@ pub mod counting;
 pub mod errors;
 pub mod outline;
 pub mod shot;
+pub mod steadiness;
 
 pub use errors::Errors;
 pub use shot::Shot;

@@ -80,24 +80,25 @@ impl<'a> TriangleGrid<'a> {
     /// Distance of the nearest triangle, if one is within reach.
     pub fn distance(&self, p: DVec3) -> Option<f64> {
         let mut least = f64::MAX;
-        self.near(p, |corners| least = least.min(to_triangle(p, corners)));
+        self.near(p, |face| least = least.min(to_triangle(p, self.mesh.corners(face))));
         (least <= self.reach).then_some(least)
     }
 
-    /// How far the mesh is from `p` along a unit vector, negative against it: the nearest of all places within reach.
-    pub fn along(&self, p: DVec3, direction: DVec3) -> Option<f64> {
-        let mut nearest: Option<f64> = None;
-        self.near(p, |corners| {
-            let Some(s) = crossing(p, direction, corners) else { return };
-            if libm::fabs(s) <= self.reach && nearest.is_none_or(|other| libm::fabs(s) < libm::fabs(other)) {
-                nearest = Some(s);
+    /// How far the mesh is from `p` along a unit vector, negative against it, and in which of its triangles: the nearest of
+    /// all places within reach.
+    pub fn along(&self, p: DVec3, direction: DVec3) -> Option<(f64, usize)> {
+        let mut nearest: Option<(f64, usize)> = None;
+        self.near(p, |face| {
+            let Some(s) = crossing(p, direction, self.mesh.corners(face)) else { return };
+            if libm::fabs(s) <= self.reach && nearest.is_none_or(|(other, _)| libm::fabs(s) < libm::fabs(other)) {
+                nearest = Some((s, face));
             }
         });
         nearest
     }
 
-    /// Calls `f` with the corners of all triangles that may be within reach.
-    fn near(&self, p: DVec3, mut f: impl FnMut([DVec3; 3])) {
+    /// Calls `f` with all triangles that may be within reach.
+    fn near(&self, p: DVec3, mut f: impl FnMut(usize)) {
         let [x, y, z] = self.cell(p);
         for i in x - 1..=x + 1 {
             for j in y - 1..=y + 1 {
@@ -107,7 +108,7 @@ impl<'a> TriangleGrid<'a> {
                     if *cell > [i, j, z + 1] {
                         break;
                     }
-                    f(self.mesh.corners(*face as usize));
+                    f(*face as usize);
                 }
             }
         }

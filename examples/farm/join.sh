@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# The last job of submit.sh: joins the parts. Nothing is left out without a word, see `pcmvs join --help`.
+# The last task of a farm: joins the parts. Nothing is left out without a word, see `pcmvs join --help`.
 #
 #     join.sh PARTS OUT FIRST LAST TASKS
 set -euo pipefail

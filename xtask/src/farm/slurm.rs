@@ -1,68 +1,28 @@
-//! `cargo xtask farm`: a clip made by the scripts of examples/farm on a Slurm cluster on this machine. A node is killed in
-//! the middle.
+//! A clip made by a Slurm cluster on this machine. A node is killed in the middle.
 
+use super::{FRAMES, FRAMES_PER_PART, PATIENCE, built, compare, folder, scene, single};
 use crate::{
     Result,
-    process::{program, root, run, target},
+    process::{program, root, run},
     setup::Need,
-    steps::{Outcome, Steps},
 };
 use std::{
     fs::{self, File},
-    path::{Path, PathBuf},
+    path::PathBuf,
     process::{Child, Command, Stdio},
     thread,
     time::{Duration, Instant},
 };
 
-pub const NEEDS: [Need; 1] = [Need::Debian(("slurm-wlm", "/usr/sbin/slurmctld"))];
+pub const SLURM: Need = Need::Debian(("slurm-wlm", "/usr/sbin/slurmctld"));
 
 const NODES: u32 = 3;
 /// First of the ports that the daemons listen on.
 const PORT: u32 = 26_817;
-const FRAMES: u32 = 24;
-const FRAMES_PER_PART: u32 = 4;
-/// Longest time for anything that is waited for: Slurm gives up on a node after some ten seconds.
-const PATIENCE: Duration = Duration::from_secs(300);
 
-/// Makes the check alone.
-pub fn test() -> Result<()> {
-    Steps::alone(&NEEDS, |steps| {
-        steps.build_commands()?;
-        check(steps)
-    })
-}
-
-/// Makes a clip on a farm and on one machine, with the command line and the studio that have been built before.
-pub fn check(steps: &mut Steps) -> Result<()> {
-    steps.step_with(&NEEDS, "farm: Slurm, a node is killed", || {
-        if run(&mut program("id", "-u"))?.trim() != "0" {
-            return Ok(Outcome::Skipped(String::from("Slurm's node daemons need the rights of root")));
-        }
-        match NEEDS[0].install() {
-            Ok(()) => same_clip().map(Outcome::Passed),
-            Err(why) => Ok(Outcome::Skipped(why)),
-        }
-    })
-}
-
-fn folder() -> PathBuf {
-    target().join("farm")
-}
-
-fn built(name: &str) -> PathBuf {
-    target().join("debug").join(name)
-}
-
-fn same_clip() -> Result<String> {
-    if folder().exists() {
-        fs::remove_dir_all(folder()).map_err(|e| format!("{}: {e}", folder().display()))?;
-    }
-    let (scene, single, clip) = (folder().join("scene"), folder().join("single"), folder().join("clip"));
-    let studio = format!("--size 240x180 --views 12 --frames {FRAMES} --output");
-    run(program(built("studio"), &studio).arg(&scene))?;
-    run(program(built("pcmvs"), "reconstruct --threads 1").arg(&scene).arg("-o").arg(&single))?;
-
+/// Makes the clip and compares it with that of one machine.
+pub fn check() -> Result<String> {
+    let (scene, single, clip) = (scene(), single(), folder().join("clip"));
     let mut cluster = Cluster::start()?;
     let submitted = run(cluster.script("submit.sh").arg(&scene).arg(&clip).args([
         "0",
@@ -80,27 +40,6 @@ fn same_clip() -> Result<String> {
     compare(&single, &clip)?;
     let last = followed.lines().last().unwrap_or_default();
     Ok(format!("{last}; {node} killed, its part {part} run again; bytes of a single machine"))
-}
-
-/// Compares two clips, except for their reports, which have times.
-fn compare(single: &Path, clip: &Path) -> Result<()> {
-    let names = |folder: &Path| -> Result<Vec<_>> {
-        let entries = fs::read_dir(folder).map_err(|e| format!("{}: {e}", folder.display()))?;
-        let mut names: Vec<_> = entries.flatten().map(|entry| entry.file_name()).collect();
-        names.sort();
-        Ok(names)
-    };
-    let (expected, found) = (names(single)?, names(clip)?);
-    if expected != found {
-        return Err(format!("the clips have different files: {expected:?} and {found:?}"));
-    }
-    let read = |path: PathBuf| fs::read(&path).map_err(|e| format!("{}: {e}", path.display()));
-    for name in expected.iter().filter(|name| *name != "report.json") {
-        if read(single.join(name))? != read(clip.join(name))? {
-            return Err(format!("{} differs from that of a single machine", clip.join(name).display()));
-        }
-    }
-    Ok(())
 }
 
 fn wait_for<T>(what: &str, mut look: impl FnMut() -> Result<Option<T>>) -> Result<T> {
