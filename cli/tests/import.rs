@@ -4,6 +4,8 @@
 
 #[path = "import/binary.rs"]
 mod binary;
+#[path = "import/clips.rs"]
+mod clips;
 mod common;
 #[path = "import/formats.rs"]
 mod formats;
