@@ -59,13 +59,20 @@ pub fn of_folder(files: &dyn Files, folder: &Path, entries: &[PathBuf]) -> Vec<(
     }
     for path in entries.iter().filter(|path| files.is_file(path)) {
         let name = path.file_name().unwrap_or_default().to_string_lossy().to_lowercase();
-        let looked_into = [".toml", ".xml", ".yml", ".yaml"].iter().any(|end| name.ends_with(end))
+        let looked_into = [".csv", ".toml", ".xml", ".yml", ".yaml"].iter().any(|end| name.ends_with(end))
             || name.starts_with("calibration") && name.ends_with(".json");
         if looked_into && let Ok(Some(source)) = of_file(files, path, &name) {
             found.push((source, path.clone()));
         }
     }
     found
+}
+
+/// Refuses a folder that contains a format which is known and not read.
+pub fn refuse(files: &dyn Files, entries: &[PathBuf]) -> Result<(), Failure> {
+    let name = |path: &Path| path.file_name().unwrap_or_default().to_string_lossy().to_lowercase();
+    let may_be = |path: &&PathBuf| [".xml", qualisys::END].iter().any(|end| name(path).ends_with(end));
+    entries.iter().filter(may_be).try_for_each(|path| qualisys::refuse(path, &read_text(files, path)?))
 }
 
 /// The file that a path stands for, for a format that is one file: itself, or the only one of a folder.

@@ -26,6 +26,10 @@ pub fn recognise(files: &dyn Files, path: &Path) -> Result<Source, Failure> {
     let mut found = of_folder(files, path, &entries);
     found.dedup_by_key(|(source, _)| *source);
     let wrong = |problem: String| Failure::Input(format!("{}: {problem}", path.display()));
+    #[cfg(feature = "formats")]
+    if found.is_empty() {
+        further::refuse(files, &entries)?;
+    }
     match (found.pop(), &found[..]) {
         (None, _) => Err(wrong(format!("no calibration was recognised: name {KNOWN}, or give its format with --from"))),
         (Some((source, _)), []) => Ok(source),

@@ -31,7 +31,9 @@ impl Pickle {
     /// An array of a kind such as f8: its shape, whether it is by columns, and its data.
     fn array(&mut self, kind: &str, shape: &[u8], by_columns: bool, data: impl Fn(&mut Self)) -> &mut Self {
         self.add(b"cnumpy.core.multiarray\n_reconstruct\ncnumpy\nndarray\nK\x00\x85C\x01b\x87R(K\x01(");
-        shape.iter().for_each(|&side| drop(self.add(&[b'K', side])));
+        for &side in shape {
+            self.add(&[b'K', side]);
+        }
         self.add(b"tcnumpy\ndtype\n").text(kind).add(b"\x89\x88\x87R(K\x03").text("<");
         self.add(b"NNNJ\xff\xff\xff\xffJ\xff\xff\xff\xffK\x00tb").add(if by_columns { b"\x88" } else { b"\x89" });
         data(self);
@@ -40,7 +42,9 @@ impl Pickle {
 
     fn doubles(&mut self, shape: &[u8], by_columns: bool, numbers: &[f64]) -> &mut Self {
         let bytes: Vec<u8> = numbers.iter().flat_map(|v| v.to_le_bytes()).collect();
-        self.array("f8", shape, by_columns, |pickle| drop(pickle.bytes(&bytes)))
+        self.array("f8", shape, by_columns, |pickle| {
+            pickle.bytes(&bytes);
+        })
     }
 }
 
@@ -70,8 +74,12 @@ fn annots(frames: usize, extra: &str) -> Vec<u8> {
                     _ => drop(list.doubles(&[3, 3], false, &k)),
                 }
             });
-            top.text("D").list(COUNT, |list, _| drop(list.doubles(&[5, 1], false, &BROWN)));
-            top.text("R").list(COUNT, |list, i| drop(list.doubles(&[3, 3], false, &by_rows(&poses[i].r))));
+            top.text("D").list(COUNT, |list, _| {
+                list.doubles(&[5, 1], false, &BROWN);
+            });
+            top.text("R").list(COUNT, |list, i| {
+                list.doubles(&[3, 3], false, &by_rows(&poses[i].r));
+            });
             // All in one array.
             let t: Vec<f64> = poses.iter().flat_map(|pose| (pose.t * 1000.0).to_array()).collect();
             top.text("T").doubles(&[COUNT as u8, 3, 1], false, &t);
@@ -85,7 +93,9 @@ fn annots(frames: usize, extra: &str) -> Vec<u8> {
                     let names: String = (0..COUNT).map(|i| picture(i, frame)).collect();
                     let length = picture(0, 0).len();
                     let data: Vec<u8> = names.chars().flat_map(|c| u32::from(c).to_le_bytes()).collect();
-                    list.array(&format!("U{length}"), &[COUNT as u8], false, |array| drop(array.bytes(&data)));
+                    list.array(&format!("U{length}"), &[COUNT as u8], false, |array| {
+                        array.bytes(&data);
+                    });
                 } else {
                     list.list(COUNT, |names, i| {
                         let name = picture(i, frame);
