@@ -74,7 +74,7 @@ fn angles_are_those_of_an_aircraft_whose_camera_looks_down() {
         (",34.5,", ",34.5,1,", "17 values, but there are 16 columns"),
         ("c 2.png", "c 7.png", "its picture `c 7.png` is missing"),
         ("c 2.png", "c 1.png", "occurs twice"),
-        (",heading,", ",omega,", "does not name the columns"),
+        (",heading,", ",omega,", "neither a .csv of camera parameters"),
     ] {
         fs::write(&file, text.replacen(from, to, 1)).unwrap();
         let message = refused("realitycapture", capture.path());

@@ -60,7 +60,10 @@ pub fn read(files: &dyn Files, path: &Path, notes: &mut Notes) -> Result<Vec<Imp
     let path = if files.is_folder(path) { path } else { path.parent().unwrap_or(Path::new("")) };
     let all = files_of(files, path);
     if all.is_empty() {
-        return Err(Failure::Input(format!("{}: contains no .xmp: name the folder of the pictures", path.display())));
+        return Err(Failure::Input(format!(
+            "{}: contains neither a .csv of camera parameters with its header nor .xmp: name the file, or the folder of the pictures",
+            path.display()
+        )));
     }
     all.iter().map(|file| view(files, file, notes)).collect()
 }
