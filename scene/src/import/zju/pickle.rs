@@ -196,11 +196,11 @@ impl Machine<'_> {
         match code {
             b'.' => return self.pop().map(Some),
             // The protocol's number, and the length of what follows.
-            0x80 => drop(self.take(1)?),
-            0x95 => drop(self.take(8)?),
+            0x80 => _ = self.take(1)?,
+            0x95 => _ = self.take(8)?,
             b'(' => self.marks.push(self.stack.len()),
-            b'0' => drop(self.pop()?),
-            b'1' => drop(self.since_mark()?),
+            b'0' => _ = self.pop()?,
+            b'1' => _ = self.since_mark()?,
             b'N' => self.push(Value::Nothing),
             0x88 => self.push(Value::Bool(true)),
             0x89 => self.push(Value::Bool(false)),
