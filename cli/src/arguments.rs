@@ -179,8 +179,8 @@ pub struct Import {
     /// sparse/0. OpenCV: YAML or JSON file, or a folder with one such file per camera. transforms: transforms.json or its
     /// folder. EasyMocap: folder with intri.yml and extri.yml. Bundler: bundle.out with list.txt, or their folder.
     /// Metashape: XML of cameras. NeuS: cameras_sphere.npz or its folder. anipose: TOML file. Panoptic: JSON file. MVSNet:
-    /// folder with cams/*_cam.txt. Kalibr: camchain.yaml. RealityCapture:
-    /// folder with pictures and their .xmp
+    /// folder with cams/*_cam.txt. Kalibr: camchain.yaml. RealityCapture: CSV of camera parameters, or folder with pictures
+    /// and their .xmp. ZJU: annots.npy or its folder
     pub path: PathBuf,
     /// Folder of the new scene
     #[arg(short, long = "output", value_name = "SCENE")]
@@ -267,6 +267,8 @@ pub enum Source {
     Kalibr,
     /// Also RealityScan
     Realitycapture,
+    /// ZJU-MoCap
+    Zju,
 }
 
 impl Source {
@@ -287,6 +289,7 @@ impl Source {
             Self::Mvsnet => Some(pcmvs_scene::Source::Mvsnet),
             Self::Kalibr => Some(pcmvs_scene::Source::Kalibr),
             Self::Realitycapture => Some(pcmvs_scene::Source::Realitycapture),
+            Self::Zju => Some(pcmvs_scene::Source::Zju),
         }
     }
 }

@@ -2,6 +2,7 @@
 //! same pixel through the imported camera.
 
 mod binary;
+mod clips;
 mod formats;
 mod lenses;
 mod masks;

@@ -19,6 +19,10 @@ mod neus;
 mod panoptic;
 #[path = "formats/realitycapture.rs"]
 mod realitycapture;
+#[path = "formats/realitycapture_csv.rs"]
+mod realitycapture_csv;
+#[path = "formats/zju.rs"]
+mod zju;
 
 use super::{HEIGHT, WIDTH, camera, import, import_with_notes};
 use glam::{DMat3, DVec2, DVec3};

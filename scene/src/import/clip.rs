@@ -1,7 +1,7 @@
 //! Arranges views by cameras and instants. Most sources hold one instant; files of moving scenes hold many, in which the
 //! same cameras occur again and again.
 
-use super::view::ImportedView;
+use super::{notes::Notes, view::ImportedView};
 
 /// Fewest views of a frame that can be reconstructed.
 const FEWEST: usize = 3;
@@ -13,6 +13,60 @@ pub struct Clip {
     pub cameras: Vec<usize>,
     /// The views of every instant in the order of time, one per camera, none where it has no picture then.
     pub frames: Vec<Vec<Option<usize>>>,
+}
+
+/// Most names or numbers in a note.
+const MOST_LISTED: usize = 5;
+
+impl Clip {
+    /// Tells of the frames, the numbers that are missing between them, and the cameras that lack pictures.
+    pub fn note(&self, views: &[ImportedView], notes: &mut Notes) {
+        if self.frames.len() < 2 {
+            return;
+        }
+        notes.add(format!(
+            "{} pictures with different times are {} frames of {} cameras, in the order of time; frames per second are \
+             unknown",
+            views.len(),
+            self.frames.len(),
+            self.cameras.len()
+        ));
+        let times: Vec<f64> =
+            self.frames.iter().filter_map(|slots| views[slots.iter().flatten().next().copied()?].time).collect();
+        let gaps: Vec<String> = gaps(&times).into_iter().map(|[a, b]| format!("between {a} and {b}")).collect();
+        if !gaps.is_empty() {
+            notes.add(format!("the numbers of the pictures have gaps, which frames do not: {}", few(&gaps)));
+        }
+        let lacking = |(place, &first): (usize, &usize)| {
+            let count = self.frames.iter().filter(|slots| slots[place].is_none()).count();
+            (count > 0).then(|| format!("`{}` {count}", views[first].name))
+        };
+        let lacking: Vec<String> = self.cameras.iter().enumerate().filter_map(lacking).collect();
+        if !lacking.is_empty() {
+            notes.add(format!(
+                "cameras without a picture in some of the {} frames, and in how many: {}",
+                self.frames.len(),
+                few(&lacking)
+            ));
+        }
+    }
+}
+
+/// Neighbouring times that are whole numbers and more than the usual step apart.
+fn gaps(times: &[f64]) -> Vec<[f64; 2]> {
+    if times.iter().any(|&time| time != libm::floor(time)) {
+        return Vec::new();
+    }
+    let steps: Vec<[f64; 2]> = times.windows(2).map(|pair| [pair[0], pair[1]]).collect();
+    let least = steps.iter().map(|[a, b]| b - a).fold(f64::INFINITY, f64::min);
+    steps.into_iter().filter(|[a, b]| b - a > least).collect()
+}
+
+/// The first of a list, for a message.
+fn few(list: &[String]) -> String {
+    let rest = list.len().saturating_sub(MOST_LISTED);
+    let first = list[..list.len() - rest].join(", ");
+    if rest > 0 { format!("{first}, and {rest} more") } else { first }
 }
 
 /// Finds cameras and instants.

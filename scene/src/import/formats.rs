@@ -34,9 +34,12 @@ pub enum Source {
     /// Kalibr's camchain.yaml.
     #[cfg(feature = "formats")]
     Kalibr,
-    /// A folder with pictures and the XMP files of RealityCapture or RealityScan.
+    /// RealityCapture or RealityScan: a CSV file of camera parameters, or a folder with pictures and XMP files.
     #[cfg(feature = "formats")]
     Realitycapture,
+    /// ZJU-MoCap's annots.npy, or a folder with it.
+    #[cfg(feature = "formats")]
+    Zju,
 }
 
 impl Source {
@@ -64,6 +67,8 @@ impl Source {
             Self::Kalibr => "kalibr",
             #[cfg(feature = "formats")]
             Self::Realitycapture => "realitycapture",
+            #[cfg(feature = "formats")]
+            Self::Zju => "zju",
         }
     }
 }

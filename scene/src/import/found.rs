@@ -1,12 +1,16 @@
 //! Cameras of files that say nothing about pictures, or only their names.
 
 use super::{
-    source::{failure, find_picture, is_picture, picture_size},
+    instants::{frame_folders, numbered},
+    source::{failure, find_picture, picture_size, without_extension},
     view::ImportedView,
 };
 use crate::{failure::Failure, files::Files};
 use pcmvs_core::{Camera, Lens};
 use std::path::{Path, PathBuf};
+
+/// Extensions of videos.
+const VIDEOS: [&str; 5] = ["mp4", "mov", "avi", "mkv", "webm"];
 
 /// A camera as a file describes it.
 pub struct Found {
@@ -25,17 +29,14 @@ impl Found {
     /// The views of the camera: one per picture. The pictures are searched in `folders`.
     pub fn views(self, files: &dyn Files, file: &Path, folders: &[PathBuf]) -> Result<Vec<ImportedView>, Failure> {
         let Self { name, picture, size, k, lens, r, t } = self;
-        let pictures = pictures(files, folders, &picture)?;
-        let Some((first, _)) = pictures.first() else {
-            let problem = format!(
-                "its picture `{picture}` is missing: put it, or a folder of this name with pictures, in `images`"
-            );
-            return Err(failure(file, &name, &problem));
-        };
         let [width, height] = match size {
             Some(size) => size,
-            None => picture_size(files, first, &name)?,
+            None => first_size(files, file, folders, [&name, &picture])?,
         };
+        let pictures = pictures(files, folders, &picture)?;
+        if pictures.is_empty() {
+            return Err(missing(files, file, folders, [&name, &picture]));
+        }
         let camera = Camera { width, height, k, lens, r, t };
         let view = |(image, time): (PathBuf, Option<f64>)| ImportedView {
             name: name.clone(),
@@ -49,31 +50,61 @@ impl Found {
     }
 }
 
-/// The picture of a name, or the pictures in the folder of this name, with the numbers at the end of their names as times.
+/// Width and height of the first picture of a camera.
+pub fn first_size(
+    files: &dyn Files,
+    file: &Path,
+    folders: &[PathBuf],
+    [name, picture]: [&str; 2],
+) -> Result<[u32; 2], Failure> {
+    match pictures(files, folders, picture)?.first() {
+        Some((first, _)) => picture_size(files, first, name),
+        None => Err(missing(files, file, folders, [name, picture])),
+    }
+}
+
+fn missing(files: &dyn Files, file: &Path, folders: &[PathBuf], [name, picture]: [&str; 2]) -> Failure {
+    let stem = without_extension(picture);
+    let names = || VIDEOS.iter().map(|extension| format!("{stem}.{extension}"));
+    let problem = match folders
+        .iter()
+        .flat_map(|folder| names().map(|name| folder.join(name)))
+        .find(|p| files.is_file(p))
+    {
+        Some(video) => format!(
+            "has a video, {}, and no pictures: write its frames to pictures `images/{stem}/000000.png` and so on, for \
+             example with ffmpeg",
+            video.display()
+        ),
+        None => {
+            format!("its picture `{picture}` is missing: put it, or a folder of this name with pictures, in `images`")
+        }
+    };
+    failure(file, name, &problem)
+}
+
+/// The pictures of a name, with their times: the single one; or those in the folder of this name, with the numbers at the end
+/// of their names; or one in every folder of an instant, with the numbers of the folders.
 pub fn pictures(files: &dyn Files, folders: &[PathBuf], name: &str) -> Result<Vec<(PathBuf, Option<f64>)>, Failure> {
     if let Some(single) = find_picture(files, folders, name) {
         return Ok(vec![(single, None)]);
     }
-    for folder in folders.iter().map(|folder| folder.join(name)).filter(|folder| files.is_folder(folder)) {
-        let entries = files.list(&folder).map_err(|e| Failure::unreadable(&folder, &e))?;
-        let pictures: Vec<PathBuf> =
-            entries.into_iter().filter(|path| files.is_file(path) && is_picture(path)).collect();
+    let slashes = name.replace('\\', "/");
+    for folder in folders {
+        for own in [slashes.as_str(), without_extension(&slashes)].map(|name| folder.join(name)) {
+            let pictures = if files.is_folder(&own) { numbered(files, &own)? } else { Vec::new() };
+            if !pictures.is_empty() {
+                return Ok(pictures);
+            }
+        }
+    }
+    for folder in folders {
+        let frames = frame_folders(files, folder);
+        let find = |(frame, number): (PathBuf, f64)| Some((find_picture(files, &[frame], name)?, Some(number)));
+        let pictures: Vec<_> = frames.into_iter().filter_map(find).collect();
         if !pictures.is_empty() {
-            return Ok(pictures
-                .into_iter()
-                .map(|path| {
-                    let time = number(&path);
-                    (path, time)
-                })
-                .collect());
+            return Ok(pictures);
         }
     }
     Ok(Vec::new())
-}
-
-/// The number at the end of a file's name, without its extension.
-fn number(path: &Path) -> Option<f64> {
-    let stem = path.file_stem()?.to_str()?;
-    let digits = stem.len() - stem.bytes().rev().take_while(u8::is_ascii_digit).count();
-    stem[digits..].parse().ok()
 }

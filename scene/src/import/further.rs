@@ -1,6 +1,8 @@
 //! Recognises the formats of the feature `formats`.
 
-use super::{bundler, formats::Source, json, kalibr, mvsnet, neus, panoptic, realitycapture, source::read_text};
+use super::{
+    bundler, formats::Source, json, kalibr, mvsnet, neus, panoptic, qualisys, realitycapture, source::read_text, zju,
+};
 use crate::{failure::Failure, files::Files};
 use std::path::{Path, PathBuf};
 
@@ -12,11 +14,16 @@ pub fn of_file(files: &dyn Files, path: &Path, name: &str) -> Result<Option<Sour
         Some(Source::Bundler)
     } else if ends(".npz") {
         Some(Source::Neus)
+    } else if ends(".npy") {
+        Some(Source::Zju)
     } else if ends(mvsnet::END) {
         Some(Source::Mvsnet)
     } else if ends(".toml") {
         has(&["matrix", "distortions"])?.then_some(Source::Anipose)
-    } else if ends(".xml") {
+    } else if ends(".csv") {
+        realitycapture::is_csv(&read_text(files, path)?).then_some(Source::Realitycapture)
+    } else if ends(".xml") || ends(qualisys::END) {
+        qualisys::refuse(path, &read_text(files, path)?)?;
         has(&["<document", "<chunk", "<sensors"])?.then_some(Source::Metashape)
     } else if ends(".xmp") {
         has(&[realitycapture::NAMESPACE])?.then_some(Source::Realitycapture)
@@ -42,20 +49,30 @@ pub fn of_folder(files: &dyn Files, folder: &Path, entries: &[PathBuf]) -> Vec<(
     if neus::FILES.iter().any(|name| files.is_file(&folder.join(name))) {
         found.push((Source::Neus, folder.to_path_buf()));
     }
+    if files.is_file(&folder.join(zju::FILE)) {
+        found.push((Source::Zju, folder.to_path_buf()));
+    }
     // Cameras write XMP files, too.
-    let xmp = realitycapture::files_of(files, folder);
+    let xmp = realitycapture::xmp_files(files, folder);
     if xmp.iter().any(|path| matches!(of_file(files, path, ".xmp"), Ok(Some(_)))) {
         found.push((Source::Realitycapture, folder.to_path_buf()));
     }
     for path in entries.iter().filter(|path| files.is_file(path)) {
         let name = path.file_name().unwrap_or_default().to_string_lossy().to_lowercase();
-        let looked_into = [".toml", ".xml", ".yml", ".yaml"].iter().any(|end| name.ends_with(end))
+        let looked_into = [".csv", ".toml", ".xml", ".yml", ".yaml"].iter().any(|end| name.ends_with(end))
             || name.starts_with("calibration") && name.ends_with(".json");
         if looked_into && let Ok(Some(source)) = of_file(files, path, &name) {
             found.push((source, path.clone()));
         }
     }
     found
+}
+
+/// Refuses a folder that contains a format which is known and not read.
+pub fn refuse(files: &dyn Files, entries: &[PathBuf]) -> Result<(), Failure> {
+    let name = |path: &Path| path.file_name().unwrap_or_default().to_string_lossy().to_lowercase();
+    let may_be = |path: &&PathBuf| [".xml", qualisys::END].iter().any(|end| name(path).ends_with(end));
+    entries.iter().filter(may_be).try_for_each(|path| qualisys::refuse(path, &read_text(files, path)?))
 }
 
 /// The file that a path stands for, for a format that is one file: itself, or the only one of a folder.

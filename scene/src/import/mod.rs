@@ -12,6 +12,7 @@ mod formats;
 mod found;
 #[cfg(feature = "formats")]
 mod further;
+mod instants;
 mod json;
 #[cfg(feature = "formats")]
 mod kalibr;
@@ -31,6 +32,8 @@ mod opencv_storage;
 #[cfg(feature = "formats")]
 mod panoptic;
 #[cfg(feature = "formats")]
+mod qualisys;
+#[cfg(feature = "formats")]
 mod realitycapture;
 mod recognise;
 #[cfg(feature = "formats")]
@@ -39,6 +42,8 @@ mod source;
 mod transforms;
 mod values;
 mod view;
+#[cfg(feature = "formats")]
+mod zju;
 
 use crate::{
     failure::Failure,
@@ -72,7 +77,7 @@ pub fn import(files: &dyn Files, source: Source, path: &Path) -> Result<Imported
     let mut notes = Notes::default();
     #[cfg(feature = "formats")]
     let path = &further::only_file(files, source, path)?;
-    let mut views = match source {
+    let views = match source {
         Source::Middlebury => middlebury::read(files, path)?,
         Source::Colmap => colmap::read(files, path, &mut notes)?,
         Source::Opencv => opencv::read(files, path, &mut notes)?,
@@ -94,10 +99,14 @@ pub fn import(files: &dyn Files, source: Source, path: &Path) -> Result<Imported
         Source::Kalibr => kalibr::read(files, path, &mut notes)?,
         #[cfg(feature = "formats")]
         Source::Realitycapture => realitycapture::read(files, path, &mut notes)?,
+        #[cfg(feature = "formats")]
+        Source::Zju => zju::import(files, path, &mut notes)?,
     };
     if views.is_empty() {
         return Err(Failure::Input(format!("{}: contains no camera", path.display())));
     }
+    let capture = if files.is_folder(path) { path } else { path.parent().unwrap_or(Path::new("")) };
+    let mut views = instants::find(files, capture, views);
     let mut found = BTreeMap::new();
     for view in &mut views {
         view.camera.check().map_err(|problem| failure(&view.file, &view.name, &problem))?;
@@ -120,14 +129,7 @@ pub fn import(files: &dyn Files, source: Source, path: &Path) -> Result<Imported
     }
     let clip = clip::arrange(&views).map_err(|problem| Failure::Input(format!("{}: {problem}", path.display())))?;
     let names = camera_names(&views, &clip, &mut notes)?;
-    if clip.frames.len() > 1 {
-        notes.add(format!(
-            "{} pictures with different times are {} frames of {} cameras, in the order of time; frames per second are unknown",
-            views.len(),
-            clip.frames.len(),
-            clip.cameras.len()
-        ));
-    }
+    clip.note(&views, &mut notes);
     note_equal_cameras(&views, &clip, &mut notes);
     Ok(Imported { scene: scene(&views, &clip, names), notes: notes.into_list() })
 }

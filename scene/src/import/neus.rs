@@ -1,5 +1,6 @@
 //! cameras_sphere.npz and cameras.npz of NeuS, IDR and DTU: `world_mat_N` is the projection K (R, t), whose first pixel has
-//! its centre at (0, 0). The pictures are in `image` or `images`, in the order of their names.
+//! its centre at (0, 0). The pictures are in `image` or `images`, in the order of their names, or a folder per camera is,
+//! with its pictures of several instants.
 
 use super::{
     found::Found,
@@ -36,7 +37,7 @@ pub fn import(files: &dyn Files, path: &Path, notes: &mut Notes) -> Result<Vec<I
     let images = pictures(files, folder)?;
     if images.len() != matrices.len() {
         return Err(wrong(format!(
-            "has {} cameras, but there are {} pictures in `image`: remove those that are too many",
+            "has {} cameras, but there are {} pictures or folders in `image`: remove those that are too many",
             matrices.len(),
             images.len()
         )));
@@ -128,7 +129,7 @@ fn decompose(p: &[f64; 16]) -> Result<Camera, String> {
     Ok((k, [right.to_array(), down.to_array(), c.to_array()], [tx, ty, tz]))
 }
 
-/// All pictures of the folder.
+/// All pictures of the folder. If it has none, the folders in it.
 fn pictures(files: &dyn Files, folder: &Path) -> Result<Vec<PathBuf>, Failure> {
     let Some(images) =
         ["image", "images", "rgb"].map(|name| folder.join(name)).into_iter().find(|f| files.is_folder(f))
@@ -136,7 +137,10 @@ fn pictures(files: &dyn Files, folder: &Path) -> Result<Vec<PathBuf>, Failure> {
         return Err(Failure::Input(format!("{}: has no folder `image` with the pictures", folder.display())));
     };
     let entries = files.list(&images).map_err(|e| Failure::unreadable(&images, &e))?;
-    Ok(entries.into_iter().filter(|path| files.is_file(path) && is_picture(path)).collect())
+    let (pictures, others): (Vec<PathBuf>, Vec<PathBuf>) =
+        entries.into_iter().partition(|path| files.is_file(path) && is_picture(path));
+    let folders = || others.into_iter().filter(|path| files.is_folder(path)).collect();
+    Ok(if pictures.is_empty() { folders() } else { pictures })
 }
 
 /// The mask of a picture, in `mask` under the picture's name or its number with three digits.
@@ -145,5 +149,11 @@ fn mask(files: &dyn Files, folder: &Path, image: &Path) -> Option<PathBuf> {
     let stem = without_extension(name);
     let short = stem.parse::<u32>().ok().map(|number| format!("{number:03}"));
     let folders = [folder.join("mask")];
+    // A folder per camera is repeated below `mask`.
+    let camera = image.parent().and_then(Path::file_name).unwrap_or_default();
+    let of_clip = [folder.join("mask").join(camera)];
+    if let Some(mask) = find_picture(files, &of_clip, stem) {
+        return Some(mask);
+    }
     find_picture(files, &folders, stem).or_else(|| find_picture(files, &folders, &short?))
 }

@@ -11,20 +11,22 @@
 //! - translation: `t`, `tvec`, `T`, `translation`, `translation_vector`
 //! - size: `image_width` and `image_height`, `width` and `height`, or `image_size`; default: the size of the picture
 //! - name: `name`; default: the key in the map, or the stem of the file
-//! - picture: `image`, `image_path`, `file`; default: a picture with the camera's name, in this folder or in `images`
+//! - picture: `image`, `image_path`, `file`; default: a picture with the camera's name, in this folder or in `images`, or a
+//!   folder of that name with one per instant
 //! - mask: `mask`, `mask_path`; default: searched for in `masks`
 
 use super::{
+    found::Found,
     keys::{listed, unread},
     lens,
     notes::Notes,
     opencv_storage,
-    source::{failure, find_picture, picture_size},
+    source::{failure, find_picture},
     values::{self, Levels, find, numbers, text, to_array},
     view::{ImportedView, rotation, rows},
 };
 use crate::{failure::Failure, files::Files};
-use pcmvs_core::{Camera, Lens};
+use pcmvs_core::Lens;
 use serde_json::{Map, Value};
 use std::path::{Path, PathBuf};
 
@@ -69,7 +71,7 @@ pub fn read(files: &dyn Files, path: &Path, notes: &mut Notes) -> Result<Vec<Imp
         }
         contents.check_shared(&file, notes).map_err(wrong)?;
         for (name, own) in &contents.cameras {
-            views.push(view(files, &file, name, own, &contents.shared, notes)?);
+            views.extend(camera(files, &file, name, own, &contents.shared, notes)?);
         }
     }
     if views.is_empty() {
@@ -175,14 +177,15 @@ fn note_unread(object: &Object, file: &Path, notes: &mut Notes) -> Result<(), St
     Ok(())
 }
 
-pub fn view(
+/// The views of a camera: one per picture.
+fn camera(
     files: &dyn Files,
     file: &Path,
     name: &str,
     own: &Object,
     shared: &Object,
     notes: &mut Notes,
-) -> Result<ImportedView, Failure> {
+) -> Result<Vec<ImportedView>, Failure> {
     let wrong = |problem: String| failure(file, name, &problem);
     lens::model(own).map_err(wrong)?;
     note_unread(own, file, notes).map_err(wrong)?;
@@ -194,9 +197,6 @@ pub fn view(
         text(value).map(Some).ok_or_else(|| wrong(format!("{key} is not a path")))
     };
     let picture = path(IMAGE)?.unwrap_or_else(|| name.to_owned());
-    let image = find_picture(files, &folders, &picture).ok_or_else(|| {
-        wrong(format!("its picture `{picture}` is missing: put it in `images` or add the key `image`"))
-    })?;
     let mask = match path(MASK)? {
         Some(mask) => Some(find_picture(files, &folders[..1], &mask).ok_or_else(|| {
             wrong(format!(
@@ -205,21 +205,27 @@ pub fn view(
         })?),
         None => None,
     };
-    let [width, height] = match size(&levels).map_err(wrong)? {
-        Some(size) => size,
-        None => picture_size(files, &image, name)?,
-    };
     let k = required(&levels, K).and_then(|n| to_array(&n, "K")).map_err(wrong)?;
     let t = required(&Levels(vec![own]), TRANSLATION).and_then(|n| to_array(&n, "t")).map_err(wrong)?;
-    let camera = Camera {
-        width,
-        height,
+    let found = Found {
+        name: name.to_owned(),
+        picture,
+        size: size(&levels).map_err(wrong)?,
         k: rows(k),
         lens: distortion(&levels).map_err(wrong)?,
         r: required(&Levels(vec![own]), ROTATION).and_then(|n| rotation(&n)).map_err(wrong)?,
         t,
     };
-    Ok(ImportedView { name: name.to_owned(), camera, file: file.to_path_buf(), image, mask, time: None })
+    let mut views = found.views(files, file, &folders)?;
+    if mask.is_some() && views.len() > 1 {
+        return Err(wrong(String::from(
+            "has one mask for several pictures: remove the key `mask`, and put masks in `masks`",
+        )));
+    }
+    for view in &mut views {
+        view.mask = mask.clone();
+    }
+    Ok(views)
 }
 
 fn required(levels: &Levels, keys: &[&str]) -> Result<Vec<f64>, String> {

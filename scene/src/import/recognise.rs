@@ -11,7 +11,7 @@ use std::path::{Path, PathBuf};
 pub const KNOWN: &str = "Middlebury's *_par.txt, a COLMAP model (cameras and images, .txt or .bin), transforms.json, \
                          EasyMocap's intri.yml and extri.yml, bundle.out, Metashape's .xml, cameras_sphere.npz, \
                          anipose's .toml, Panoptic's calibration_*.json, MVSNet's *_cam.txt, Kalibr's camchain.yaml, \
-                         RealityCapture's .xmp, or OpenCV calibrations (.yml, .yaml, .json)";
+                         RealityCapture's .csv or .xmp, ZJU-MoCap's annots.npy, or OpenCV calibrations (.yml, .yaml, .json)";
 /// What is recognised, for messages.
 #[cfg(not(feature = "formats"))]
 pub const KNOWN: &str = "Middlebury's *_par.txt, a COLMAP model (cameras and images, .txt or .bin), transforms.json, \
@@ -26,6 +26,10 @@ pub fn recognise(files: &dyn Files, path: &Path) -> Result<Source, Failure> {
     let mut found = of_folder(files, path, &entries);
     found.dedup_by_key(|(source, _)| *source);
     let wrong = |problem: String| Failure::Input(format!("{}: {problem}", path.display()));
+    #[cfg(feature = "formats")]
+    if found.is_empty() {
+        further::refuse(files, &entries)?;
+    }
     match (found.pop(), &found[..]) {
         (None, _) => Err(wrong(format!("no calibration was recognised: name {KNOWN}, or give its format with --from"))),
         (Some((source, _)), []) => Ok(source),

@@ -7,7 +7,7 @@ use pcmvs_fuzz::Tree;
 use pcmvs_scene::{Source, import, recognise};
 use std::path::Path;
 
-const NAMES: [(&[&str], Source); 15] = [
+const NAMES: [(&[&str], Source); 17] = [
     (&["ring_par.txt"], Source::Middlebury),
     (&["cameras.txt", "images.txt", "points3D.txt"], Source::Colmap),
     (&["cameras.bin", "images.bin"], Source::Colmap),
@@ -23,6 +23,8 @@ const NAMES: [(&[&str], Source); 15] = [
     (&["cams/00000000_cam.txt"], Source::Mvsnet),
     (&["camchain.yaml"], Source::Kalibr),
     (&["images/c0.xmp"], Source::Realitycapture),
+    (&["cameras.csv"], Source::Realitycapture),
+    (&["annots.npy"], Source::Zju),
 ];
 
 /// Separates files. Binary models have single zero bytes everywhere.

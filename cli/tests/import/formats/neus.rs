@@ -70,6 +70,18 @@ fn neus_is_a_projection_matrix_in_npz() {
     assert!(notes.contains("scale_mat is ignored"), "{notes}");
     let scene = import("neus", capture.path());
     assert_eq!(scene["frames"][0]["masks"], serde_json::json!([null, null, "masks/000002.png", null]));
+
+    // A folder per camera is a clip.
+    let pictures: Vec<String> =
+        (0..COUNT).flat_map(|i| (0..2).map(move |frame| format!("image/c{i}/{frame:03}.png"))).collect();
+    let clip = folder(&pictures, &[]);
+    fs::copy(&file, clip.path().join("cameras_sphere.npz")).unwrap();
+    fs::create_dir_all(clip.path().join("mask/c1")).unwrap();
+    GrayImage::new(WIDTH, HEIGHT).save(clip.path().join("mask/c1/001.png")).unwrap();
+    let scene = import("auto", clip.path());
+    assert_eq!(scene["frames"].as_array().unwrap().len(), 2);
+    assert_eq!(scene["frames"][1]["masks"], serde_json::json!([null, "masks/c1_0001.png", null, null]));
+
     let whole = fs::read(&file).unwrap();
     fs::write(&file, &whole[..whole.len() - 30]).unwrap();
     assert!(refused("neus", capture.path()).contains("cameras_sphere.npz"));

@@ -1,13 +1,15 @@
 //! XMP files that RealityCapture and RealityScan write beside pictures. Rotation is world to camera with x right, y down,
-//! z forward, and the position is the camera's centre. Focal length and principal point are shares of the larger side of the
-//! picture: the focal length in 36ths, the principal point from the middle.
+//! z forward, and the position is the camera's centre. The focal length is in 36ths of the picture's larger side.
 
 use super::{
-    keys::{listed, unread},
-    notes::Notes,
-    source::{failure, find_picture, picture_size, read_text, without_extension},
-    values::to_array,
-    view::{ImportedView, rows},
+    super::{
+        keys::{listed, unread},
+        notes::Notes,
+        source::{failure, find_picture, picture_size, read_text, without_extension},
+        values::to_array,
+        view::{ImportedView, rows},
+    },
+    entries_with, principal,
 };
 use crate::{failure::Failure, files::Files};
 use glam::{DMat3, DVec3};
@@ -48,11 +50,7 @@ const HARMLESS: &[&str] = &[
 
 /// The files of a folder, or of its folder `images`.
 pub fn files_of(files: &dyn Files, path: &Path) -> Vec<PathBuf> {
-    let of = |folder: &Path| -> Vec<PathBuf> {
-        let entries = if files.is_folder(folder) { files.list(folder).unwrap_or_default() } else { Vec::new() };
-        let is_xmp = |path: &PathBuf| path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("xmp"));
-        entries.into_iter().filter(is_xmp).collect()
-    };
+    let of = |folder: &Path| entries_with(files, folder, "xmp");
     let own = of(path);
     if own.is_empty() { of(&path.join("images")) } else { own }
 }
@@ -62,7 +60,10 @@ pub fn read(files: &dyn Files, path: &Path, notes: &mut Notes) -> Result<Vec<Imp
     let path = if files.is_folder(path) { path } else { path.parent().unwrap_or(Path::new("")) };
     let all = files_of(files, path);
     if all.is_empty() {
-        return Err(Failure::Input(format!("{}: contains no .xmp: name the folder of the pictures", path.display())));
+        return Err(Failure::Input(format!(
+            "{}: contains neither a .csv of camera parameters with its header nor .xmp: name the file, or the folder of the pictures",
+            path.display()
+        )));
     }
     all.iter().map(|file| view(files, file, notes)).collect()
 }
@@ -126,10 +127,9 @@ fn camera(entries: &Map<String, Value>, [width, height]: [u32; 2]) -> Result<Cam
         return Err(String::from("Skew or AspectRatio is not supported: calibrate without them"));
     }
     let focal = f / 36.0 * larger;
-    let principal = |share: f64, side: u32| share * larger + 0.5 * f64::from(side) - 0.5;
     let k = [
-        [focal, 0.0, principal(single("PrincipalPointU", 0.0)?, width)],
-        [0.0, focal, principal(single("PrincipalPointV", 0.0)?, height)],
+        [focal, 0.0, principal(single("PrincipalPointU", 0.0)?, larger, width)],
+        [0.0, focal, principal(single("PrincipalPointV", 0.0)?, larger, height)],
         [0.0, 0.0, 1.0],
     ];
     let r = rows(numbers(entries, "Rotation")?.ok_or_else(|| missing("Rotation"))?);
