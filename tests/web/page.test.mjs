@@ -63,9 +63,9 @@ test("the sample reconstructs by itself, plays, and exports what the command lin
         scrub.dispatchEvent(new Event("input"));
     });
     const out = folder();
-    pcmvs("reconstruct", sample, "-o", out, "--alone", "--frames", "0,5");
+    pcmvs("reconstruct", sample, "-o", out, "--frames", "0,1");
     same(await download(page, "export-glb"), readFileSync(join(out, "frame_0000.glb")));
-    pcmvs("reconstruct", sample, "-o", join(out, "ply"), "--alone", "--frames", "0", "--format", "ply");
+    pcmvs("reconstruct", sample, "-o", join(out, "ply"), "--frames", "0", "--format", "ply");
     samePly(await download(page, "export-ply"), readFileSync(join(out, "ply/frame_0000.ply")));
     const still = await download(page, "export-png");
     const [width, seen] = await page.evaluate(async (data) => {
@@ -81,14 +81,14 @@ test("the sample reconstructs by itself, plays, and exports what the command lin
     const zip = join(out, "clip.zip");
     writeFileSync(zip, await download(page, "export-zip"));
     execFileSync("python3", ["-m", "zipfile", "-e", zip, join(out, "clip")]);
-    same(readFileSync(join(out, "clip/frame_0005.glb")), readFileSync(join(out, "frame_0005.glb")));
+    same(readFileSync(join(out, "clip/frame_0001.glb")), readFileSync(join(out, "frame_0001.glb")));
     const ours = JSON.parse(readFileSync(join(out, "clip/sequence.json"), "utf8"));
     const theirs = JSON.parse(readFileSync(join(out, "sequence.json"), "utf8"));
     assert.deepEqual(
         [ours.up, ours.fps, ours.units, ours.generator, ours.url],
         [theirs.up, theirs.fps, theirs.units, theirs.generator, theirs.url],
     );
-    assert.deepEqual(ours.frames[5], theirs.frames[1]);
+    assert.deepEqual(ours.frames[1], theirs.frames[1]);
 
     // The exported clip can be played without a reconstruction.
     await page.setInputFiles("#file-input", zip);
@@ -240,6 +240,23 @@ test("chroma sliders change the silhouettes immediately, and give the command li
     const out = folder();
     pcmvs("reconstruct", source, "-o", out, "--alone", "--preset", "hull", "--masks", "chroma");
     same(await download(page, "export-glb"), readFileSync(join(out, "frame_0000.glb")));
+    assert.deepEqual(problems, []);
+});
+
+test("a frame that fails is left out of its neighbours' averages, as by the command line", async (t) => {
+    const source = capture([0, 1, 2, 3], (s, to) => writeFileSync(join(to, s.frames[2].images[5]), "no picture"));
+    const { page, problems } = await openWith(t, source);
+    await run(page);
+    assert.match(await text(page, "errors"), /^frame 2: camera cam05: /);
+    assert.match(await text(page, "status"), /^3 of 4 frames in .* s, 1 failed/);
+    const out = folder();
+    assert.throws(() => pcmvs("reconstruct", source, "-o", out, "--preset", "hull"), { status: 1 });
+    await page.click("#play");
+    // Frame 1 has one neighbour left, and frame 3 none.
+    for (const index of [0, 1, 3]) {
+        await page.fill("#scrub", String(index));
+        same(await download(page, "export-glb"), readFileSync(join(out, `frame_000${index}.glb`)));
+    }
     assert.deepEqual(problems, []);
 });
 

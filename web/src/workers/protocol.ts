@@ -1,6 +1,17 @@
 // The messages between the page and its workers.
 
-import type { Calibration, Camera, ChromaKey, OwnMesh, PcmvsError, Preset, Scene, Stage, ViewReport, Warning } from "pcmvs";
+import type {
+    Calibration,
+    Camera,
+    ChromaKey,
+    OwnMesh,
+    PcmvsError,
+    Preset,
+    Scene,
+    Stage,
+    ViewReport,
+    Warning,
+} from "pcmvs";
 
 /** A file that has not been read yet: on disk, inside a zip, or on the page's own host. */
 export type Entry =
