@@ -250,7 +250,7 @@ test("a frame that fails is left out of its neighbours' averages, as by the comm
     assert.match(await text(page, "errors"), /^frame 2: camera cam05: /);
     assert.match(await text(page, "status"), /^3 of 4 frames in .* s, 1 failed/);
     const out = folder();
-    assert.throws(() => pcmvs("reconstruct", source, "-o", out, "--preset", "hull"), { status: 1 });
+    assert.throws(() => pcmvs("reconstruct", source, "-o", out, "--preset", "hull"), /1 of 4 frames failed/);
     await page.click("#play");
     // Frame 1 has one neighbour left, and frame 3 none.
     for (const index of [0, 1, 3]) {
