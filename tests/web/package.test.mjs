@@ -13,11 +13,12 @@ import { launch, openPage, pcmvs, sample, serve } from "./site.mjs";
 
 const pkg = new URL("../../wasm/pkg/", import.meta.url);
 
-function frameOf({ Rig, Frame }, rig = new Rig(scene.cameras), count = scene.cameras.length) {
+function frameOf({ Rig, Frame }, rig = new Rig(scene.cameras), count = scene.cameras.length, index = 0) {
     const frame = new Frame(rig);
+    const { images, masks } = scene.frames[index];
     scene.cameras.slice(0, count).forEach((_, i) => {
-        frame.setImage(i, readFileSync(join(sample, scene.frames[0].images[i])));
-        frame.setMask(i, readFileSync(join(sample, scene.frames[0].masks[i])));
+        frame.setImage(i, readFileSync(join(sample, images[i])));
+        frame.setMask(i, readFileSync(join(sample, masks[i])));
     });
     return frame;
 }
@@ -84,6 +85,43 @@ test("the entry point chooses a build, reports progress, cancels and throws erro
     const { width, height } = scene.cameras[6];
     frame.setMaskPixels(6, new Uint8Array(width * height), height, width);
     assert.throws(() => frame.sketch(), { code: "silhouette", camera: 6 });
+});
+
+test("frames are averaged with their neighbours as by the command line, in any worker", async () => {
+    const api = await import(new URL("index.js", pkg));
+    await api.ready;
+    const [before, made, after] = [0, 1, 2].map((index) =>
+        frameOf(api, undefined, undefined, index).reconstruct("hull"),
+    );
+    const out = folder();
+    pcmvs("reconstruct", sample, "-o", out, "--frames", "1", "--preset", "hull");
+    const expected = readFileSync(join(out, "frame_0001.glb"));
+    const alone = Buffer.from(made.glb(scene.up));
+    const own = made.own();
+    const steps = [];
+    const neighbours = [before.own(), after.own()];
+    made.steady(neighbours, (stage, done, total) => void steps.push([stage, done / total]));
+    assert.ok(steps.length > 3 && steps.every(([stage]) => stage === "steady"), `${steps}`);
+    assert.ok(Buffer.from(made.glb(scene.up)).equals(expected), "the mean is not the command line's");
+    assert.match(made.hashes().steady, /^[0-9a-f]{16}$/);
+    // The frame's own mesh stays, and without neighbours it is the frame's mesh again.
+    assert.deepEqual(made.own(), own);
+    made.steady([]);
+    assert.ok(Buffer.from(made.glb(scene.up)).equals(alone));
+    const there = api.Reconstruction.ofMesh(structuredClone(own));
+    assert.ok(Buffer.from(there.glb(scene.up)).equals(alone));
+    there.steady(structuredClone(neighbours));
+    assert.ok(Buffer.from(there.glb(scene.up)).equals(expected));
+    assert.throws(() => there.steady(neighbours, () => false), { code: "cancelled", stage: "steady" });
+    const moved = { ...own, origin: [0, 0, 1] };
+    assert.throws(() => made.steady([moved]), { code: "input", message: /other cameras/ });
+    for (const wrong of [
+        { positions: [] },
+        { colours: new Uint8Array(3) },
+        { triangles: new Uint32Array([0, 1, 1e9]) },
+    ])
+        assert.throws(() => made.steady([{ ...own, ...wrong }]), { code: "input", message: /of a mesh is not as/ });
+    assert.throws(() => api.Reconstruction.ofMesh({ ...own, footprint: 0 }), { code: "input", message: /footprint/ });
 });
 
 test("cameras that contribute nothing are warnings", async () => {

@@ -13,6 +13,7 @@ mod progress;
 mod reconstruction;
 mod rig;
 mod sketch;
+mod steady;
 mod types;
 
 pub use calibration::Calibrator;

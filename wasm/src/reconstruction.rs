@@ -1,4 +1,4 @@
-//! Results: files' bytes and the stages' outputs.
+//! Results: files' bytes and the stages' outputs. `steady` averages them with those of neighbouring frames.
 //!
 //! Arrays are copied once, out of the instance's memory into buffers of their own, so that a worker can transfer them.
 
@@ -21,13 +21,16 @@ use wasm_bindgen::prelude::*;
 #[wasm_bindgen]
 #[derive(Debug)]
 pub struct Reconstruction {
-    result: pcmvs_core::Reconstruction,
-    origin: DVec3,
+    /// Its mesh is the mean once it is averaged with its neighbours.
+    pub(crate) result: pcmvs_core::Reconstruction,
+    pub(crate) origin: DVec3,
+    /// The mesh of the frame alone, unless that is the one of `result`.
+    pub(crate) own: Option<Mesh>,
 }
 
 impl Reconstruction {
     pub(crate) fn new(result: pcmvs_core::Reconstruction, origin: DVec3) -> Self {
-        Self { result, origin }
+        Self { result, origin, own: None }
     }
 
     /// The same without warnings and figures of views, which number the cameras of the reconstruction.
@@ -69,13 +72,7 @@ impl Reconstruction {
 
     /// A stage's mesh. `hull` and `coarse` have no colours, and `coarse` is empty without a coarse pass.
     pub fn mesh(&self, stage: MeshStage) -> Result<MeshArrays, Failed> {
-        let mesh = self.stage(&stage)?;
-        Ok(MeshArrays {
-            positions: floats(&mesh.positions),
-            normals: floats(&mesh.normals),
-            colours: Uint8Array::new_from_slice(mesh.colours.as_flattened()),
-            triangles: Uint32Array::new_from_slice(mesh.triangles.as_flattened()),
-        })
+        Ok(MeshArrays::of(self.stage(&stage)?))
     }
 
     /// All views' cleaned clouds (§4).
@@ -121,7 +118,7 @@ impl Reconstruction {
     }
 
     /// A 64-bit hash of each stage's output, hexadecimal, by the stage's name.
-    #[wasm_bindgen(unchecked_return_type = "Record<Stage, string>")]
+    #[wasm_bindgen(unchecked_return_type = "Record<Exclude<Stage, \"steady\">, string> & { steady?: string }")]
     pub fn hashes(&self) -> Result<Object, Failed> {
         let hashes = Object::new();
         for (stage, hash) in &self.result.hashes {
@@ -139,10 +136,21 @@ fn floats(vectors: &[glam::Vec3]) -> Float32Array {
 #[wasm_bindgen]
 #[derive(Debug)]
 pub struct MeshArrays {
-    positions: Float32Array,
-    normals: Float32Array,
-    colours: Uint8Array,
-    triangles: Uint32Array,
+    pub(crate) positions: Float32Array,
+    pub(crate) normals: Float32Array,
+    pub(crate) colours: Uint8Array,
+    pub(crate) triangles: Uint32Array,
+}
+
+impl MeshArrays {
+    pub(crate) fn of(mesh: &Mesh) -> Self {
+        Self {
+            positions: floats(&mesh.positions),
+            normals: floats(&mesh.normals),
+            colours: Uint8Array::new_from_slice(mesh.colours.as_flattened()),
+            triangles: Uint32Array::new_from_slice(mesh.triangles.as_flattened()),
+        }
+    }
 }
 
 #[wasm_bindgen]

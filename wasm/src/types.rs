@@ -56,7 +56,23 @@ export interface ChromaKey {
 }
 
 export type Preset = "default" | "paper" | "hull" | "preview";
-export type Stage = "views" | "hull" | "contours" | "coarse" | "detect" | "merge" | "mesh" | "colour";
+export type Stage = "views" | "hull" | "contours" | "coarse" | "detect" | "merge" | "mesh" | "colour" | "steady";
+
+/** The mesh of a frame alone, with all that averaging needs. It can be posted to another worker. */
+export interface OwnMesh {
+    /** x y z of each vertex, relative to the rig's origin. */
+    positions: Float32Array;
+    /** Unit normals, outward. */
+    normals: Float32Array;
+    /** sRGB of each vertex. */
+    colours: Uint8Array;
+    /** Three vertices per triangle, counter-clockwise seen from outside. */
+    triangles: Uint32Array;
+    /** World position of the rig's origin. */
+    origin: number[];
+    /** Size of a pixel at the object, in scene units. */
+    footprint: number;
+}
 
 /** Something that may make a result worse although nothing failed. */
 export interface Warning {
@@ -161,6 +177,9 @@ extern "C" {
     /// `Calibration`.
     #[wasm_bindgen(typescript_type = "Calibration")]
     pub type Calibration;
+    /// `OwnMesh`.
+    #[wasm_bindgen(typescript_type = "OwnMesh")]
+    pub type OwnMesh;
     /// A direction.
     #[wasm_bindgen(typescript_type = "[number, number, number]")]
     pub type Up;

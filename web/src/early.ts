@@ -23,7 +23,7 @@ async function sketchSample(sample: Promise<Entries>): Promise<FrameResult> {
     const views = cameras.map((_, camera) => viewFiles(frames[0], entries, camera, "masks", null));
     const made: FrameResult[] = [];
     const pool = new Pool(1);
-    const job = { type: "frame" as const, cameras, views, up, levels: ["sketch" as const], stages: false };
+    const job = { type: "frame" as const, cameras, views, up, levels: ["sketch" as const], stages: false, own: false };
     await pool.run(job, { result: (one) => made.push(one) });
     pool.leave();
     if (made.length === 0) throw new Error("the sample has no sketch");

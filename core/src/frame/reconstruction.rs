@@ -9,6 +9,8 @@ use alloc::vec::Vec;
 pub struct Reconstruction {
     /// The closed, coloured mesh.
     pub mesh: Mesh,
+    /// Size of a pixel at the object, in scene units. [`crate::steady::steady`] needs it.
+    pub footprint: f32,
     /// The factors applied to each camera's red, green and blue when the mesh was coloured, in the order in which the
     /// cameras were given. [`crate::Rig::with_gains`] fixes them for later frames.
     pub gains: Vec<[f32; 3]>,

@@ -358,9 +358,10 @@ impl<R: Deref<Target = Rig>> Frame<R> {
     /// Returns the result. Call it when all stages are complete.
     pub fn into_reconstruction(self) -> Reconstruction {
         let (warnings, diagnostics) = (self.warnings(), self.diagnostics());
-        let Self { mesh, steadied, gains, counts, hashes, intermediates, .. } = self;
+        let Self { mesh, steadied, hull, gains, counts, hashes, intermediates, .. } = self;
         let mesh = steadied.unwrap_or(mesh);
-        Reconstruction { mesh, gains, counts, hashes, warnings, diagnostics, intermediates }
+        let footprint = hull.map_or(0.0, |hull| hull.footprint());
+        Reconstruction { mesh, footprint, gains, counts, hashes, warnings, diagnostics, intermediates }
     }
 }
 

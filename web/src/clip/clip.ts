@@ -15,13 +15,16 @@ export interface Findings {
     views: Map<string, ViewReport>;
 }
 
+/** How good a mesh is that is shown: "alone" is the best one before it is averaged with its neighbours. */
+export type ShownLevel = QualityLevel | "alone";
+
 export interface ClipFrame {
     /** Number of the frame in its capture. */
     index: number;
     /** Gives the frame's file; null if there is none yet. */
     glb: (() => Promise<Blob>) | null;
     /** Null for a frame that came as a GLB. */
-    preset: QualityLevel | null;
+    preset: ShownLevel | null;
     triangles: number;
     /** Seconds that its reconstruction took. */
     seconds: number;

@@ -1,6 +1,6 @@
 // Runs: a reconstruction of the whole capture, from its start to its end or to its cancellation.
 
-import type { Stage } from "pcmvs";
+import type { Preset, Stage } from "pcmvs";
 import type { Clip } from "../clip/clip";
 import { sidePool } from "../early";
 import { Session, type Status } from "../run/session";
@@ -24,6 +24,7 @@ const STAGE_WORDS: Record<Stage, string> = {
     merge: "merging clouds",
     mesh: "meshing",
     colour: "colouring",
+    steady: "averaging with neighbouring frames",
 };
 const LEVEL_WORDS: Record<QualityLevel, string> = {
     sketch: "sketch",
@@ -91,7 +92,7 @@ export function reconstruct(sketch?: Promise<FrameResult>) {
     void session.run(pool, report, fail).then(() => {
         pool.rest();
         keepForOffline();
-        if (turn === state.turn) finish(clip, failed, (performance.now() - started) / 1000);
+        if (turn === state.turn) finish(clip, choice.preset, failed, (performance.now() - started) / 1000);
     });
 }
 
@@ -107,10 +108,11 @@ function showProgress({ frame, stage, preset, left, done, fraction }: Status, cl
     setStatus(parts.join(" · "), true);
 }
 
-function finish(clip: Clip, failed: number, seconds: number) {
+function finish(clip: Clip, preset: Preset, failed: number, seconds: number) {
     stop();
     const { frames, current } = clip;
-    const made = frames.filter((frame) => frame.glb).length;
+    // A coarser mesh, or one that could not be averaged, is no result.
+    const made = frames.filter((frame) => frame.glb && frame.preset === preset).length;
     if (made === 0) setStatus("Nothing could be reconstructed");
     else {
         const failures = failed ? `, ${failed} failed` : "";

@@ -1,23 +1,25 @@
 // A run: all frames of a capture through the workers, the first frame from coarse to fine.
 
 import type { Camera, Scene, Stage } from "pcmvs";
-import type { Clip } from "../clip/clip";
-import { JobError, type Pool } from "../workers/pool";
-import type { Entries, Failure, FrameResult, QualityLevel } from "../workers/protocol";
+import type { Clip, ShownLevel } from "../clip/clip";
+import { JobError, type Listener, type Pool } from "../workers/pool";
+import type { Entries, Failure, FrameResult, PackedMesh, QualityLevel } from "../workers/protocol";
+import { Neighbours } from "./neighbours";
 import { type Choice, chosenCameras, viewFiles } from "./views";
 
 /** Number of frames whose stage outputs are kept, because they are large. */
 const STAGES_KEPT = 8;
 /** Share of each stage in a frame's time. It only serves to estimate the time left. */
 const STAGE_SHARES: Record<Stage, number> = {
-    views: 0.06,
-    hull: 0.14,
+    views: 0.05,
+    hull: 0.13,
     contours: 0.04,
-    coarse: 0.2,
-    detect: 0.36,
+    coarse: 0.18,
+    detect: 0.32,
     merge: 0.03,
-    mesh: 0.12,
+    mesh: 0.1,
     colour: 0.05,
+    steady: 0.1,
 };
 const STAGES = Object.keys(STAGE_SHARES) as Stage[];
 /** The same for the levels of a frame, by their number. */
@@ -42,8 +44,9 @@ export class Session {
     /** The cameras of the run. A failure's camera is an index into them. */
     readonly cameras: Camera[];
     private readonly chosen: number[];
+    private readonly neighbours: Neighbours;
     private readonly first = Promise.withResolvers<void>();
-    /** Resolves when the first frame is finished or has failed. */
+    /** Resolves when the first frame has its best mesh, which may still have to be averaged, or has failed. */
     readonly finished = this.first.promise;
 
     /** `sketch` is a sketch of the first frame, if one has been started already. */
@@ -57,6 +60,7 @@ export class Session {
         this.fractions = scene.frames.map(() => 0);
         this.chosen = chosenCameras(scene, choice.views);
         this.cameras = this.chosen.map((i) => scene.cameras[i]);
+        this.neighbours = new Neighbours(scene.frames, choice.preset);
     }
 
     /** Makes all frames. A frame that fails is reported and does not stop the others. */
@@ -71,6 +75,8 @@ export class Session {
                 this.fractions[position] = 1;
                 const internal: Failure = { code: "internal", message: String(error) };
                 fail(error instanceof JobError ? error.failure : internal, position);
+            } finally {
+                this.neighbours.end(position);
             }
         });
         await Promise.all(frames);
@@ -95,17 +101,33 @@ export class Session {
             up: this.scene.up,
             levels: sketched ? all.slice(1) : all,
             stages: position < STAGES_KEPT,
+            own: this.neighbours.has(position),
         };
-        await pool.run(job, {
-            progress: (preset, stage, done, total) => {
-                this.advance(position, all, preset, stage, done / Math.max(total, 1));
-                report(this.status(position, preset, stage));
-            },
-            result: (made) => this.show(position, made),
-        });
+        const progress: Listener["progress"] = (preset, stage, done, total) => {
+            this.advance(position, all, preset, stage, done / Math.max(total, 1));
+            report(this.status(position, preset, stage));
+        };
+        const alone: FrameResult[] = [];
+        const result = (made: FrameResult) => void (made.own ? alone.push(made) : this.show(position, made));
+        await pool.run(job, { progress, result });
+        for (const made of alone) await this.average(pool, position, made, progress);
         this.first.resolve();
         this.fractions[position] = 1;
         report(this.status(position, null, null));
+    }
+
+    /** Averages a frame with its neighbours, once they are made or have failed. */
+    private async average(pool: Pool, position: number, made: FrameResult, progress: Listener["progress"]) {
+        const own = made.own as PackedMesh;
+        if (position === 0) this.show(position, made, "alone");
+        this.first.resolve();
+        this.neighbours.made(position, own);
+        const neighbours = await this.neighbours.of(position);
+        // All neighbours have failed, but not because the run was cancelled.
+        if (neighbours.length === 0 && !pool.cancelled) return this.show(position, made);
+        const job = { type: "steady" as const, preset: made.preset, own, neighbours, up: this.scene.up };
+        const { glb, seconds } = await pool.run(job, { progress });
+        this.show(position, { ...made, glb, seconds: made.seconds + seconds });
     }
 
     /** The first frame is shown at coarser levels on the way. */
@@ -115,7 +137,8 @@ export class Session {
         return preset === "hull" || preset === "preview" ? ["sketch", preset] : ["sketch", "preview", preset];
     }
 
-    private show(position: number, { glb, warnings, views, ...made }: FrameResult) {
+    private show(position: number, result: FrameResult, preset: ShownLevel = result.preset) {
+        const { glb, triangles, seconds, stages, warnings, views } = result;
         const findings = {
             warnings: warnings.map(({ code, camera, message }) => ({
                 code,
@@ -125,7 +148,7 @@ export class Session {
             views: new Map(views.map((view, i) => [this.cameras[i].name, view])),
         };
         const blob = new Blob([glb], { type: "model/gltf-binary" });
-        this.clip.set(position, { ...made, findings, glb: async () => blob });
+        this.clip.set(position, { preset, triangles, seconds, stages, findings, glb: async () => blob });
     }
 
     private advance(position: number, levels: QualityLevel[], level: QualityLevel, stage: Stage, done: number) {

@@ -54,7 +54,10 @@ export class Pool {
     run<T extends Job>(job: T, listener: Listener = {}): Promise<JobResults[T["type"]]> {
         return new Promise((resolve, reject) => {
             if (this.cancelled) return reject(new JobError(CANCELLED));
-            this.waiting.push({ job, listener, resolve, reject });
+            const task = { job, listener, resolve, reject };
+            // Meshes are kept until they are averaged, and so that goes first.
+            if (job.type === "steady") this.waiting.unshift(task);
+            else this.waiting.push(task);
             this.next();
         });
     }

@@ -1,6 +1,17 @@
 // The messages between the page and its workers.
 
-import type { Calibration, Camera, ChromaKey, PcmvsError, Preset, Scene, Stage, ViewReport, Warning } from "pcmvs";
+import type {
+    Calibration,
+    Camera,
+    ChromaKey,
+    OwnMesh,
+    PcmvsError,
+    Preset,
+    Scene,
+    Stage,
+    ViewReport,
+    Warning,
+} from "pcmvs";
 
 /** A file that has not been read yet: on disk, inside a zip, or on the page's own host. */
 export type Entry =
@@ -29,6 +40,7 @@ export type Job =
     | { type: "unzip"; zip: Blob }
     | { type: "memory"; cameras: Camera[]; preset: Preset }
     | FrameJob
+    | SteadyJob
     | PhotographJob
     | CalibrateJob
     | { type: "zip"; files: NamedBlob[] }
@@ -44,6 +56,25 @@ export interface FrameJob {
     levels: QualityLevel[];
     /** Whether the stages' outputs are returned, too. */
     stages: boolean;
+    /** Whether the mesh of the last level is returned so that it can be averaged, too. */
+    own: boolean;
+}
+
+/** The mesh of a frame alone. A blob is handed on without being copied. */
+export interface PackedMesh extends Pick<OwnMesh, "origin" | "footprint"> {
+    positions: Blob;
+    normals: Blob;
+    colours: Blob;
+    triangles: Blob;
+}
+
+/** Averages a frame with its neighbours, the one before it first. */
+export interface SteadyJob {
+    type: "steady";
+    preset: QualityLevel;
+    own: PackedMesh;
+    neighbours: PackedMesh[];
+    up: Scene["up"];
 }
 
 /** Makes a camera's undistorted picture, at most `width` pixels wide. */
@@ -106,10 +137,15 @@ export interface FrameResult {
     triangles: number;
     seconds: number;
     stages: FrameStages | null;
+    /** Null unless the job asks for it. */
+    own: PackedMesh | null;
     /** Both empty for a sketch. Cameras are indices into those of the job. */
     warnings: Warning[];
     views: ViewReport[];
 }
+
+/** The averaged mesh, and the seconds that this took. */
+export type SteadyResult = Pick<FrameResult, "glb" | "seconds">;
 
 /** An undistorted picture, and its silhouette as an overlay in the accent colour. */
 export interface PhotographResult {
@@ -131,6 +167,7 @@ export interface JobResults {
     unzip: Entries;
     memory: number;
     frame: null;
+    steady: SteadyResult;
     photograph: PhotographResult;
     calibrate: CalibrateResult;
     zip: Blob;

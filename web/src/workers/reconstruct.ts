@@ -4,6 +4,7 @@ import type { Cloud, Frame, Reconstruction, Rig, Stage } from "pcmvs";
 import { failureOf, isFatal } from "./failure";
 import { loadViews, withFrame } from "./frame";
 import type { FrameJob, FrameStages, QualityLevel, Reply, StageCloud } from "./protocol";
+import { pack } from "./steady";
 
 /** Cameras that a sketch needs at least. */
 const SKETCH_CAMERAS = 8;
@@ -31,8 +32,9 @@ export const reconstruct = (job: FrameJob, send: Send) =>
             const { triangles, warnings, views } = made;
             const withStages = job.stages && level !== "hull" && level !== "sketch";
             const stages = withStages ? stagesOf(made, rig) : null;
+            const own = job.own && level === job.levels.at(-1) ? pack(made.own()) : null;
             made.free();
-            const result = { preset: level, glb, triangles, seconds, stages, warnings, views };
+            const result = { preset: level, glb, triangles, seconds, stages, own, warnings, views };
             send({ type: "result", result }, [glb.buffer, ...buffers(stages)]);
         }
     });

@@ -10,6 +10,7 @@ import { writePly } from "./ply";
 import type { Job, Reply } from "./protocol";
 import { forgetFetched, loadZip, read } from "./reading";
 import { reconstruct } from "./reconstruct";
+import { steady } from "./steady";
 
 const scope = self as unknown as DedicatedWorkerGlobalScope;
 const send = (message: Reply, transfer: Transferable[] = []) => scope.postMessage(message, transfer);
@@ -37,6 +38,10 @@ async function run(job: Job): Promise<[unknown, Transferable[]]> {
         case "frame":
             await reconstruct(job, send);
             return [null, []];
+        case "steady": {
+            const result = await steady(job, send);
+            return [result, [result.glb.buffer]];
+        }
         case "photograph": {
             const result = await photograph(job);
             return [result, result.silhouette ? [result.picture, result.silhouette] : [result.picture]];
