@@ -8,9 +8,9 @@ use std::process::Command;
 const SANITIZED: &[&str] = &["cc", "-std=c99", "-fsanitize=address,undefined", "-fno-sanitize-recover=all"];
 
 /// Of so many allocations one is made to fail, so that the test stays quick.
-const STARVED_STEP: &str = "97";
+const STARVED_STEP: &str = "997";
 /// The same under AddressSanitizer.
-const STARVED_STEP_SANITIZED: &str = "997";
+const STARVED_STEP_SANITIZED: &str = "4999";
 
 #[test]
 fn memory_is_steady_over_200_frames() {
