@@ -144,8 +144,7 @@ unsafe impl GlobalAlloc for Allocator {
             None => unsafe { System.realloc(memory, layout, size) },
             Some(host) => {
                 if let Some(reallocate) = host.reallocate.filter(|_| !self.spare.has(memory)) {
-                    let resized =
-                        unsafe { reallocate(host.user, memory.cast(), layout.size(), size, layout.align()) };
+                    let resized = unsafe { reallocate(host.user, memory.cast(), layout.size(), size, layout.align()) };
                     if !resized.is_null() {
                         return resized.cast();
                     }

@@ -91,7 +91,8 @@ impl<'a> HostProgress<'a> {
         if failure.status != Cancelled || self.cancelled.load(Ordering::Relaxed) || !self.out_of_memory() {
             return failure;
         }
-        let message = "the allocator returned NULL: provide more memory, or set max_memory to refuse large frames early";
+        let message =
+            "the allocator returned NULL: provide more memory, or set max_memory to refuse large frames early";
         Failure { status: OutOfMemory, message: message.into(), ..failure }
     }
 

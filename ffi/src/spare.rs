@@ -70,14 +70,15 @@ impl Spare {
     /// Whether a block is from the system. If so, it is no longer in the list.
     pub fn take(&self, memory: *mut u8) -> bool {
         self.any()
-            && self.lock(|count| {
-                let place = self.find(count, memory)?;
-                let last = self.blocks[count - 1].load(Relaxed);
-                self.blocks[place].store(last, Relaxed);
-                self.count.store(count - 1, Release);
-                Some(())
-            })
-            .is_some()
+            && self
+                .lock(|count| {
+                    let place = self.find(count, memory)?;
+                    let last = self.blocks[count - 1].load(Relaxed);
+                    self.blocks[place].store(last, Relaxed);
+                    self.count.store(count - 1, Release);
+                    Some(())
+                })
+                .is_some()
     }
 
     /// A thread that frees a block knows of its allocation, and so does not see the list empty.

@@ -13,7 +13,10 @@ pub const NEEDS: [Need; 1] = [Need::Nightly("miri")];
 /// Packages and the tests that Miri runs, by parts of their names. It takes about 1000 times as long as the processor.
 const TESTS: [(&str, &str); 2] = [
     ("pcmvs-ffi", "--lib"),
-    ("pcmvs-core", "--lib -- workspace:: executor:: memory:: image:: grid:: math:: hash:: simd:: camera:: point_cloud::"),
+    (
+        "pcmvs-core",
+        "--lib -- workspace:: executor:: memory:: image:: grid:: math:: hash:: simd:: camera:: point_cloud::",
+    ),
 ];
 
 /// The check.

@@ -48,9 +48,7 @@ impl Need {
             Self::Target(triple) => has_target(triple),
             Self::TargetOrDebian(triple) => has_target(triple) || Path::new(DEBIAN_COMPILER.1).exists(),
             Self::Toolchain(version) => run(&mut program("rustup", &format!("run {version} rustc --version"))).is_ok(),
-            Self::Nightly(name) => {
-                run(&mut program("rustup", &format!("run nightly cargo {name} --version"))).is_ok()
-            }
+            Self::Nightly(name) => run(&mut program("rustup", &format!("run nightly cargo {name} --version"))).is_ok(),
             Self::Npm(folder) => npm_is_done(&root().join(folder)),
             Self::Pip(environment) => environment.is_installed(),
         }
