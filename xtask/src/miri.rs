@@ -12,10 +12,8 @@ pub const NEEDS: [Need; 1] = [Need::Nightly("miri")];
 
 /// Packages and what Cargo is told about them: the tests by parts of their names, because Miri takes about 1000 times as long
 /// as the processor; and square roots of libm in Rust, because Miri has no inline assembly.
-const TESTS: [(&str, &str); 2] = [
-    ("pcmvs-ffi", "--lib"),
-    ("pcmvs-core", "--features libm/force-soft-floats --lib -- workspace:: image:: math::"),
-];
+const TESTS: [(&str, &str); 2] =
+    [("pcmvs-ffi", "--lib"), ("pcmvs-core", "--features libm/force-soft-floats --lib -- workspace:: image:: math::")];
 
 /// The check.
 pub fn check() -> Result<Outcome> {
