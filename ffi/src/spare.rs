@@ -121,6 +121,7 @@ mod tests {
     }
 
     #[test]
+    #[cfg_attr(miri, ignore = "searches a long list thousands of times")]
     fn there_are_not_more_blocks_than_the_list_holds() {
         let spare = Box::new(Spare::new());
         let layout = Layout::new::<u64>();
