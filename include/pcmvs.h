@@ -50,8 +50,13 @@
  * Memory. Results can be written to memory of the caller: pcmvs_frame_copy_... and ..._to_buffer fill its buffers, and
  * ..._export_... pass a file's bytes to its callback. Working memory comes from the C library's malloc, calloc, realloc,
  * posix_memalign and free, or from the functions given to pcmvs_set_allocator. A frame reuses the memory of the frame
- * before it on the same handle. The option max_memory makes a frame fail before it allocates more than that. If an
- * allocation fails nevertheless, the process is aborted, because Rust's containers cannot report it.
+ * before it on the same handle. The option max_memory makes a frame fail before it allocates more than that.
+ *
+ * Failed allocations. If a function given to pcmvs_set_allocator returns NULL, the library takes the block from malloc
+ * instead, and all calls that are running and report progress end with PCMVS_STATUS_OUT_OF_MEMORY at their next step. A
+ * call that has no further step completes. The handle can be used again. Blocks from malloc are freed like any others;
+ * there are at most 4096 at a time. The process is aborted if there are more, if malloc returns NULL, or if it does so
+ * without pcmvs_set_allocator, at whatever size, because most of Rust's containers cannot report it.
  *
  * Structs. A struct that the caller fills in begins with struct_size. Call its init function first, then set members.
  * In an array of such structs, all elements have the same struct_size. Other structs are written by functions that take
@@ -165,7 +170,7 @@ enum pcmvs_status
   PCMVS_STATUS_EMPTY_HULL = 13,
   // The points do not bound a surface.
   PCMVS_STATUS_NO_SURFACE = 14,
-  // The frame needs more memory than `pcmvs_options.max_memory` allows.
+  // The frame needs more memory than `pcmvs_options.max_memory` allows, or an allocator of the caller returned NULL.
   PCMVS_STATUS_OUT_OF_MEMORY = 15,
   // The buffer is too small. Ask for the size first.
   PCMVS_STATUS_BUFFER_TOO_SMALL = 16,
@@ -447,7 +452,8 @@ typedef struct pcmvs_frame pcmvs_frame;
 typedef struct pcmvs_rig pcmvs_rig;
 
 // Allocates `size` bytes, at least 1, at an address that is a multiple of `alignment`, a power of two. Returns NULL if it
-// cannot; the process is then aborted.
+// cannot. The library then takes this block from the C library, and calls that report progress end with
+// `PCMVS_STATUS_OUT_OF_MEMORY` at their next step.
 typedef void *(*pcmvs_allocate_fn)(void *user, size_t size, size_t alignment);
 
 // Resizes the block at `memory` from `old_size` to `size` bytes, at the same alignment, and returns its new address. The

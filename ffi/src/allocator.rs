@@ -1,10 +1,12 @@
 //! The caller's allocator, the only setting of the whole process.
 //!
 //! Containers of stable Rust use the program's global allocator. This one forwards to the functions given to
-//! `pcmvs_set_allocator`, or to the system.
+//! `pcmvs_set_allocator`, or to the system. A failure must not reach Rust's containers, which abort the process: the
+//! block then comes from the [spare](crate::spare) memory, and the call ends at its next step.
 
 use crate::{
     sized::{Growing, Versioned, init, take},
+    spare::Spare,
     status::pcmvs_status::{self, InvalidArgument, WrongOrder},
 };
 use std::{
@@ -16,7 +18,8 @@ use std::{
 };
 
 /// Allocates `size` bytes, at least 1, at an address that is a multiple of `alignment`, a power of two. Returns NULL if it
-/// cannot; the process is then aborted.
+/// cannot. The library then takes this block from the C library, and calls that report progress end with
+/// `PCMVS_STATUS_OUT_OF_MEMORY` at their next step.
 pub type pcmvs_allocate_fn =
     Option<unsafe extern "C" fn(user: *mut c_void, size: usize, alignment: usize) -> *mut c_void>;
 
@@ -94,10 +97,12 @@ unsafe impl Sync for Host {}
 struct Allocator {
     /// Decided by the first allocation or `pcmvs_set_allocator`, whichever comes first: `None` is the system.
     host: OnceLock<Option<Host>>,
+    /// What the host could not provide.
+    spare: Spare,
 }
 
 #[global_allocator]
-static ALLOCATOR: Allocator = Allocator { host: OnceLock::new() };
+static ALLOCATOR: Allocator = Allocator { host: OnceLock::new(), spare: Spare::new() };
 
 impl Allocator {
     #[inline]
@@ -112,7 +117,10 @@ unsafe impl GlobalAlloc for Allocator {
     unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
         match self.host() {
             None => unsafe { System.alloc(layout) },
-            Some(host) => unsafe { (host.allocate)(host.user, layout.size(), layout.align()) }.cast(),
+            Some(host) => {
+                let memory = unsafe { (host.allocate)(host.user, layout.size(), layout.align()) };
+                if memory.is_null() { self.spare.allocate(layout) } else { memory.cast() }
+            }
         }
     }
 
@@ -134,19 +142,22 @@ unsafe impl GlobalAlloc for Allocator {
     unsafe fn realloc(&self, memory: *mut u8, layout: Layout, size: usize) -> *mut u8 {
         match self.host() {
             None => unsafe { System.realloc(memory, layout, size) },
-            Some(host) => match host.reallocate {
-                Some(reallocate) => {
-                    unsafe { reallocate(host.user, memory.cast(), layout.size(), size, layout.align()) }.cast()
+            Some(host) => {
+                if let Some(reallocate) = host.reallocate.filter(|_| !self.spare.has(memory)) {
+                    let resized = unsafe { reallocate(host.user, memory.cast(), layout.size(), size, layout.align()) };
+                    if !resized.is_null() {
+                        return resized.cast();
+                    }
                 }
-                None => unsafe {
+                unsafe {
                     let moved = self.alloc(Layout::from_size_align_unchecked(size, layout.align()));
                     if !moved.is_null() {
                         moved.copy_from_nonoverlapping(memory, size.min(layout.size()));
                         self.dealloc(memory, layout);
                     }
                     moved
-                },
-            },
+                }
+            }
         }
     }
 
@@ -154,9 +165,15 @@ unsafe impl GlobalAlloc for Allocator {
     unsafe fn dealloc(&self, memory: *mut u8, layout: Layout) {
         match self.host() {
             None => unsafe { System.dealloc(memory, layout) },
+            Some(_) if self.spare.take(memory) => unsafe { System.dealloc(memory, layout) },
             Some(host) => unsafe { (host.deallocate)(host.user, memory.cast(), layout.size(), layout.align()) },
         }
     }
+}
+
+/// The number of blocks so far that the host's functions could not provide.
+pub(crate) fn failures() -> u64 {
+    ALLOCATOR.spare.failures()
 }
 
 /// Initialises an allocator without functions. `size` is `sizeof *allocator`.

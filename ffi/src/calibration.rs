@@ -120,7 +120,9 @@ pub unsafe extern "C" fn pcmvs_calibration_add_frame(
         let given = |(i, view)| unsafe { GivenView::new(view, sizes[i]) }.map_err(|f| at(f.of_camera(i as u32)));
         let given = views.iter().enumerate().map(given).collect::<Result<Vec<_>>>()?;
         let inputs: Vec<_> = given.iter().map(GivenView::input).collect();
-        take.add(&inputs, &options.threads(), &options.progress(&Clock::default()))
+        let clock = Clock::default();
+        let progress = options.progress(&clock);
+        take.add(&inputs, &options.threads(), &progress).map_err(|failure| progress.explain(failure))
     };
     exclusive(calibration, add)
 }
@@ -139,7 +141,9 @@ pub unsafe extern "C" fn pcmvs_calibration_run(
     let run = |take: &mut Take, _: &mut Option<u32>| {
         // SAFETY: the caller's promise.
         let options = unsafe { options_or_default(options)? };
-        take.run(&options.params()?, &options.threads(), &options.progress(&Clock::default()))
+        let clock = Clock::default();
+        let progress = options.progress(&clock);
+        take.run(&options.params()?, &options.threads(), &progress).map_err(|failure| progress.explain(failure))
     };
     exclusive(calibration, run)
 }

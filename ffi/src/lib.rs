@@ -16,6 +16,8 @@ mod handles;
 mod locked;
 mod progress;
 mod sized;
+#[cfg(feature = "allocator")]
+mod spare;
 mod take;
 mod target;
 mod text;

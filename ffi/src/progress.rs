@@ -1,6 +1,12 @@
 //! The host's progress callback as a progress sink of the core.
 
-use crate::clock::Clock;
+#[cfg(feature = "allocator")]
+use crate::allocator::failures;
+use crate::{
+    clock::Clock,
+    failure::Failure,
+    status::pcmvs_status::{Cancelled, OutOfMemory},
+};
 use pcmvs_core::{
     Progress, Stage,
     frame::{ORDER, position},
@@ -36,6 +42,12 @@ fn this_thread() -> usize {
     MARK.with(|mark| ptr::from_ref(mark).addr())
 }
 
+/// Without an allocator of its own, the crate learns of no failure.
+#[cfg(not(feature = "allocator"))]
+const fn failures() -> u64 {
+    0
+}
+
 /// Reports to the host on one thread, never backwards, and times the stages.
 pub(crate) struct HostProgress<'a> {
     clock: &'a Clock,
@@ -46,6 +58,8 @@ pub(crate) struct HostProgress<'a> {
     /// The thread that made the call, if its work may run on others too.
     caller: Option<usize>,
     cancelled: AtomicBool,
+    /// How many allocations had failed when the call began. If there are more, the call ends.
+    failures: u64,
     /// Stage and thousandths reported last.
     last: Mutex<(Stage, u32)>,
 }
@@ -63,8 +77,23 @@ impl<'a> HostProgress<'a> {
             user,
             caller: has_threads.then(this_thread),
             cancelled: AtomicBool::new(false),
+            failures: failures(),
             last: Mutex::new((ORDER[0], 0)),
         }
+    }
+
+    fn out_of_memory(&self) -> bool {
+        failures() != self.failures
+    }
+
+    /// Why the call really failed: the core knows only that it was told to stop.
+    pub fn explain(&self, failure: Failure) -> Failure {
+        if failure.status != Cancelled || self.cancelled.load(Ordering::Relaxed) || !self.out_of_memory() {
+            return failure;
+        }
+        let message =
+            "the allocator returned NULL: provide more memory, or set max_memory to refuse large frames early";
+        Failure { status: OutOfMemory, message: message.into(), ..failure }
     }
 
     fn on_callers_thread(&self) -> bool {
@@ -90,7 +119,7 @@ impl Progress for HostProgress<'_> {
     }
 
     fn step(&self, stage: Stage, done: u32, total: u32) -> bool {
-        if self.cancelled.load(Ordering::Relaxed) {
+        if self.cancelled.load(Ordering::Relaxed) || self.out_of_memory() {
             return false;
         }
         let Some(callback) = self.callback.filter(|_| self.on_callers_thread()) else { return true };

@@ -39,7 +39,7 @@ pub enum pcmvs_status {
     EmptyHull = 13,
     /// The points do not bound a surface.
     NoSurface = 14,
-    /// The frame needs more memory than `pcmvs_options.max_memory` allows.
+    /// The frame needs more memory than `pcmvs_options.max_memory` allows, or an allocator of the caller returned NULL.
     OutOfMemory = 15,
     /// The buffer is too small. Ask for the size first.
     BufferTooSmall = 16,

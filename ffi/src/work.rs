@@ -103,7 +103,7 @@ impl Work {
                 }
                 other => other,
             })
-            .map_err(|error| at(progress.stage().unwrap_or(ORDER[0]))(error))
+            .map_err(|error| progress.explain(at(progress.stage().unwrap_or(ORDER[0]))(error)))
     }
 
     /// Runs the stages from `first` to `last`, and before them those that have not run yet.
@@ -112,7 +112,8 @@ impl Work {
         let progress = self.options.progress(&self.clock);
         let complete = ORDER.iter().take_while(|&&stage| self.frame.require(stage).is_ok()).count();
         for &stage in &ORDER[complete.min(position(first))..=position(last)] {
-            self.frame.step(stage, &self.options.threads(), &progress).map_err(at(stage))?;
+            let result = self.frame.step(stage, &self.options.threads(), &progress);
+            result.map_err(|error| progress.explain(at(stage)(error)))?;
         }
         Ok(())
     }
@@ -122,8 +123,8 @@ impl Work {
         self.form = None;
         let params = params.map_err(|failure| failure.at(Stage::Form))?;
         let progress = self.options.progress(&self.clock);
-        let form = self.frame.form(&params, &self.options.threads(), &progress).map_err(at(Stage::Form))?;
-        self.form = Some(form);
+        let form = self.frame.form(&params, &self.options.threads(), &progress);
+        self.form = Some(form.map_err(|error| progress.explain(at(Stage::Form)(error)))?);
         Ok(())
     }
 
@@ -132,7 +133,8 @@ impl Work {
         self.form = None;
         let progress = self.options.progress(&self.clock);
         let threads = self.options.threads();
-        self.frame.steady(neighbours, &SteadyParams::DEFAULT, &threads, &progress).map_err(at(Stage::Steady))
+        let result = self.frame.steady(neighbours, &SteadyParams::DEFAULT, &threads, &progress);
+        result.map_err(|error| progress.explain(at(Stage::Steady)(error)))
     }
 
     /// The form that was made last.
@@ -148,13 +150,14 @@ impl Work {
             Some(input) => self.frame.view(camera as usize, input, &progress),
             None => self.frame.without_picture(camera as usize),
         };
-        result.map_err(at(Stage::Views))
+        result.map_err(|error| progress.explain(at(Stage::Views)(error)))
     }
 
     /// Detects the points of one view.
     pub fn detect(&self, camera: u32) -> Result<()> {
         let progress = self.options.progress(&self.clock);
-        self.frame.detect(camera as usize, &progress).map_err(at(Stage::Detect))
+        let result = self.frame.detect(camera as usize, &progress);
+        result.map_err(|error| progress.explain(at(Stage::Detect)(error)))
     }
 
     /// Place of a camera in the rig's order, for a result of a stage.

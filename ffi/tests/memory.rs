@@ -7,6 +7,11 @@ use std::process::Command;
 
 const SANITIZED: &[&str] = &["cc", "-std=c99", "-fsanitize=address,undefined", "-fno-sanitize-recover=all"];
 
+/// Of so many allocations one is made to fail, so that the test stays quick.
+const STARVED_STEP: &str = "997";
+/// The same under AddressSanitizer.
+const STARVED_STEP_SANITIZED: &str = "4999";
+
 #[test]
 fn memory_is_steady_over_200_frames() {
     let sample = Sample::sized(6, 80, 60);
@@ -44,6 +49,15 @@ fn the_callers_allocator_serves_everything() {
         let program = build(sample.path(), C99, "tests/c/allocator.c", Link::Shared);
         run(under_valgrind().arg(program).arg(sample.plain()).arg(glb("own.glb")).arg("growing"));
     }
+}
+
+#[test]
+fn a_failure_of_the_callers_allocator_is_a_status() {
+    let sample = Sample::sized(4, 40, 32);
+    let program = build(sample.path(), C99, "tests/c/starved.c", Link::Shared);
+    println!("{}", output(&program, [sample.plain(), STARVED_STEP.into()]));
+    let program = build(sample.path(), SANITIZED, "tests/c/starved.c", Link::Static);
+    run(Command::new(program).arg(sample.plain()).arg(STARVED_STEP_SANITIZED).env("ASAN_OPTIONS", "detect_leaks=1"));
 }
 
 #[test]

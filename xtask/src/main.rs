@@ -15,6 +15,7 @@ mod fuzz;
 mod golden;
 mod instructions;
 mod measure;
+mod miri;
 mod no_std;
 mod oldest_compiler;
 mod players;
@@ -26,6 +27,7 @@ mod sample;
 mod setup;
 mod speed;
 mod steps;
+mod supply;
 mod tables;
 mod take;
 mod test;
@@ -36,6 +38,7 @@ pub use result::Result;
 
 use clap::{Parser, Subcommand};
 use std::process::ExitCode;
+use steps::Steps;
 
 #[derive(Debug, Parser)]
 #[command(name = "cargo xtask")]
@@ -106,6 +109,10 @@ enum Task {
     Python,
     /// Build for Windows and check under Wine that files are the same, byte for byte
     Windows,
+    /// Run tests under Miri, on a nightly compiler
+    Miri,
+    /// Check licences, sources and known vulnerabilities of all dependencies
+    Supply,
     /// Run the fuzz targets of tests/fuzz on a nightly compiler
     Fuzz {
         /// Seconds of each target
@@ -148,6 +155,8 @@ fn main() -> ExitCode {
         Task::Install { .. } => test::c_library(),
         Task::Python => python::test(),
         Task::Windows => windows::test(),
+        Task::Miri => Steps::alone(&miri::NEEDS, |steps| steps.step_with(&miri::NEEDS, "Miri", miri::check)),
+        Task::Supply => Steps::alone(&supply::NEEDS, supply::check),
         Task::Fuzz { seconds, target } => fuzz::run(seconds, target.as_deref()),
         Task::Header => abi::header(),
         Task::Bench { quick, part } => bench::run(quick, part.as_deref()),

@@ -30,6 +30,10 @@ pub enum Need {
     TargetOrDebian(&'static str),
     /// Another version of Rust.
     Toolchain(&'static str),
+    /// A component of the nightly compiler that is a command of Cargo.
+    Nightly(&'static str),
+    /// A program of crates.io, and the arguments with which Cargo shows that it is there.
+    Crate(&'static str, &'static str),
     /// The packages of a folder's package-lock.json.
     Npm(&'static str),
     /// Python's packages.
@@ -40,10 +44,11 @@ impl Need {
     pub fn is_met(self) -> bool {
         match self {
             Self::Debian((_, file)) => Path::new(file).exists(),
-            Self::Component(_, arguments) => run(&mut program("cargo", arguments)).is_ok(),
+            Self::Component(_, arguments) | Self::Crate(_, arguments) => run(&mut program("cargo", arguments)).is_ok(),
             Self::Target(triple) => has_target(triple),
             Self::TargetOrDebian(triple) => has_target(triple) || Path::new(DEBIAN_COMPILER.1).exists(),
             Self::Toolchain(version) => run(&mut program("rustup", &format!("run {version} rustc --version"))).is_ok(),
+            Self::Nightly(name) => run(&mut program("rustup", &format!("run nightly cargo {name} --version"))).is_ok(),
             Self::Npm(folder) => npm_is_done(&root().join(folder)),
             Self::Pip(environment) => environment.is_installed(),
         }
@@ -56,6 +61,10 @@ impl Need {
             Self::Component(name, _) => format!("rustup component add {name}"),
             Self::Target(triple) | Self::TargetOrDebian(triple) => format!("rustup target add {triple}"),
             Self::Toolchain(version) => format!("rustup toolchain install {version}"),
+            Self::Nightly(name) => {
+                format!("rustup toolchain install nightly --component {name} --component rust-src")
+            }
+            Self::Crate(name, _) => format!("cargo install {name} --locked"),
             Self::Npm(folder) => format!("npm ci in {folder}"),
             Self::Pip(Environment { python, packages, .. }) => {
                 format!("pip install {packages}, in a virtual environment ({python} -m venv)")
@@ -75,6 +84,11 @@ impl Need {
                 let install = format!("toolchain install {version} --profile minimal --no-self-update");
                 run(&mut program("rustup", &install)).map(drop)
             }
+            Self::Nightly(name) => {
+                let install = "toolchain install nightly --profile minimal --no-self-update --component rust-src";
+                run(program("rustup", install).args(["--component", name])).map(drop)
+            }
+            Self::Crate(name, _) => run(program("cargo", "install --quiet --locked").arg(name)).map(drop),
             Self::Npm(folder) => node_packages(&root().join(folder)),
             Self::Pip(environment) => environment.install(),
         }

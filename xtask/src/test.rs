@@ -1,12 +1,12 @@
 //! `cargo xtask test`: all checks, quick ones first.
 
 use crate::{
-    Result, abi_check, blender, captured, cycles, farm, fuzz, golden, no_std, oldest_compiler, players,
+    Result, abi_check, blender, captured, cycles, farm, fuzz, golden, miri, no_std, oldest_compiler, players,
     process::{cargo, program, root, run as run_program, target},
     publish, python,
     setup::Need,
     steps::{Outcome, Steps, passed},
-    web, windows,
+    supply, web, windows,
 };
 use std::{fs, path::PathBuf};
 
@@ -33,6 +33,8 @@ fn needs(all: bool) -> Vec<Need> {
         needs.extend(farm::NEEDS);
         needs.extend(abi_check::NEEDS);
         needs.extend(fuzz::NEEDS);
+        needs.extend(miri::NEEDS);
+        needs.extend(supply::NEEDS);
         needs.extend(windows::needs());
     }
     needs
@@ -73,6 +75,8 @@ pub fn run(all: bool, install: bool) -> Result<()> {
         abi_check::check(&mut steps)?;
         windows::check(&mut steps)?;
         steps.step_with(&fuzz::NEEDS, "fuzzing", fuzz::check)?;
+        steps.step_with(&miri::NEEDS, "Miri", miri::check)?;
+        supply::check(&mut steps)?;
         captured::check(&mut steps)?;
     }
     steps.finish();
