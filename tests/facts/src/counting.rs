@@ -4,45 +4,40 @@
 
 use std::{
     alloc::{GlobalAlloc, Layout, System},
-    sync::{
-        Mutex, MutexGuard, PoisonError,
-        atomic::{AtomicUsize, Ordering},
-    },
+    cell::Cell,
 };
 
-/// The system's allocator. It counts the allocated bytes and their peak.
+/// The system's allocator. It counts the bytes that each thread has allocated, and their peak, so that tests may run side by
+/// side. What is measured must run on one thread.
 #[derive(Debug)]
 pub struct Counting;
 
-static ALONE: Mutex<()> = Mutex::new(());
-static TAKEN: AtomicUsize = AtomicUsize::new(0);
-static PEAK: AtomicUsize = AtomicUsize::new(0);
+thread_local! {
+    // Negative on a thread that frees what others have allocated.
+    static TAKEN: Cell<isize> = const { Cell::new(0) };
+    static PEAK: Cell<isize> = const { Cell::new(0) };
+}
 
 // SAFETY: all calls are forwarded to the system allocator.
 unsafe impl GlobalAlloc for Counting {
     unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
-        let taken = TAKEN.fetch_add(layout.size(), Ordering::Relaxed) + layout.size();
-        PEAK.fetch_max(taken, Ordering::Relaxed);
+        TAKEN.set(TAKEN.get() + layout.size().cast_signed());
+        PEAK.set(PEAK.get().max(TAKEN.get()));
         // SAFETY: the caller's promise.
         unsafe { System.alloc(layout) }
     }
 
     unsafe fn dealloc(&self, pointer: *mut u8, layout: Layout) {
-        TAKEN.fetch_sub(layout.size(), Ordering::Relaxed);
+        TAKEN.set(TAKEN.get() - layout.size().cast_signed());
         // SAFETY: the caller's promise.
         unsafe { System.dealloc(pointer, layout) }
     }
 }
 
-/// Serialises tests that count, because they share the counters.
-pub fn alone() -> MutexGuard<'static, ()> {
-    ALONE.lock().unwrap_or_else(PoisonError::into_inner)
-}
-
-/// Runs some work. Returns its result, and the peak of the bytes that it allocated.
+/// Runs some work on this thread. Returns its result, and the peak of the bytes that it allocated.
 pub fn peak_of<T>(work: impl FnOnce() -> T) -> (T, u64) {
-    let before = TAKEN.load(Ordering::Relaxed);
-    PEAK.store(before, Ordering::Relaxed);
+    let before = TAKEN.get();
+    PEAK.set(before);
     let result = work();
-    (result, (PEAK.load(Ordering::Relaxed) - before) as u64)
+    (result, (PEAK.get() - before).cast_unsigned() as u64)
 }

@@ -1,11 +1,7 @@
 //! Cameras, masks and limits out of the ordinary give an error or a closed mesh, in bounded time and within the limit of
 //! memory.
 
-use facts::{
-    Shot,
-    counting::{Counting, alone, peak_of},
-    topology::assert_sound,
-};
+use facts::{Shot, counting::peak_of, topology::assert_sound};
 use pcmvs_core::{
     Camera, Error, ErrorCode, FormParams, Frame, ImageRef, Lens, Mask, Memory, Params, PixelFormat, Preset, Progress,
     Rig, Serial, Silent, Stage, TextureParams, ViewInput,
@@ -15,9 +11,6 @@ use std::{
     time::{Duration, Instant},
 };
 use studio::{Faults, Ring, Subject, noise::Random};
-
-#[global_allocator]
-static ALLOCATOR: Counting = Counting;
 
 /// The longest time between two calls.
 struct Gap(Mutex<(Instant, Duration)>);
@@ -189,7 +182,6 @@ fn try_one(seed: u64) -> Result<(), Error> {
 /// A ring of long lenses far away sees the same as one nearby, and takes as long.
 #[test]
 fn cameras_six_hundred_metres_away_make_the_same_body() {
-    let _alone = alone();
     let mut cameras = Ring { count: 8, ..Ring::default() }.sized(160, 120).cameras();
     let near = Shot::new(Subject::Sphere, &cameras, &Faults::default());
     let origin = near.rig().origin();
@@ -213,7 +205,6 @@ fn cameras_six_hundred_metres_away_make_the_same_body() {
 
 #[test]
 fn any_calibration_gives_an_error_or_a_closed_mesh() {
-    let _alone = alone();
     let (mut meshes, mut errors) = (0, 0);
     for seed in 0..150 {
         match try_one(seed) {

@@ -1,18 +1,12 @@
 //! The memory need of a frame is known before the memory is allocated.
 
-use facts::{
-    Shot,
-    counting::{Counting, alone, peak_of},
-};
+use facts::{Shot, counting::peak_of};
 use pcmvs_core::{
     Error, FormParams, Frame, ImageRef, Lens, Mask, Memory, Mesh, Params, PixelFormat, Preset, Progress, Serial,
     Silent, Stage, TextureParams, View, ViewInput, hull::VisualHull, memory,
 };
 use std::sync::Mutex;
 use studio::{Faults, Ring, Subject};
-
-#[global_allocator]
-static ALLOCATOR: Counting = Counting;
 
 /// The last stage that started.
 #[derive(Default)]
@@ -30,50 +24,65 @@ impl Progress for Last {
 
 /// The formula is an upper bound, and less than twice the peak where pictures take more memory than the search for the
 /// hull. With exactly the needed limit a frame succeeds; with one byte less it is refused before detection starts.
-#[test]
-fn a_frame_takes_what_the_formula_says() {
-    let _alone = alone();
-    for (count, width, height) in [(8, 160, 120), (40, 320, 240), (5, 640, 480), (10, 640, 480)] {
-        let cameras = Ring { count, ..Ring::default() }.sized(width, height).cameras();
-        let shot = Shot::new(Subject::Figure, &cameras, &Faults::default());
-        let rig = shot.rig();
-        let inputs = shot.inputs();
-        for preset in [Preset::Default, Preset::Paper, Preset::Hull, Preset::Preview] {
-            let params = Params::preset(preset);
-            let mut hull = Mesh::default();
-            let (_, taken) = peak_of(|| hull = shot.reconstruct(&params).expect("nothing is wrong").intermediates.hull);
-            let read = |i: usize| View::at(&rig, i, &inputs[i], params.contour.as_ref(), &params.reading);
-            let view = |i: usize| read(i).expect("nothing is wrong");
-            let views: Vec<View> = (0..inputs.len()).map(view).collect();
-            let carved = VisualHull::new(&views, &params.hull, &Silent).expect("there is a hull");
-            let needed = memory::needed(&views, &carved, &hull, &params);
-            assert!(taken <= needed, "{preset:?}, {count} x {width}: {taken} bytes allocated, {needed} predicted");
-            // Pictures that are read at half the resolution may have to be keyed in full resolution before.
-            let is_tight = width >= 320 && params.reading.octave == 0;
-            assert!(!is_tight || needed < 2 * taken, "{preset:?}, {count} x {width}: {taken} of {needed}");
+fn takes_what_the_formula_says(count: u32, (width, height): (u32, u32)) {
+    let cameras = Ring { count, ..Ring::default() }.sized(width, height).cameras();
+    let shot = Shot::new(Subject::Figure, &cameras, &Faults::default());
+    let rig = shot.rig();
+    let inputs = shot.inputs();
+    for preset in [Preset::Default, Preset::Paper, Preset::Hull, Preset::Preview] {
+        let params = Params::preset(preset);
+        let mut hull = Mesh::default();
+        let (_, taken) = peak_of(|| hull = shot.reconstruct(&params).expect("nothing is wrong").intermediates.hull);
+        let read = |i: usize| View::at(&rig, i, &inputs[i], params.contour.as_ref(), &params.reading);
+        let view = |i: usize| read(i).expect("nothing is wrong");
+        let views: Vec<View> = (0..inputs.len()).map(view).collect();
+        let carved = VisualHull::new(&views, &params.hull, &Silent).expect("there is a hull");
+        let needed = memory::needed(&views, &carved, &hull, &params);
+        assert!(taken <= needed, "{preset:?}, {count} x {width}: {taken} bytes allocated, {needed} predicted");
+        // Pictures that are read at half the resolution may have to be keyed in full resolution before.
+        let is_tight = width >= 320 && params.reading.octave == 0;
+        assert!(!is_tight || needed < 2 * taken, "{preset:?}, {count} x {width}: {taken} of {needed}");
 
-            let within = |limit: u64, progress: &dyn Progress| {
-                Frame::new(&rig, params, Memory::limited(limit)).run_all(&shot.inputs(), &Serial, progress)
-            };
-            let last = Last::default();
-            let refused = within(needed - 1, &last).err();
-            assert_eq!(refused, Some(Error::OutOfMemory { needed, limit: needed - 1 }));
-            // A limit below the need of any frame of the rig is refused at once.
-            let begun = (needed > memory::smallest(&rig, &params)).then_some(Stage::Hull);
-            assert_eq!(last.0.into_inner().unwrap(), begun, "{preset:?}, {count} x {width}");
-            assert!(within(needed, &Silent).is_ok());
-            let mut refused = None;
-            let (_, taken) = peak_of(|| refused = within(memory::smallest(&rig, &params) - 1, &Silent).err());
-            assert!(matches!(refused, Some(Error::OutOfMemory { .. })));
-            assert!(taken < 1 << 20, "{taken} bytes allocated before the refusal");
-        }
+        let within = |limit: u64, progress: &dyn Progress| {
+            Frame::new(&rig, params, Memory::limited(limit)).run_all(&shot.inputs(), &Serial, progress)
+        };
+        let last = Last::default();
+        let refused = within(needed - 1, &last).err();
+        assert_eq!(refused, Some(Error::OutOfMemory { needed, limit: needed - 1 }));
+        // A limit below the need of any frame of the rig is refused at once.
+        let begun = (needed > memory::smallest(&rig, &params)).then_some(Stage::Hull);
+        assert_eq!(last.0.into_inner().unwrap(), begun, "{preset:?}, {count} x {width}");
+        assert!(within(needed, &Silent).is_ok());
+        let mut refused = None;
+        let (_, taken) = peak_of(|| refused = within(memory::smallest(&rig, &params) - 1, &Silent).err());
+        assert!(matches!(refused, Some(Error::OutOfMemory { .. })));
+        assert!(taken < 1 << 20, "{taken} bytes allocated before the refusal");
     }
+}
+
+#[test]
+fn small_pictures_take_what_the_formula_says() {
+    takes_what_the_formula_says(8, (160, 120));
+}
+
+#[test]
+fn many_views_take_what_the_formula_says() {
+    takes_what_the_formula_says(40, (320, 240));
+}
+
+#[test]
+fn few_views_take_what_the_formula_says() {
+    takes_what_the_formula_says(5, (640, 480));
+}
+
+#[test]
+fn larger_pictures_take_what_the_formula_says() {
+    takes_what_the_formula_says(10, (640, 480));
 }
 
 /// A form takes at most what the formula says besides its frame, and is refused with a limit that is too small.
 #[test]
 fn a_form_takes_what_the_formula_says() {
-    let _alone = alone();
     let cameras = Ring { count: 8, ..Ring::default() }.sized(480, 360).cameras();
     let shot = Shot::new(Subject::Figure, &cameras, &Faults::default());
     let rig = shot.rig();
@@ -103,7 +112,6 @@ fn a_form_takes_what_the_formula_says() {
 /// A frame of 20 views of 1024 x 768 stays below 400 MiB.
 #[test]
 fn a_usual_frame_takes_less_than_400_mib() {
-    let _alone = alone();
     let cameras = Ring::default().sized(1024, 768).cameras();
     let shot = Shot::new(Subject::Figure, &cameras, &Faults::default());
     let (_, taken) = peak_of(|| drop(shot.reconstruct(&Params::preset(Preset::Default)).expect("nothing is wrong")));
@@ -115,7 +123,6 @@ fn a_usual_frame_takes_less_than_400_mib() {
 /// as much contour as is still refined.
 #[test]
 fn reading_views_takes_no_more_than_the_smallest_frame() {
-    let _alone = alone();
     let (width, height) = (1024, 768);
     let cameras = Ring { count: 3, ..Ring::default() }.sized(width, height).cameras();
     let stripes: Vec<u8> = (0..width * height).map(|i| if i % width / 7 % 2 == 0 { 255 } else { 90 }).collect();
