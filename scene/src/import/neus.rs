@@ -10,12 +10,13 @@ use super::{
 };
 use crate::{failure::Failure, files::Files};
 use glam::{DMat3, DVec3};
-use npyz::npz::NpzArchive;
+use npyz::NpyFile;
 use pcmvs_core::Lens;
 use std::{
     io::Cursor,
     path::{Path, PathBuf},
 };
+use zip::{ZipArchive, result::ZipError};
 
 /// Names of the file.
 pub const FILES: [&str; 2] = ["cameras_sphere.npz", "cameras.npz"];
@@ -61,8 +62,12 @@ pub fn import(files: &dyn Files, path: &Path, notes: &mut Notes) -> Result<Vec<I
 /// The projections in the order of their numbers.
 fn matrices(bytes: Vec<u8>, file: &Path, notes: &mut Notes) -> Result<Vec<[f64; 16]>, String> {
     let unreadable = |e: std::io::Error| format!("{e}: copy the file again");
-    let mut archive = NpzArchive::new(Cursor::new(bytes)).map_err(unreadable)?;
-    let names: Vec<String> = archive.array_names().map(str::to_owned).collect();
+    let broken = |e: ZipError| format!("{e}: copy the file again");
+    let mut archive = ZipArchive::new(Cursor::new(bytes)).map_err(broken)?;
+    let mut names = Vec::new();
+    for name in archive.file_names() {
+        names.extend(name.map_err(broken)?.strip_suffix(".npy").map(str::to_owned));
+    }
     let is_numbered = |name: &str, start: &str| name.strip_prefix(start).is_some_and(|n| n.parse::<u32>().is_ok());
     for name in &names {
         if !is_numbered(name, PROJECTION) && !HARMLESS.iter().any(|start| is_numbered(name, start)) {
@@ -76,7 +81,11 @@ fn matrices(bytes: Vec<u8>, file: &Path, notes: &mut Notes) -> Result<Vec<[f64; 
     let matrix = |i: usize| -> Result<[f64; 16], String> {
         let name = format!("{PROJECTION}{i}");
         let missing = || format!("`{name}` is missing: cameras must be numbered from 0 without a gap");
-        let array = archive.by_name(&name).map_err(unreadable)?.ok_or_else(missing)?;
+        let entry = match archive.by_name(&format!("{name}.npy")) {
+            Err(ZipError::FileNotFound) => return Err(missing()),
+            entry => entry.map_err(broken)?,
+        };
+        let array = NpyFile::new(entry).map_err(unreadable)?;
         if array.shape() != [4, 4] && array.shape() != [3, 4] {
             return Err(format!("`{name}` must be a matrix of 4 x 4 numbers"));
         }

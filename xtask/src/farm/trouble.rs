@@ -9,7 +9,7 @@ use crate::{
 use std::{
     fs,
     path::Path,
-    process::{Command, Stdio},
+    process::{Child, Command, Stdio},
     thread,
     time::{Duration, Instant},
 };
@@ -111,7 +111,7 @@ fn no_input() -> Result<String> {
     Ok(format!("pictures gone in the middle: {status}"))
 }
 
-fn spawn(command: &mut Command) -> Result<std::process::Child> {
+fn spawn(command: &mut Command) -> Result<Child> {
     command.stdout(Stdio::null()).stderr(Stdio::null()).spawn().map_err(|e| format!("pcmvs: {e}"))
 }
 
