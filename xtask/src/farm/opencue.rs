@@ -1,7 +1,7 @@
 //! A clip made by the job that examples/farm/opencue sends to an OpenCue farm. There is no farm: its description is made by
 //! OpenCue's own packages, and its tasks are run as OpenCue's hosts run them.
 
-use super::{FRAMES, FRAMES_PER_PART, built, compare, folder, scene, single};
+use super::clip::{FRAMES, FRAMES_PER_PART, built, compare, folder, scene, single};
 use crate::{
     Result,
     process::{program, root, run},

@@ -1,6 +1,6 @@
 //! A clip made by a Slurm cluster on this machine. A node is killed in the middle.
 
-use super::{FRAMES, FRAMES_PER_PART, PATIENCE, built, compare, folder, scene, single};
+use super::clip::{FRAMES, FRAMES_PER_PART, PATIENCE, built, compare, folder, scene, single};
 use crate::{
     Result,
     process::{program, root, run},

@@ -1,7 +1,7 @@
 //! A take whose runs are killed, whose disk is full and whose pictures vanish. What has been written is whole at any time,
 //! and a last run finishes the clip with the bytes of a run without trouble.
 
-use super::{FRAMES, PATIENCE, built, compare, folder, is_root, scene, single};
+use super::clip::{FRAMES, PATIENCE, built, compare, folder, is_root, scene, single};
 use crate::{
     Result,
     process::{program, run},

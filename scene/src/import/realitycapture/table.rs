@@ -19,7 +19,7 @@ use super::{
         source::{failure, read_text},
         view::{ImportedView, rows},
     },
-    brown, entries_with, principal,
+    shares::{brown, entries_with, principal},
 };
 use crate::{failure::Failure, files::Files};
 use csv::{ReaderBuilder, StringRecord, Trim};

@@ -9,7 +9,7 @@ use super::{
         values::to_array,
         view::{ImportedView, rows},
     },
-    entries_with, principal,
+    shares::{entries_with, principal},
 };
 use crate::{failure::Failure, files::Files};
 use glam::{DMat3, DVec3};
