@@ -10,8 +10,9 @@ use crate::{
 /// Miri is in nightly compilers only. Without one the check is skipped.
 pub const NEEDS: [Need; 1] = [Need::Nightly("miri")];
 
-/// Packages and what Cargo is told about them: the tests by parts of their names, because Miri takes about 1000 times as long
-/// as the processor; and square roots of libm in Rust, because Miri has no inline assembly.
+/// Packages, and the arguments of `cargo miri test` for each. Only quick tests are chosen, by parts of their names, because
+/// Miri runs a program about 1000 times slower than the processor does. The feature of libm computes square roots without
+/// inline assembly, which Miri cannot run.
 const TESTS: [(&str, &str); 2] =
     [("pcmvs-ffi", "--lib"), ("pcmvs-core", "--features libm/force-soft-floats --lib -- workspace:: image:: math::")];
 

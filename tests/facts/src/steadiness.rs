@@ -3,9 +3,12 @@
 use crate::{Shot, topology::assert_sound};
 use glam::DVec3;
 use libm::sqrt;
-use pcmvs_core::{Frame, Memory, Mesh, Params, Preset, Rig, Silent, steady::SteadyParams};
+use pcmvs_core::{
+    Mesh, Params, Preset, Silent,
+    steady::{SteadyParams, steady},
+};
 use pcmvs_scene::Threads;
-use std::{mem::take, ops::Range};
+use std::ops::Range;
 use studio::{Capture, Faults, Ring, Subject, TriangleMesh, score};
 
 /// Frames per second.
@@ -26,27 +29,23 @@ pub fn take_of_figure(frames: usize, views: u32, (width, height): (u32, u32)) ->
 
 /// Reconstructs every frame by itself, and averages each with those before and after it.
 pub fn alone_and_averaged(shots: &[Shot], threads: &Threads) -> [Vec<Mesh>; 2] {
-    let rig: Rig = shots[0].rig();
-    let mut alone: Vec<Mesh> = Vec::new();
-    let mut averaged = Vec::new();
-    let mut finish = |frame: &mut Option<Frame<&Rig>>, alone: &[Mesh], i: usize| {
-        let Some(frame) = frame else { return };
+    let params = Params::preset(Preset::Default);
+    let make = |shot: &Shot| {
+        let made = shot.reconstruct_with(&params, threads, &Silent).expect("the studio's frames are sound");
+        (made.mesh, made.footprint)
+    };
+    let (alone, footprints): (Vec<Mesh>, Vec<f32>) = shots.iter().map(make).unzip();
+    let average = |i: usize| {
         let near = i.saturating_sub(1)..(i + 2).min(alone.len());
         let neighbours: Vec<&Mesh> = near.filter(|&other| other != i).map(|other| &alone[other]).collect();
-        frame.steady(&neighbours, &SteadyParams::DEFAULT, threads, &Silent).expect("nothing cancels it");
-        assert_sound(frame.mesh(), "averaged");
-        assert!(frame.mesh().triangles == alone[i].triangles);
-        averaged.push(frame.mesh().clone());
+        let mut mean = alone[i].clone();
+        steady(&mut mean, &neighbours, footprints[i], &SteadyParams::DEFAULT, threads, &Silent)
+            .expect("nothing cancels it");
+        assert_sound(&mean, "averaged");
+        assert!(mean.triangles == alone[i].triangles);
+        mean
     };
-    let mut last = None;
-    for (i, shot) in shots.iter().enumerate() {
-        let mut frame = Frame::new(&rig, Params::preset(Preset::Default), Memory::default());
-        frame.run_all(&shot.inputs(), threads, &Silent).expect("the studio's frames are sound");
-        alone.push(frame.own_mesh().clone());
-        finish(&mut take(&mut last), &alone, i.saturating_sub(1));
-        last = Some(frame);
-    }
-    finish(&mut last, &alone, shots.len() - 1);
+    let averaged = (0..alone.len()).map(average).collect();
     [alone, averaged]
 }
 
