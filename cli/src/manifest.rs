@@ -135,7 +135,8 @@ fn turned(bounds: [[f64; 3]; 2], rotation: Option<[f64; 4]>) -> [[f64; 3]; 2] {
     corners.map(|corner| [corner; 2]).reduce(union).unwrap_or(bounds)
 }
 
-fn union(a: [[f64; 3]; 2], b: [[f64; 3]; 2]) -> [[f64; 3]; 2] {
+/// The smallest box around two.
+pub fn union(a: [[f64; 3]; 2], b: [[f64; 3]; 2]) -> [[f64; 3]; 2] {
     let of = |end: usize, pick: fn(f64, f64) -> f64| std::array::from_fn(|axis| pick(a[end][axis], b[end][axis]));
     [of(0, f64::min), of(1, f64::max)]
 }

@@ -58,6 +58,13 @@ fn every_quality_has_segments_that_are_packed_clips() {
     let qualities = manifest["qualities"].as_array().unwrap();
     for (quality, (name, folder)) in qualities.iter().zip([("full", "out"), ("web", "web")]) {
         assert_eq!(quality["name"], name);
+        let single: Value =
+            serde_json::from_slice(&fs::read(capture.path(folder).join("sequence.json")).unwrap()).unwrap();
+        let number = |manifest: &Value, end: usize, axis: usize| manifest["bounds"][end][axis].as_f64().unwrap();
+        for axis in 0..3 {
+            assert!(number(&manifest, 0, axis) <= number(&single, 0, axis), "{name}");
+            assert!(number(&manifest, 1, axis) >= number(&single, 1, axis), "{name}");
+        }
         let mut size = 0;
         for (i, frames) in ["0,1", "2,3", "4"].iter().enumerate() {
             let segment = &quality["segments"][i];
