@@ -29,6 +29,7 @@ before(async () => {
     writeFileSync(sound, wave(1));
     const more = ["--quality", `mobile=${small}`, "--poster", join(sample, "images/cam00_0000.jpg")];
     pcmvs("pack", one, "--manifest", "-o", two, ...more, "--segment", "0.25");
+    pcmvs("pack", one, "--manifest", "-o", join(root, "parts"), "--segment", "0.25");
     pcmvs("pack", one, "--manifest", "-o", join(root, "whole"));
     pcmvs("pack", one, "--manifest", "-o", join(root, "loud"), "--audio", sound);
     edit("long", (manifest) => {
