@@ -10,11 +10,15 @@ const RADIUS: usize = 3;
 const CELL: usize = 10;
 /// Least root mean square of the gradient in its weakest direction, in grey levels per pixel.
 const LEAST_GRADIENT: f32 = 1.2;
+/// The same as a sum of squares over the window.
+const LEAST: f32 = LEAST_GRADIENT * LEAST_GRADIENT * ((2 * RADIUS + 1) * (2 * RADIUS + 1)) as f32;
+/// How far from a pixel its gradients are read.
+pub(super) const AROUND: usize = RADIUS + 1;
 
 /// The best corner of each cell in which there is one, row after row. `inside` tells whether a pixel is wanted.
 pub(super) fn corners(picture: &Smooth, margin: usize, inside: impl Fn(usize) -> bool) -> Vec<[u16; 2]> {
     let (w, h) = (picture.width, picture.height);
-    let border = margin.max(RADIUS + 1);
+    let border = margin.max(AROUND);
     if w <= 2 * border + 1 || h <= 2 * border + 1 {
         return Vec::new();
     }
@@ -27,33 +31,49 @@ pub(super) fn corners(picture: &Smooth, margin: usize, inside: impl Fn(usize) ->
         let Some(first) = (border..w - border).find(|&x| wanted(x)) else { continue };
         let last = (border..w - border).rev().find(|&x| wanted(x)).unwrap_or(first);
         for x in first - RADIUS..=last + RADIUS {
-            let mut sums = [0.0; 3];
-            for v in y - RADIUS..=y + RADIUS {
-                let gx = 0.5 * (picture.at(x + 1, v) - picture.at(x - 1, v));
-                let gy = 0.5 * (picture.at(x, v + 1) - picture.at(x, v - 1));
-                sums[0] += gx * gx;
-                sums[1] += gx * gy;
-                sums[2] += gy * gy;
-            }
-            columns_of[x] = sums;
+            columns_of[x] = column(picture, x, y);
         }
         for x in (first..=last).filter(|&x| wanted(x)) {
-            let mut s = [0.0; 3];
-            for sums in &columns_of[x - RADIUS..=x + RADIUS] {
-                (0..3).for_each(|k| s[k] += sums[k]);
-            }
-            let half = 0.5 * (s[0] + s[2]);
-            let difference = 0.5 * (s[0] - s[2]);
-            let weakest = half - libm::sqrtf(difference * difference + s[1] * s[1]);
+            let weakest = weakest(&columns_of[x - RADIUS..=x + RADIUS]);
             let cell = &mut best[y / CELL * columns + x / CELL];
             if weakest > cell.0 {
                 *cell = (weakest, [x as u16, y as u16]);
             }
         }
     }
-    let area = ((2 * RADIUS + 1) * (2 * RADIUS + 1)) as f32;
-    best.retain(|&(weakest, _)| weakest > LEAST_GRADIENT * LEAST_GRADIENT * area);
+    best.retain(|&(weakest, _)| weakest > LEAST);
     best.into_iter().map(|(_, at)| at).collect()
+}
+
+/// How much of a corner a pixel is: the sum of squared gradients around it in their weakest direction. `None` if that is too
+/// little. The pixel must lie at least [`AROUND`] pixels inside the picture.
+pub(super) fn strength(picture: &Smooth, x: usize, y: usize) -> Option<f32> {
+    let columns: [[f32; 3]; 2 * RADIUS + 1] = core::array::from_fn(|i| column(picture, x + i - RADIUS, y));
+    Some(weakest(&columns)).filter(|&weakest| weakest > LEAST)
+}
+
+/// Sums of gradient products over a column of the window around row `y`.
+fn column(picture: &Smooth, x: usize, y: usize) -> [f32; 3] {
+    let mut sums = [0.0; 3];
+    for v in y - RADIUS..=y + RADIUS {
+        let gx = 0.5 * (picture.at(x + 1, v) - picture.at(x - 1, v));
+        let gy = 0.5 * (picture.at(x, v + 1) - picture.at(x, v - 1));
+        sums[0] += gx * gx;
+        sums[1] += gx * gy;
+        sums[2] += gy * gy;
+    }
+    sums
+}
+
+/// The smaller eigenvalue of the sum of a window's columns.
+fn weakest(columns: &[[f32; 3]]) -> f32 {
+    let mut s = [0.0; 3];
+    for sums in columns {
+        (0..3).for_each(|k| s[k] += sums[k]);
+    }
+    let half = 0.5 * (s[0] + s[2]);
+    let difference = 0.5 * (s[0] - s[2]);
+    half - libm::sqrtf(difference * difference + s[1] * s[1])
 }
 
 #[cfg(test)]

@@ -22,7 +22,7 @@ use crate::{
 use alloc::{sync::Arc, vec::Vec};
 
 /// A corner must lie this far inside the silhouette, in pixels, so that its window shows little of the background.
-const INSIDE: f32 = 5.0;
+pub(super) const INSIDE: f32 = 5.0;
 /// Parts of the hull that are smaller than this share of the largest are dropped.
 const SMALLEST_PART: f32 = 0.01;
 /// Largest number of times that the hull is carved again without silhouettes that contradict it.

@@ -69,8 +69,6 @@ const BETTER: f64 = 0.97;
 /// The median miss of the contours may grow by this factor, and by this many pixels. If it grows more, the matches that have
 /// become better were wrong together.
 const CONTOURS_MAY_GROW: [f64; 2] = [1.25, 0.05];
-/// Mean distance of matches from epipolar lines, in pixels, from which a calibration is called inconsistent.
-const INCONSISTENT: f64 = 0.5;
 /// A camera was bumped if its correction is this many pixels, and this many times the median correction.
 const BUMPED: [f64; 2] = [1.5, 4.0];
 /// A camera contradicts the others if after all its contour misses by this many pixels, and this many times the median.
@@ -337,7 +335,7 @@ impl Judge<'_> {
         // A single camera that was bumped raises the mean, but says nothing about the others.
         let bumped = findings.iter().any(|finding| matches!(finding, Finding::CameraBumped { .. }));
         if let Some([pixels, _]) = bias.filter(|_| verdict == Verdict::Improved && !bumped)
-            && pixels > INCONSISTENT
+            && pixels > Finding::INCONSISTENT
         {
             findings.push(Finding::CalibrationInconsistent { pixels });
         }

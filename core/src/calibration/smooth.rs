@@ -33,6 +33,17 @@ impl Smooth {
         Self { width, height, values }
     }
 
+    /// Smooths the square of `2 * half + 1` pixels around a pixel, which is the middle of the result. `None` if the square
+    /// reaches beyond the picture.
+    pub(super) fn around(luma: &[u8], [width, height]: [usize; 2], [x, y]: [usize; 2], half: usize) -> Option<Self> {
+        if x < half || y < half || x + half >= width || y + half >= height {
+            return None;
+        }
+        let edge = 2 * half + 1;
+        let row = |row: usize| &luma[(y - half + row) * width + x - half..][..edge];
+        Some(Self::new(&(0..edge).flat_map(row).copied().collect::<Vec<u8>>(), edge, edge))
+    }
+
     /// Interpolated bilinearly, in grey levels; `None` outside the picture.
     #[inline]
     pub(super) fn sample(&self, p: Vec2) -> Option<f32> {

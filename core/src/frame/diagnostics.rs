@@ -15,6 +15,7 @@ pub struct ViewDiagnostics {
     /// Median distance in pixels of the hull's outline in the picture from the silhouette's contour. Outlines are
     /// found to a quarter of a pixel. `None` without a silhouette or an outline.
     pub contour_px: Option<f32>,
-    /// Median distance in pixels of matches in other views from their epipolar lines. `None` if it has not been measured.
+    /// Median distance in pixels of a few matches with other views from their epipolar lines. `None` before
+    /// [`crate::Stage::Merge`] is complete, without stereo, and where there are too few matches.
     pub epipolar_px: Option<f32>,
 }

@@ -2,6 +2,7 @@
 
 use super::{checks::median, diagnostics::ViewDiagnostics, state::Frame, warning::Warning};
 use crate::{
+    calibration::Finding,
     left_out::LeftOut,
     math::{max, ordered},
     params::Method,
@@ -50,7 +51,7 @@ impl<R: Deref<Target = Rig>> Frame<R> {
             used: view.is_used(),
             silhouette_overlap: found.overlap,
             contour_px: found.contour,
-            epipolar_px: None,
+            epipolar_px: self.calibration.epipolar.get(place).copied().flatten(),
         })
     }
 
@@ -72,6 +73,8 @@ impl<R: Deref<Target = Rig>> Frame<R> {
             let silent = cameras().filter(|&(_, place)| self.views()[place].is_used() && !self.has_stereo[place]);
             warnings.extend(silent.map(|(camera, _)| Warning::NoStereoPoints { camera }));
         }
+        let inconsistent = self.calibration.bias.filter(|&pixels| f64::from(pixels) > Finding::INCONSISTENT);
+        warnings.extend(inconsistent.map(|pixels| Warning::CalibrationInconsistent { pixels }));
         warnings
     }
 

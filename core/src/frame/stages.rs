@@ -2,6 +2,7 @@
 
 use super::state::Frame;
 use crate::{
+    calibration::spot_check,
     coarse::{coarse, further_octaves},
     colour,
     contours::{Contours, contours},
@@ -95,10 +96,12 @@ impl<R: Deref<Target = Rig> + Sync> Frame<R> {
     }
 
     /// §5: merges all points into one cloud.
-    pub(super) fn merge_points(&mut self, progress: &dyn Progress) -> Result<()> {
+    pub(super) fn merge_points(&mut self, executor: &impl Executor, progress: &dyn Progress) -> Result<()> {
         if self.params.method == Method::Hull {
             return Ok(());
         }
+        // Before the points of the views may be freed.
+        self.calibration = spot_check(&self.rig, &self.views, &self.intermediates.detected, executor);
         let all = self.intermediates.all_points(&mut self.kept, &mut self.memory.workspace);
         let mut counts = Counts::default();
         let neighbours = self.params.detection.search.neighbours;

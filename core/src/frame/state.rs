@@ -7,6 +7,7 @@ use super::{
     reconstruction::Reconstruction,
 };
 use crate::{
+    calibration::SpotCheck,
     coarse::band,
     context::Context,
     detect::{DetectionParams, Guide, PyramidLevel, detect_view},
@@ -62,6 +63,8 @@ pub struct Frame<R> {
     pub(super) kept: Kept,
     /// Whether stereo has found points in each view, in the rig's order. Empty before detection is complete.
     pub(super) has_stereo: Vec<bool>,
+    /// How well the calibration fits the pictures. Empty before merging is complete.
+    pub(super) calibration: SpotCheck,
     /// The mesh of this frame alone.
     pub(super) mesh: Mesh,
     /// The mean with neighbouring frames, once it has been asked for.
@@ -97,6 +100,7 @@ impl<R: Deref<Target = Rig>> Frame<R> {
             further_octaves: 0,
             kept: Kept::default(),
             has_stereo: Vec::new(),
+            calibration: SpotCheck::default(),
             mesh: Mesh::default(),
             steadied: None,
             gains: Vec::new(),
@@ -283,6 +287,7 @@ impl<R: Deref<Target = Rig>> Frame<R> {
         }
         self.intermediates.detected.clear();
         self.has_stereo.clear();
+        self.calibration = SpotCheck::default();
         let mut counts = Counts::default();
         for slot in &mut self.found {
             let (mut cloud, found) = slot.get_mut().take().unwrap_or_default();

@@ -91,6 +91,11 @@ pub enum Warning {
         /// Its overlap.
         overlap: f32,
     },
+    /// The calibration as a whole does not fit the pictures: no camera stands out, and they miss each other.
+    CalibrationInconsistent {
+        /// Mean over all pairs of neighbouring cameras of how far matches lie from their epipolar lines, in pixels.
+        pixels: f32,
+    },
     /// Stereo has found no point in a camera's picture.
     NoStereoPoints {
         /// Index of the camera.
@@ -115,6 +120,7 @@ impl Warning {
             Self::PicturesExchanged { .. } => "cameras-swapped",
             Self::SilhouetteDisagrees { .. } => "silhouette-disagrees",
             Self::SilhouettesContradict { .. } => "silhouettes-contradict",
+            Self::CalibrationInconsistent { .. } => "calibration-inconsistent",
             Self::NoStereoPoints { .. } => "no-stereo-points",
         }
     }
@@ -135,7 +141,7 @@ impl Warning {
             | Self::PicturesExchanged { camera, .. }
             | Self::SilhouetteDisagrees { camera, .. }
             | Self::NoStereoPoints { camera } => Some(*camera),
-            Self::SilhouettesContradict { .. } => None,
+            Self::SilhouettesContradict { .. } | Self::CalibrationInconsistent { .. } => None,
         }
     }
 
@@ -217,6 +223,10 @@ impl Warning {
                 100.0 * median,
                 name(*worst),
                 100.0 * overlap
+            ),
+            Self::CalibrationInconsistent { pixels } => format!(
+                "the calibration does not fit the pictures: epipolar lines miss matches by {pixels:.2} px, so that the surface \
+                 is off by as much. Refine the calibration, or calibrate again"
             ),
             Self::NoStereoPoints { .. } => "stereo found no point in the view: check that the picture shows the object and \
                                             belongs to this camera, and that neighbouring cameras see the same side of the \
