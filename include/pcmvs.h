@@ -797,6 +797,9 @@ typedef struct pcmvs_view_report {
   // Median distance of the hull's outline in the picture from the silhouette's contour, in pixels. -1 if it could not be
   // measured: no silhouette, or one that fills the picture.
   float contour_px;
+  // Median distance of a few matches with other views from their epipolar lines, in pixels: how far off the calibration
+  // is. 0 before `pcmvs_frame_merge`, and -1 if it could not be measured: no stereo, or too few matches.
+  float epipolar_px;
 } pcmvs_view_report;
 
 // Something in a frame that may make its result worse although no call failed, or something wrong with a calibration.

@@ -65,7 +65,7 @@ pub struct CameraReport {
     pub silhouette_overlap: Option<f32>,
     /// Median distance of the hull's outline from the silhouette's contour, in pixels; null without a silhouette.
     pub contour_px: Option<f32>,
-    /// Median distance of matches from their epipolar lines, in pixels; null if it has not been measured.
+    /// Median distance of a few matches from their epipolar lines, in pixels; null if it has not been measured.
     pub epipolar_px: Option<f32>,
 }
 

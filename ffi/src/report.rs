@@ -97,6 +97,9 @@ pub struct pcmvs_view_report {
     /// Median distance of the hull's outline in the picture from the silhouette's contour, in pixels. -1 if it could not be
     /// measured: no silhouette, or one that fills the picture.
     pub contour_px: f32,
+    /// Median distance of a few matches with other views from their epipolar lines, in pixels: how far off the calibration
+    /// is. 0 before `pcmvs_frame_merge`, and -1 if it could not be measured: no stereo, or too few matches.
+    pub epipolar_px: f32,
 }
 
 impl Growing for pcmvs_view_report {
@@ -198,6 +201,7 @@ fn view_report(work: &Work, camera: u32, place: usize) -> pcmvs_view_report {
         used: u32::from(view.is_used()),
         silhouette_overlap: measured(|of| of.silhouette_overlap),
         contour_px: measured(|of| of.contour_px),
+        epipolar_px: if is_complete(Stage::Merge) { measured(|of| of.epipolar_px) } else { 0.0 },
     }
 }
 

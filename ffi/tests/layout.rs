@@ -249,7 +249,8 @@ fn c_and_rust_agree() {
             reserved,
             used,
             silhouette_overlap,
-            contour_px
+            contour_px,
+            epipolar_px
         }
     );
     layout!(facts, pcmvs_warning { camera, reserved, code, message });

@@ -35,12 +35,15 @@ pub struct ViewDiagnostics {
     pub silhouette_overlap: Option<f32>,
     /// Median distance in pixels of the hull's outline from the silhouette's contour. None without a silhouette.
     pub contour_px: Option<f32>,
+    /// Median distance in pixels of a few matches with other views from their epipolar lines: how far off the calibration
+    /// is. None before the merge, without stereo, and where there are too few matches.
+    pub epipolar_px: Option<f32>,
 }
 
 impl From<&pcmvs_core::ViewDiagnostics> for ViewDiagnostics {
     fn from(found: &pcmvs_core::ViewDiagnostics) -> Self {
-        let pcmvs_core::ViewDiagnostics { used, silhouette_overlap, contour_px, .. } = *found;
-        Self { used, silhouette_overlap, contour_px }
+        let pcmvs_core::ViewDiagnostics { used, silhouette_overlap, contour_px, epipolar_px, .. } = *found;
+        Self { used, silhouette_overlap, contour_px, epipolar_px }
     }
 }
 
@@ -48,9 +51,9 @@ impl From<&pcmvs_core::ViewDiagnostics> for ViewDiagnostics {
 impl ViewDiagnostics {
     fn __repr__(&self) -> String {
         let number = |value: Option<f32>| value.map_or_else(|| String::from("None"), |value| format!("{value:.3}"));
-        let (overlap, contour) = (number(self.silhouette_overlap), number(self.contour_px));
+        let [overlap, contour, epipolar] = [self.silhouette_overlap, self.contour_px, self.epipolar_px].map(number);
         format!(
-            "ViewDiagnostics(used={}, silhouette_overlap={overlap}, contour_px={contour})",
+            "ViewDiagnostics(used={}, silhouette_overlap={overlap}, contour_px={contour}, epipolar_px={epipolar})",
             if self.used { "True" } else { "False" }
         )
     }

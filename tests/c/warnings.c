@@ -64,6 +64,8 @@ static void check_warnings(const struct capture *capture, pcmvs_frame *frame) {
     CHECK(report.carves == 1 && report.inside > 0 && report.detected == 0 && report.used == 1);
     CHECK(report.silhouette_overlap > 0.9 && report.silhouette_overlap <= 1 && report.contour_px >= 0);
     CHECK(report.contour_px < 1);
+    /* The black picture has nothing to match. */
+    CHECK(report.epipolar_px == -1);
     OK(pcmvs_frame_warning_count(frame, &count));
     OK(pcmvs_frame_get_warning(frame, 0, &warning, sizeof warning));
     CHECK(warning.camera == 2 && strcmp(warning.code, "no-silhouette") == 0);

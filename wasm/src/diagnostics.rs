@@ -28,11 +28,12 @@ pub struct ViewReport {
     used: bool,
     silhouette_overlap: Option<f32>,
     contour_px: Option<f32>,
+    epipolar_px: Option<f32>,
 }
 
 impl From<&ViewDiagnostics> for ViewReport {
     fn from(found: &ViewDiagnostics) -> Self {
-        let ViewDiagnostics { used, silhouette_overlap, contour_px, .. } = *found;
-        Self { used, silhouette_overlap, contour_px }
+        let ViewDiagnostics { used, silhouette_overlap, contour_px, epipolar_px, .. } = *found;
+        Self { used, silhouette_overlap, contour_px, epipolar_px }
     }
 }

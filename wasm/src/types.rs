@@ -92,6 +92,8 @@ export interface ViewReport {
     silhouetteOverlap: number | null;
     /** Median distance of the hull's outline from the silhouette's contour in pixels. */
     contourPx: number | null;
+    /** Median distance in pixels of a few matches with other views from their epipolar lines: how far off the calibration is. */
+    epipolarPx: number | null;
 }
 
 /** How well a camera fits the others. What could not be measured is null. */

@@ -36,7 +36,7 @@ pub enum Finding {
 
 impl Finding {
     /// Mean distance of matches from epipolar lines, in pixels, from which a calibration is called inconsistent.
-    pub const INCONSISTENT: f64 = 0.5;
+    pub const INCONSISTENT: f64 = 0.4;
 
     /// Stable name of the kind of finding, in kebab-case.
     pub const fn code(&self) -> &'static str {

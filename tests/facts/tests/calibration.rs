@@ -3,7 +3,7 @@
 use facts::{Shot, errors::quantile, threads};
 use glam::DVec3;
 use pcmvs_core::{
-    Camera, Executor, Serial, Silent, View,
+    Camera, Executor, Params, Preset, Serial, Silent, View, Warning,
     calibration::{Calibration, CalibrationParams, Finding, Verdict, calibrate},
 };
 use std::sync::LazyLock;
@@ -89,6 +89,29 @@ fn a_good_calibration_is_kept() {
     assert_eq!(found.verdict, Verdict::Kept, "{:?}", found.held_out);
     assert_eq!(found.cameras, CLEAN.cameras);
     assert_eq!(found.findings, []);
+}
+
+/// Stereo finds depths whatever the calibration is. A frame tells by itself that they cannot be trusted.
+#[test]
+fn a_frame_measures_how_well_its_calibration_fits() {
+    let off = record(&Faults { calibration: 1.5, noise: 2.0, gain: 0.05, ..Faults::default() });
+    let params = Params::preset(Preset::Default);
+    for (shot, is_off) in [(&*CLEAN, false), (&off, true)] {
+        let made = shot.reconstruct(&params).expect("the scene is sound");
+        let inconsistent = made.warnings.iter().find_map(|warning| match warning {
+            Warning::CalibrationInconsistent { pixels } => Some(f64::from(*pixels)),
+            _ => None,
+        });
+        let truth = quantile(&epipolar_errors(&shot.cameras, &points(shot)), 0.5);
+        assert_eq!(inconsistent.is_some(), is_off, "{:?}", made.warnings);
+        assert!(
+            inconsistent.is_none_or(|pixels| (0.6..1.7).contains(&(pixels / truth))),
+            "{inconsistent:?} of {truth} px"
+        );
+        let measured: Vec<f32> = made.diagnostics.iter().filter_map(|found| found.epipolar_px).collect();
+        assert!(measured.len() >= 10, "{measured:?}");
+        assert!(is_off || measured.iter().all(|&pixels| pixels < 0.3), "{measured:?}");
+    }
 }
 
 #[test]
