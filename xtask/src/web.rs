@@ -13,7 +13,9 @@ use flate2::{Compression, write::GzEncoder};
 use std::{
     fs,
     io::Write,
+    panic::resume_unwind,
     path::{Path, PathBuf},
+    thread,
 };
 use wasm_bindgen_cli_support::Bindgen;
 
@@ -51,25 +53,16 @@ pub const NEEDS: [Need; 5] = [
 pub fn wasm() -> Result<String> {
     let (package, npm) = (root().join("wasm/pkg"), root().join("wasm/npm"));
     fresh(&package)?;
+    let compiler = Compiler::install(&[TRIPLE])?;
+    // Most of a build is optimisation across crates, which uses one processor: both run at the same time.
+    let bound = thread::scope(|scope| {
+        let builds = BUILDS.map(|(name, flags)| scope.spawn(move || module(compiler, name, flags)));
+        builds.map(|build| build.join().unwrap_or_else(|panic| resume_unwind(panic)))
+    });
     let mut glue: Option<String> = None;
     let mut sizes = Vec::new();
-    let compiler = Compiler::install(&[TRIPLE])?;
-    for (name, flags) in BUILDS {
-        let target = target().join(format!("wasm-{name}"));
-        let mut build = compiler.cargo("build --profile wasm --package pcmvs-wasm", TRIPLE, "std,panic_abort")?;
-        let flags = [flags, INLINE].join("\u{1f}");
-        run(build.env("CARGO_TARGET_DIR", &target).env("CARGO_ENCODED_RUSTFLAGS", flags))?;
-        let module = target.join(TRIPLE).join("wasm/pcmvs_wasm.wasm");
-        let bound = target.join("bound");
-        Bindgen::new()
-            .input_path(module)
-            .out_name("pcmvs")
-            .web(true)
-            .and_then(|bindgen| {
-                let bindgen = bindgen.typescript(true).omit_default_module_path(true);
-                bindgen.remove_name_section(true).remove_producers_section(true).generate(&bound)
-            })
-            .map_err(|e| format!("wasm-bindgen: {e:#}"))?;
+    for ((name, _), bound) in BUILDS.into_iter().zip(bound) {
+        let bound = bound?;
         let code = read_text(&bound.join("pcmvs.js"))?;
         if *glue.get_or_insert_with(|| code.clone()) != code {
             return Err(String::from("the builds need different JavaScript: the package ships one for both"));
@@ -89,6 +82,25 @@ pub fn wasm() -> Result<String> {
     WRITTEN.iter().try_for_each(|file| copy(&npm.join(file), &package.join(file)))?;
     sizes.push(player(&package)?);
     Ok(sizes.join(", "))
+}
+
+/// Makes one build of the module; returns the folder that has it with its JavaScript.
+fn module(compiler: Compiler, name: &str, flags: &str) -> Result<PathBuf> {
+    let target = target().join(format!("wasm-{name}"));
+    let mut build = compiler.cargo("build --profile wasm --package pcmvs-wasm", TRIPLE, "std,panic_abort")?;
+    let flags = [flags, INLINE].join("\u{1f}");
+    run(build.env("CARGO_TARGET_DIR", &target).env("CARGO_ENCODED_RUSTFLAGS", flags))?;
+    let bound = target.join("bound");
+    Bindgen::new()
+        .input_path(target.join(TRIPLE).join("wasm/pcmvs_wasm.wasm"))
+        .out_name("pcmvs")
+        .web(true)
+        .and_then(|bindgen| {
+            let bindgen = bindgen.typescript(true).omit_default_module_path(true);
+            bindgen.remove_name_section(true).remove_producers_section(true).generate(&bound)
+        })
+        .map_err(|e| format!("wasm-bindgen: {e:#}"))?;
+    Ok(bound)
 }
 
 /// Builds the player into the npm package; returns its size.
@@ -137,11 +149,15 @@ pub fn lints() -> Result<()> {
 /// Builds the site and the command line and drives both, see tests/web; with `long` also what takes minutes.
 pub fn check(steps: &mut Steps, long: bool) -> Result<()> {
     steps.step_with(&NEEDS[..2], "page", || dist().map(Outcome::Passed))?;
-    steps.step_with(&NEEDS, "page in Chromium", || node("test").map(Outcome::Passed))?;
-    if long {
-        steps.step_with(&NEEDS, "page in Chromium, long", || node("run long").map(Outcome::Passed))?;
+    if !long {
+        // The tests have built a command line, and all builds of it give the same bytes.
+        return steps.step_with(&NEEDS, "page in Chromium", || node("test", "debug").map(Outcome::Passed));
     }
-    Ok(())
+    steps.step_with(&NEEDS, "page in Chromium", || {
+        release()?;
+        node("test", "release").map(Outcome::Passed)
+    })?;
+    steps.step_with(&NEEDS, "page in Chromium, long", || node("run long", "release").map(Outcome::Passed))
 }
 
 /// The checks alone.
@@ -156,18 +172,25 @@ pub fn test() -> Result<()> {
 /// Measures in the browser and renews its table in BENCHMARKS.md, and README's picture of the page.
 pub fn bench() -> Result<()> {
     dist()?;
-    let (table, player) = (node("run --silent bench")?, node("run --silent bench-player")?);
+    release()?;
+    let bench = |script: &str| node(script, "release");
+    let (table, player) = (bench("run --silent bench")?, bench("run --silent bench-player")?);
     copy(&root().join("tests/web/shots/page.png"), &root().join("docs/page.png"))?;
     replace_in(&root().join("BENCHMARKS.md"), &[("browser", table), ("player", player)])
 }
 
-/// Runs a script of the browser tests; returns how many tests passed, or what else it printed.
-fn node(script: &str) -> Result<String> {
+/// Builds the command line and the studio for measurements.
+fn release() -> Result<()> {
+    run(&mut cargo("build --quiet --release --package pcmvs-cli --package studio --bins")).map(drop)
+}
+
+/// Runs a script of the browser tests with the command line and the studio in a folder of the target folder; returns how
+/// many tests passed, or what else it printed.
+fn node(script: &str, build: &str) -> Result<String> {
     setup::debian(&TOOLS)?;
-    run(&mut cargo("build --quiet --release --package pcmvs-cli --package studio --bins"))?;
     let tests = root().join("tests/web");
     setup::node_packages(&tests)?;
-    let binary = |name: &str| target().join("release").join(name);
+    let binary = |name: &str| target().join(build).join(name);
     let mut npm = program("npm", script);
     let printed = run(npm.env("PCMVS", binary("pcmvs")).env("STUDIO", binary("studio")).current_dir(&tests))?;
     let count =
