@@ -140,8 +140,7 @@ fn check_size(files: &dyn Files, file: &Path, camera: &str, what: &str, calibrat
         return Ok(());
     }
     let problem = format!(
-        "the {what} is {width} x {height} pixels but the camera was calibrated at {} x {}: give a {what} of the calibrated \
-         size",
+        "the {what} is {width} x {height} pixels but the camera was calibrated at {} x {}: {remedy}",
         calibrated[0], calibrated[1]
     );
     Err(failure(file, camera, &problem))
@@ -165,6 +164,11 @@ fn note_equal_cameras(views: &[ImportedView], clip: &Clip, notes: &mut Notes) {
     let pair = cameras.iter().enumerate().find_map(|(i, a)| {
         let b = cameras[..i].iter().find(|b| equal(&a.camera, &b.camera))?;
         Some((&b.name, &a.name))
+    let remedy = if [height, width] == calibrated {
+        format!("its sides are exchanged: turn the pixels of the {what}, because an orientation in EXIF is not applied")
+    } else {
+        format!("give a {what} of the calibrated size")
+    };
     });
     if let Some((a, b)) = pair {
         notes.add(format!(

@@ -22,10 +22,9 @@ pub fn read_text(files: &dyn Files, path: &Path) -> Result<String, Failure> {
     Ok(text.to_owned())
 }
 
-/// Width and height of a picture.
+/// Width and height of a picture, which is not decoded.
 pub fn picture_size(files: &dyn Files, path: &Path, camera: &str) -> Result<[u32; 2], Failure> {
-    let picture = Picture::decode(&read(files, path)?).map_err(|problem| failure(path, camera, &problem))?;
-    Ok([picture.view().width, picture.view().height])
+    Picture::size(&read(files, path)?).map_err(|problem| failure(path, camera, &problem))
 }
 
 /// Whether a path has the extension of a picture that can be read.
