@@ -46,7 +46,7 @@ pub fn read(files: &dyn Files, path: &Path, notes: &mut Notes) -> Result<Vec<Imp
         };
         let of_camera = |problem: String| failure(path, &name, &problem);
         let found = view(chunk, camera, transform, label, &name, notes).map_err(of_camera)?;
-        views.extend(found.views(files, path, &folders)?);
+        views.extend(found.views(files, path, &folders, notes)?);
     }
     for (names, problem) in [(without, "are not aligned"), (disabled, "are disabled")] {
         if !names.is_empty() {
