@@ -215,7 +215,9 @@ fn videos_beside_a_rig_become_those_of_the_scene() {
     }
     let (mut capture, _) = with_videos(4);
     // A rig does not tell them.
-    ["up", "units"].map(|key| capture.scene.as_object_mut().unwrap().remove(key));
+    for key in ["up", "units"] {
+        capture.scene.as_object_mut().unwrap().remove(key);
+    }
     let expected = meshes(&capture, &[], FRAMES);
     fs::create_dir(capture.path("masks")).unwrap();
     fs::create_dir(capture.path("videos")).unwrap();

@@ -88,8 +88,10 @@ fn damaged(why: impl std::fmt::Display) -> String {
     format!("the picture is damaged or truncated ({why}): export it again")
 }
 
+type Jpeg<'f> = JpegDecoder<ZCursor<&'f [u8]>>;
+
 /// A decoder that has read the header of a complete file, and width and height.
-fn jpeg_header(file: &[u8]) -> Result<(JpegDecoder<ZCursor<&[u8]>>, [u32; 2]), String> {
+fn jpeg_header(file: &[u8]) -> Result<(Jpeg<'_>, [u32; 2]), String> {
     // If a copy stopped shortly before the end, all blocks may be there, and only the missing end marker shows it.
     let scan = file.windows(2).rposition(|marker| marker == [0xFF, 0xDA]).unwrap_or(0);
     if !file[scan..].windows(2).any(|marker| marker == [0xFF, 0xD9]) {

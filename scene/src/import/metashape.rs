@@ -78,12 +78,14 @@ pub fn read(files: &dyn Files, path: &Path, notes: &mut Notes) -> Result<Vec<Imp
     Ok(views)
 }
 
-/// The number of frames of a chunk and, if there are several, the photos that they have of every camera, by its id, with the
-/// numbers of the frames.
-fn frames<'a>(chunk: Node<'a, 'a>) -> Result<(usize, BTreeMap<&'a str, Vec<(&'a str, f64)>>), String> {
+/// The photos of cameras, by their ids: paths, and the numbers of the frames.
+type Photos<'a> = BTreeMap<&'a str, Vec<(&'a str, f64)>>;
+
+/// The number of frames of a chunk and, if there are several, their photos.
+fn frames<'a>(chunk: Node<'a, 'a>) -> Result<(usize, Photos<'a>), String> {
     let frames = child(chunk, "frames").into_iter().flat_map(|node| node.children());
     let frames: Vec<Node> = frames.filter(|node| node.has_tag_name("frame")).collect();
-    let mut photos: BTreeMap<&str, Vec<(&str, f64)>> = BTreeMap::new();
+    let mut photos = Photos::new();
     for frame in frames.iter().filter(|_| frames.len() > 1) {
         let id = frame.attribute("id").unwrap_or_default();
         let number = id
