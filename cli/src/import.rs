@@ -1,12 +1,17 @@
-//! `pcmvs import`: converts the calibration of another program to a scene folder. Pictures and masks are copied, so that
-//! the scene does not depend on its source.
+//! `pcmvs import`: converts the calibration of another program to a scene folder. Pictures, videos and masks are copied, so
+//! that the scene does not depend on its source.
 
-use crate::{arguments::Import, output};
-use pcmvs_scene::{Disk, FILE_NAME, Failure, Imported, import, recognise};
+use crate::{arguments::Import, output, video::Videos};
+use pcmvs_scene::{Disk, FILE_NAME, Failure, Imported, Scene, import, recognise};
+use serde_json::{Value, json};
 use std::{
-    fs,
+    fs::{self, File},
+    io::Read,
     path::{Path, PathBuf},
 };
+
+/// Bytes that are copied at once.
+const BLOCK: u64 = 1 << 20;
 
 /// Runs the command.
 pub fn run(options: &Import) -> Result<(), Failure> {
@@ -14,7 +19,13 @@ pub fn run(options: &Import) -> Result<(), Failure> {
         Some(source) => source,
         None => recognise(&Disk, &options.path)?,
     };
-    let Imported { mut scene, notes } = import(&Disk, source, &options.path)?;
+    let Imported { mut scene, mut notes } = import(&Disk, source, &options.path)?;
+    // They are opened before anything is written, to see that they fit the cameras and each other.
+    let length = if scene.videos { Some(Videos::open(&scene)?.length()) } else { None };
+    if let Some(length) = &length {
+        scene.fps = Some(length.per_second);
+        notes.push(length.note());
+    }
     let target = options.output.join(FILE_NAME);
     if target.exists() {
         let target = target.display();
@@ -27,7 +38,8 @@ pub fn run(options: &Import) -> Result<(), Failure> {
         let suffix = if several { format!("_{:04}", frame.index) } else { String::new() };
         for (camera, image) in scene.cameras.iter().zip(&mut frame.images) {
             if let Some(image) = image {
-                copies.push(Copy::plan(image, "images", &format!("{}{suffix}", camera.name))?);
+                let folder = if scene.videos { "videos" } else { "images" };
+                copies.push(Copy::plan(image, folder, &format!("{}{suffix}", camera.name))?);
             }
         }
         for (camera, mask) in scene.cameras.iter().zip(frame.masks.iter_mut().flatten()) {
@@ -44,14 +56,35 @@ pub fn run(options: &Import) -> Result<(), Failure> {
     for copy in &copies {
         copy.write(&options.output)?;
     }
-    output::write_json(&target, &scene)?;
+    match &length {
+        Some(length) => output::write_json(&target, &of_videos(&scene, length.frames)?)?,
+        None => output::write_json(&target, &scene)?,
+    }
     for note in notes {
         eprintln!("note: {note}");
     }
-    let frames = if several { format!("{} frames, ", scene.frames.len()) } else { String::new() };
+    let frames = match &length {
+        Some(length) => format!("{} frames, ", length.frames),
+        None if several => format!("{} frames, ", scene.frames.len()),
+        None => String::new(),
+    };
     let what = if several { "masks" } else { "with masks" };
     println!("{} cameras, {frames}{masks} {what}, in {}", scene.cameras.len(), options.output.display());
     Ok(())
+}
+
+/// scene.json of a scene whose one frame has the paths of videos: a range of frames, and the paths as patterns.
+fn of_videos(scene: &Scene, frames: u32) -> Result<Value, Failure> {
+    let mut document = serde_json::to_value(scene).map_err(|e| Failure::Other(format!("{FILE_NAME}: {e}")))?;
+    let pattern = |path: &PathBuf| path.to_string_lossy().replace('{', "{{").replace('}', "}}");
+    let patterns = |paths: &[Option<PathBuf>]| paths.iter().map(|path| path.as_ref().map(pattern)).collect::<Vec<_>>();
+    let paths = &scene.frames[0];
+    document["frames"] = json!({ "first": 0, "last": frames - 1 });
+    document["videos"] = json!(patterns(&paths.images));
+    if scene.mask_videos {
+        document["mask_videos"] = json!(patterns(paths.masks.as_deref().unwrap_or_default()));
+    }
+    Ok(document)
 }
 
 /// A file to be copied into the scene.
@@ -72,28 +105,64 @@ impl Copy {
     /// Refuses to replace a file that is not the same already.
     fn check(&self, scene: &Path) -> Result<(), Failure> {
         let target = scene.join(&self.target);
-        if target.exists() && read(&target)? != read(&self.source)? {
+        if target.exists() && !self.is_same(&target)? {
             let target = target.display();
             return Err(Failure::Input(format!("{target}: exists already: name another folder or remove that file")));
         }
         Ok(())
     }
 
+    fn is_same(&self, target: &Path) -> Result<bool, Failure> {
+        let [mut source, mut other] = [Blocks::open(&self.source)?, Blocks::open(target)?];
+        loop {
+            let (a, b) = (source.next()?, other.next()?);
+            if a != b || a.is_empty() {
+                return Ok(a == b);
+            }
+        }
+    }
+
     fn write(&self, scene: &Path) -> Result<(), Failure> {
-        output::write(&scene.join(&self.target), &read(&self.source)?)
+        let mut source = Blocks::open(&self.source)?;
+        output::write_parts(&scene.join(&self.target), |put| {
+            loop {
+                match source.next()? {
+                    [] => return Ok(()),
+                    block => put(block)?,
+                }
+            }
+        })
     }
 }
 
-fn read(path: &Path) -> Result<Vec<u8>, Failure> {
-    fs::read(path).map_err(|e| Failure::unreadable(path, &e))
+/// A file that is read block by block, because a video may be larger than the memory.
+struct Blocks<'p> {
+    path: &'p Path,
+    file: File,
+    block: Vec<u8>,
 }
 
-/// The extension for a copy of a picture: its own, or that of its format.
+impl<'p> Blocks<'p> {
+    fn open(path: &'p Path) -> Result<Self, Failure> {
+        let file = File::open(path).map_err(|e| Failure::unreadable(path, &e))?;
+        Ok(Self { path, file, block: Vec::new() })
+    }
+
+    /// The next bytes, equally many until the file ends. Then there are none.
+    fn next(&mut self) -> Result<&[u8], Failure> {
+        self.block.clear();
+        let read = self.file.by_ref().take(BLOCK).read_to_end(&mut self.block);
+        read.map_err(|e| Failure::unreadable(self.path, &e))?;
+        Ok(&self.block)
+    }
+}
+
+/// The extension for a copy: that of a picture or video, or that of the picture's format.
 fn extension(path: &Path) -> Result<String, Failure> {
     let own = path.extension().unwrap_or_default().to_string_lossy().to_lowercase();
-    if ["png", "jpg", "jpeg"].contains(&own.as_str()) {
+    if ["png", "jpg", "jpeg", "mp4", "mov", "avi", "mkv", "webm"].contains(&own.as_str()) {
         return Ok(own);
     }
-    let is_png = read(path)?.starts_with(b"\x89PNG");
+    let is_png = fs::read(path).map_err(|e| Failure::unreadable(path, &e))?.starts_with(b"\x89PNG");
     Ok(String::from(if is_png { "png" } else { "jpg" }))
 }

@@ -7,6 +7,7 @@ mod formats;
 mod lenses;
 mod masks;
 mod names;
+mod pictures;
 mod text;
 mod transforms;
 

@@ -179,3 +179,79 @@ fn without_ffmpeg_videos_are_refused_with_what_to_install() {
     let output = command.env("PCMVS_FFMPEG", capture.path("ffmpeg")).output().unwrap();
     assert_refused(&capture, &output, &["scene.json", "install ffmpeg", "PCMVS_FFMPEG"]);
 }
+
+/// A rig of anipose with the cameras of a capture.
+fn rig(capture: &Capture, head: &str) -> String {
+    let mut text = String::from(head);
+    for camera in capture.scene["cameras"].as_array().unwrap() {
+        text += &format!(
+            "[{}]\nname = {0}\nsize = [{}, {}]\nmatrix = {}\ndistortions = {}\nrotation = {}\ntranslation = {}\n",
+            camera["name"],
+            camera["width"],
+            camera["height"],
+            camera["K"],
+            camera["distortion"],
+            camera["R"],
+            camera["t"]
+        );
+    }
+    text
+}
+
+fn import(capture: &Capture) -> Output {
+    pcmvs()
+        .args(["import", "--from", "anipose"])
+        .arg(capture.path("rig.toml"))
+        .arg("-o")
+        .arg(capture.path("in"))
+        .output()
+        .unwrap()
+}
+
+#[test]
+fn videos_beside_a_rig_become_those_of_the_scene() {
+    if !has_ffmpeg() {
+        return;
+    }
+    let (mut capture, _) = with_videos(4);
+    // A rig does not tell them.
+    for key in ["up", "units"] {
+        capture.scene.as_object_mut().unwrap().remove(key);
+    }
+    let expected = meshes(&capture, &[], FRAMES);
+    fs::create_dir(capture.path("masks")).unwrap();
+    fs::create_dir(capture.path("videos")).unwrap();
+    for camera in 0..4 {
+        let name = format!("cam{camera:02}");
+        fs::rename(capture.path(&format!("{name}.mp4")), capture.path(&format!("videos/{name}.mp4"))).unwrap();
+        fs::rename(capture.path(&format!("{name}_mask.mkv")), capture.path(&format!("masks/{name}.mkv"))).unwrap();
+    }
+    let few = "videos = [\"cam03.mp4\", \"cam02.mp4\", \"cam01.mp4\"]\n";
+    fs::write(capture.path("rig.toml"), rig(&capture, few)).unwrap();
+    common::assert_refused(&import(&capture), &["rig.toml", "list one video for each of the 4 cameras"]);
+    let listed = "videos = [\"cam00.mp4\", \"cam01.mp4\", \"cam02.mp4\", \"cam03.mp4\"]\n";
+    for head in ["", listed] {
+        fs::write(capture.path("rig.toml"), rig(&capture, head)).unwrap();
+        let output = import(&capture);
+        assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+        assert!(stderr(&output).contains("7 frames, 25 per second"), "{}", stderr(&output));
+        let scene: Value = serde_json::from_slice(&fs::read(capture.path("in/scene.json")).unwrap()).unwrap();
+        assert_eq!((&scene["frames"], &scene["fps"]), (&json!({ "first": 0, "last": 6 }), &json!(25.0)));
+        assert_eq!(scene["videos"][1], "videos/cam01.mp4");
+        assert_eq!(scene["mask_videos"][3], "masks/cam03.mkv");
+        let mut command = pcmvs();
+        command.arg("reconstruct").arg(capture.path("in")).arg("-o").arg(capture.path("out"));
+        let output = command.args(["--preset", "hull"]).output().unwrap();
+        assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+        assert!(fs::read(capture.path("out/frame_0006.glb")).unwrap() == expected[6], "the meshes differ");
+        fs::remove_dir_all(capture.path("in")).unwrap();
+    }
+
+    // A video of another size, and cameras with pictures beside those with videos.
+    let text = rig(&capture, "");
+    fs::write(capture.path("rig.toml"), text.replacen("size = [64, 48]", "size = [80, 60]", 1)).unwrap();
+    common::assert_refused(&import(&capture), &["cam00", "cam00.mp4", "64 x 48", "80 x 60"]);
+    fs::write(capture.path("rig.toml"), text).unwrap();
+    image::RgbImage::new(64, 48).save(capture.path("cam02.png")).unwrap();
+    common::assert_refused(&import(&capture), &["cam00", "is a video, but camera `cam02` has pictures"]);
+}

@@ -7,7 +7,8 @@ use std::process::Command;
 
 const SANITIZED: &[&str] = &["cc", "-std=c99", "-fsanitize=address,undefined", "-fno-sanitize-recover=all"];
 
-/// Of so many allocations one is made to fail, so that the test stays quick.
+/// Of so many allocations one is made to fail, so that the test stays quick. `PCMVS_STARVED_STEP=1` makes each fail in its
+/// turn.
 const STARVED_STEP: &str = "997";
 /// The same under AddressSanitizer.
 const STARVED_STEP_SANITIZED: &str = "4999";
@@ -54,10 +55,15 @@ fn the_callers_allocator_serves_everything() {
 #[test]
 fn a_failure_of_the_callers_allocator_is_a_status() {
     let sample = Sample::sized(4, 40, 32);
+    let wanted = std::env::var("PCMVS_STARVED_STEP").ok();
+    let step = |usual: &str| wanted.clone().unwrap_or_else(|| usual.to_owned());
     let program = build(sample.path(), C99, "tests/c/starved.c", Link::Shared);
-    println!("{}", output(&program, [sample.plain(), STARVED_STEP.into()]));
+    println!("{}", output(&program, [sample.plain(), step(STARVED_STEP).into()]));
     let program = build(sample.path(), SANITIZED, "tests/c/starved.c", Link::Static);
-    run(Command::new(program).arg(sample.plain()).arg(STARVED_STEP_SANITIZED).env("ASAN_OPTIONS", "detect_leaks=1"));
+    run(Command::new(program)
+        .arg(sample.plain())
+        .arg(step(STARVED_STEP_SANITIZED))
+        .env("ASAN_OPTIONS", "detect_leaks=1"));
 }
 
 #[test]

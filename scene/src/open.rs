@@ -22,16 +22,10 @@ pub fn open(files: &dyn Files, root: &Path) -> Result<Scene, Failure> {
             let entries = files.list(folder).map_err(|e| unreadable(folder, &e))?;
             if entries.iter().any(|path| path.file_name().is_some_and(|name| name == FILE_NAME)) {
                 let scene = Scene::load(files, folder)?;
-                if scene.videos || scene.mask_videos {
-                    return Err(Failure::Input(format!(
-                        "{}: its pictures are videos, which only the command line reads: reconstruct it there",
-                        scene.path.display()
-                    )));
-                }
-                return Ok(scene);
+                return without_videos(&scene.path.clone(), scene);
             }
             if let Some((source, path)) = of_folder(files, folder, &entries).into_iter().next() {
-                return Ok(import(files, source, &path)?.scene);
+                return without_videos(&path, import(files, source, &path)?.scene);
             }
             below.extend(entries.into_iter().filter(|path| files.is_folder(path)));
         }
@@ -40,4 +34,15 @@ pub fn open(files: &dyn Files, root: &Path) -> Result<Scene, Failure> {
     Err(Failure::Input(format!(
         "no calibrated capture was found: name a folder with scene.json, {KNOWN}, and the pictures"
     )))
+}
+
+/// The scene, unless its pictures are videos.
+fn without_videos(path: &Path, scene: Scene) -> Result<Scene, Failure> {
+    if scene.videos || scene.mask_videos {
+        return Err(Failure::Input(format!(
+            "{}: its pictures are videos, which only the command line reads: reconstruct it there",
+            path.display()
+        )));
+    }
+    Ok(scene)
 }

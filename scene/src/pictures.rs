@@ -3,8 +3,9 @@
 //! The JPEG standard leaves the rounding of the inverse transform to the decoder. Therefore the same decoder, without its
 //! SIMD paths, is used everywhere.
 
-use image::{DynamicImage, ImageFormat};
+use image::{DynamicImage, ImageDecoder, ImageFormat, codecs::png::PngDecoder};
 use pcmvs_core::{ImageRef, PixelFormat};
+use std::io::Cursor;
 use zune_jpeg::{
     JpegDecoder,
     zune_core::{bytestream::ZCursor, colorspace::ColorSpace, options::DecoderOptions},
@@ -52,12 +53,31 @@ impl Picture {
 
     /// Decodes the bytes of a file. Errors name the problem and the remedy.
     pub fn decode(file: &[u8]) -> Result<Self, String> {
-        match image::guess_format(file) {
-            Ok(ImageFormat::Jpeg) => decode_jpeg(file),
-            Ok(ImageFormat::Png) => decode_png(file),
-            _ if file.is_empty() => Err(String::from("the file is empty: export it again")),
-            _ => Err(String::from("the file is neither JPEG nor PNG: convert it to one of them")),
+        if is_jpeg(file)? { decode_jpeg(file) } else { decode_png(file) }
+    }
+
+    /// Width and height of the picture that [`Self::decode`] gives, from the header alone. Both are those of the stored pixels:
+    /// an orientation that EXIF asks for is not applied. A file that is cut off is an error. Errors name the problem and the
+    /// remedy.
+    pub fn size(file: &[u8]) -> Result<[u32; 2], String> {
+        if is_jpeg(file)? {
+            return jpeg_header(file).map(|(_, size)| size);
         }
+        if !png_has_end(file) {
+            return Err(damaged("its end is missing"));
+        }
+        let (width, height) = PngDecoder::new(Cursor::new(file)).map_err(damaged)?.dimensions();
+        Ok([width, height])
+    }
+}
+
+/// Whether a file is JPEG. Otherwise it is PNG.
+fn is_jpeg(file: &[u8]) -> Result<bool, String> {
+    match image::guess_format(file) {
+        Ok(ImageFormat::Jpeg) => Ok(true),
+        Ok(ImageFormat::Png) => Ok(false),
+        _ if file.is_empty() => Err(String::from("the file is empty: export it again")),
+        _ => Err(String::from("the file is neither JPEG nor PNG: convert it to one of them")),
     }
 }
 
@@ -68,7 +88,10 @@ fn damaged(why: impl std::fmt::Display) -> String {
     format!("the picture is damaged or truncated ({why}): export it again")
 }
 
-fn decode_jpeg(file: &[u8]) -> Result<Picture, String> {
+type Jpeg<'f> = JpegDecoder<ZCursor<&'f [u8]>>;
+
+/// A decoder that has read the header of a complete file, and width and height.
+fn jpeg_header(file: &[u8]) -> Result<(Jpeg<'_>, [u32; 2]), String> {
     // If a copy stopped shortly before the end, all blocks may be there, and only the missing end marker shows it.
     let scan = file.windows(2).rposition(|marker| marker == [0xFF, 0xDA]).unwrap_or(0);
     if !file[scan..].windows(2).any(|marker| marker == [0xFF, 0xD9]) {
@@ -85,8 +108,27 @@ fn decode_jpeg(file: &[u8]) -> Result<Picture, String> {
     if width.saturating_mul(height) > MOST_PIXELS {
         return Err(format!("the picture is {width} x {height} pixels: at most {MOST_PIXELS} can be used; scale it"));
     }
+    Ok((decoder, [width as u32, height as u32]))
+}
+
+fn decode_jpeg(file: &[u8]) -> Result<Picture, String> {
+    let (mut decoder, [width, height]) = jpeg_header(file)?;
     let pixels = decoder.decode().map_err(|e| damaged(e.to_string().trim()))?;
-    Ok(Picture { width: width as u32, height: height as u32, format: PixelFormat::Rgb8, pixels })
+    Ok(Picture { width, height, format: PixelFormat::Rgb8, pixels })
+}
+
+/// Whether the chunks of a PNG file lead to the one that ends it. A chunk has four bytes of length, four of type, its data and
+/// four of a checksum (PNG 3, §5.3).
+fn png_has_end(file: &[u8]) -> bool {
+    let mut rest = file.get(8..).unwrap_or_default();
+    while let Some((&[a, b, c, d, ref kind @ ..], _)) = rest.split_first_chunk::<8>() {
+        if kind == b"IEND" {
+            return true;
+        }
+        let next = u32::from_be_bytes([a, b, c, d]) as usize;
+        rest = next.checked_add(12).and_then(|next| rest.get(next..)).unwrap_or_default();
+    }
+    false
 }
 
 fn decode_png(file: &[u8]) -> Result<Picture, String> {
@@ -122,10 +164,26 @@ mod tests {
     use super::*;
     use image::{ColorType, ImageEncoder, codecs::png::PngEncoder};
 
-    fn decoded(pixels: &[u8], format: ColorType) -> Picture {
+    fn png(pixels: &[u8], format: ColorType) -> Vec<u8> {
         let mut file = Vec::new();
         PngEncoder::new(&mut file).write_image(pixels, 2, 1, format.into()).unwrap();
-        Picture::decode(&file).unwrap()
+        file
+    }
+
+    fn decoded(pixels: &[u8], format: ColorType) -> Picture {
+        Picture::decode(&png(pixels, format)).unwrap()
+    }
+
+    #[test]
+    fn the_size_is_read_without_the_pixels_and_only_of_complete_files() {
+        let mut file = png(&[1, 2, 3, 4, 5, 6], ColorType::Rgb8);
+        for end in 0..file.len() - 8 {
+            assert!(Picture::size(&file[..end]).is_err(), "{end}");
+        }
+        let data = file.windows(4).position(|kind| kind == b"IDAT").unwrap() + 4;
+        file[data..data + 4].fill(0);
+        assert!(Picture::decode(&file).is_err());
+        assert_eq!(Picture::size(&file), Ok([2, 1]));
     }
 
     #[test]

@@ -85,9 +85,48 @@ impl Videos {
         Ok(Self(videos))
     }
 
+    /// How long the videos are. There must be one.
+    pub fn length(&self) -> Length {
+        let indices: Vec<(usize, f64, &PathBuf)> = self
+            .0
+            .iter()
+            .map(|(path, video)| {
+                let video = video.lock().unwrap_or_else(PoisonError::into_inner);
+                (video.index.count(), video.index.period(), path)
+            })
+            .collect();
+        let (frames, period, path) = indices.iter().fold(indices[0], |a, &b| if b.0 < a.0 { b } else { a });
+        Length {
+            frames: u32::try_from(frames).unwrap_or(u32::MAX),
+            // Containers round times.
+            per_second: (1000.0 / period).round() / 1000.0,
+            shortest: indices.iter().any(|&(count, _, _)| count != frames).then(|| path.clone()),
+        }
+    }
+
     fn picture(&self, path: &Path, number: u32) -> Result<Result<Picture, String>, String> {
         let video = self.0.get(path).ok_or("the video was not opened: please report this")?;
         video.lock().unwrap_or_else(PoisonError::into_inner).picture(number)
+    }
+}
+
+/// What videos have in common.
+#[derive(Debug)]
+pub struct Length {
+    /// The pictures of the shortest.
+    pub frames: u32,
+    /// Pictures per second.
+    pub per_second: f64,
+    /// The shortest, if others are longer.
+    shortest: Option<PathBuf>,
+}
+
+impl Length {
+    /// What was found, for the user.
+    pub fn note(&self) -> String {
+        let Self { frames, per_second, shortest } = self;
+        let end = shortest.as_ref().map(|path| format!(", at which {} ends", path.display())).unwrap_or_default();
+        format!("frame f is picture f of every video; there are {frames} frames{end}, {per_second} per second")
     }
 }
 

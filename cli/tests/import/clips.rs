@@ -94,7 +94,8 @@ fn pictures_beside_each_other_stay_cameras() {
 fn a_video_in_place_of_pictures_is_named() {
     let capture = capture(|_| None, &[]);
     fs::write(capture.path().join("c0.mp4"), "x").unwrap();
-    assert!(refused("opencv", &capture.path().join("rig.json")).contains("c0.mp4, and no pictures: write its frames"));
+    let message = refused("opencv", &capture.path().join("rig.json"));
+    assert!(message.contains("c0.mp4, and no pictures, and the file does not tell their size: write"), "{message}");
 }
 
 #[test]

@@ -67,7 +67,7 @@ pub fn read(files: &dyn Files, path: &Path, notes: &mut Notes) -> Result<Vec<Imp
             r: [[r[0], r[1], r[2]], [-r[3], -r[4], -r[5]], [-r[6], -r[7], -r[8]]],
             t: [tx, -ty, -tz],
         };
-        views.extend(found.views(files, &file, &folders)?);
+        views.extend(found.views(files, &file, &folders, notes)?);
     }
     Ok(views)
 }

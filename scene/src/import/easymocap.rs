@@ -46,7 +46,7 @@ pub fn read(files: &dyn Files, path: &Path, notes: &mut Notes) -> Result<Vec<Imp
     let mut views = Vec::new();
     for (name, keys) in &cameras {
         let found = camera(name, keys, &intri, notes).map_err(|problem| failure(&intri, name, &problem))?;
-        views.extend(found.views(files, &intri, &folders)?);
+        views.extend(found.views(files, &intri, &folders, notes)?);
     }
     Ok(views)
 }

@@ -2,20 +2,19 @@
 
 use super::{
     instants::{frame_folders, numbered},
-    source::{failure, find_picture, picture_size, without_extension},
+    notes::Notes,
+    source::{failure, find_picture, find_video, picture_size, without_extension},
     view::ImportedView,
 };
 use crate::{failure::Failure, files::Files};
 use pcmvs_core::{Camera, Lens};
 use std::path::{Path, PathBuf};
 
-/// Extensions of videos.
-const VIDEOS: [&str; 5] = ["mp4", "mov", "avi", "mkv", "webm"];
-
 /// A camera as a file describes it.
+#[derive(Debug, Clone)]
 pub struct Found {
     pub name: String,
-    /// Name of its picture, or of the folder with its pictures of several instants.
+    /// Name of its picture, or of the folder with its pictures of several instants, or of its video.
     pub picture: String,
     /// Default: the size of the picture.
     pub size: Option<[u32; 2]>,
@@ -26,16 +25,32 @@ pub struct Found {
 }
 
 impl Found {
-    /// The views of the camera: one per picture. The pictures are searched in `folders`.
-    pub fn views(self, files: &dyn Files, file: &Path, folders: &[PathBuf]) -> Result<Vec<ImportedView>, Failure> {
+    /// The views of the camera: one per picture, or one with its video. They are searched in `folders`.
+    pub fn views(
+        self,
+        files: &dyn Files,
+        file: &Path,
+        folders: &[PathBuf],
+        notes: &mut Notes,
+    ) -> Result<Vec<ImportedView>, Failure> {
         let Self { name, picture, size, k, lens, r, t } = self;
         let [width, height] = match size {
             Some(size) => size,
             None => first_size(files, file, folders, [&name, &picture])?,
         };
-        let pictures = pictures(files, folders, &picture)?;
+        let mut pictures = pictures(files, folders, &picture)?;
+        let video = find_video(files, folders, without_extension(&picture));
         if pictures.is_empty() {
-            return Err(missing(files, file, folders, [&name, &picture]));
+            let video = video.ok_or_else(|| missing(files, file, folders, [&name, &picture]))?;
+            pictures.push((video, None));
+        } else if let Some(other) = passed_over(files, folders, &picture, &pictures).or(video)
+            && !pictures.iter().any(|(taken, _)| *taken == other)
+        {
+            notes.add(format!(
+                "camera `{name}`: {} is taken, and {} is not: move the wrong one away",
+                pictures[0].0.display(),
+                other.display()
+            ));
         }
         let camera = Camera { width, height, k, lens, r, t };
         let view = |(image, time): (PathBuf, Option<f64>)| ImportedView {
@@ -65,15 +80,10 @@ pub fn first_size(
 
 fn missing(files: &dyn Files, file: &Path, folders: &[PathBuf], [name, picture]: [&str; 2]) -> Failure {
     let stem = without_extension(picture);
-    let names = || VIDEOS.iter().map(|extension| format!("{stem}.{extension}"));
-    let problem = match folders
-        .iter()
-        .flat_map(|folder| names().map(|name| folder.join(name)))
-        .find(|p| files.is_file(p))
-    {
+    let problem = match find_video(files, folders, stem) {
         Some(video) => format!(
-            "has a video, {}, and no pictures: write its frames to pictures `images/{stem}/000000.png` and so on, for \
-             example with ffmpeg",
+            "has a video, {}, and no pictures, and the file does not tell their size: write the frames of the video to pictures \
+             `images/{stem}/000000.png` and so on, for example with ffmpeg",
             video.display()
         ),
         None => {
@@ -83,19 +93,36 @@ fn missing(files: &dyn Files, file: &Path, folders: &[PathBuf], [name, picture]:
     failure(file, name, &problem)
 }
 
+/// The folder of pictures that has the name of the single picture that was found, and that is passed over therefore.
+fn passed_over(
+    files: &dyn Files,
+    folders: &[PathBuf],
+    name: &str,
+    found: &[(PathBuf, Option<f64>)],
+) -> Option<PathBuf> {
+    let is_single = matches!(found, [(_, None)]);
+    own_folders(folders, name).find(|own| {
+        is_single && files.is_folder(own) && numbered(files, own).is_ok_and(|pictures| !pictures.is_empty())
+    })
+}
+
+/// The folders that may have the pictures of a name.
+fn own_folders(folders: &[PathBuf], name: &str) -> impl Iterator<Item = PathBuf> {
+    let whole = name.replace('\\', "/");
+    let stem = without_extension(&whole).to_owned();
+    folders.iter().flat_map(move |folder| [folder.join(&whole), folder.join(&stem)])
+}
+
 /// The pictures of a name, with their times: the single one; or those in the folder of this name, with the numbers at the end
 /// of their names; or one in every folder of an instant, with the numbers of the folders.
 pub fn pictures(files: &dyn Files, folders: &[PathBuf], name: &str) -> Result<Vec<(PathBuf, Option<f64>)>, Failure> {
     if let Some(single) = find_picture(files, folders, name) {
         return Ok(vec![(single, None)]);
     }
-    let slashes = name.replace('\\', "/");
-    for folder in folders {
-        for own in [slashes.as_str(), without_extension(&slashes)].map(|name| folder.join(name)) {
-            let pictures = if files.is_folder(&own) { numbered(files, &own)? } else { Vec::new() };
-            if !pictures.is_empty() {
-                return Ok(pictures);
-            }
+    for own in own_folders(folders, name) {
+        let pictures = if files.is_folder(&own) { numbered(files, &own)? } else { Vec::new() };
+        if !pictures.is_empty() {
+            return Ok(pictures);
         }
     }
     for folder in folders {

@@ -22,6 +22,8 @@ pub fn of_file(files: &dyn Files, path: &Path, name: &str) -> Result<Option<Sour
         has(&["matrix", "distortions"])?.then_some(Source::Anipose)
     } else if ends(".csv") {
         realitycapture::is_csv(&read_text(files, path)?).then_some(Source::Realitycapture)
+    } else if ends(".psx") {
+        Some(Source::Metashape)
     } else if ends(".xml") || ends(qualisys::END) {
         qualisys::refuse(path, &read_text(files, path)?)?;
         has(&["<document", "<chunk", "<sensors"])?.then_some(Source::Metashape)

@@ -46,7 +46,7 @@ pub fn read(files: &dyn Files, path: &Path, notes: &mut Notes) -> Result<Vec<Imp
             (r, t) = (step_r * r, step_r * t + step_t);
         }
         let found = camera(&name, keys, r, t).map_err(of_camera)?;
-        views.extend(found.views(files, path, &folders)?);
+        views.extend(found.views(files, path, &folders, notes)?);
     }
     Ok(views)
 }

@@ -1,6 +1,7 @@
 //! Agisoft Metashape's XML of cameras. Poses are camera to chunk with x right, y down, z forward. A sensor has f, cx and cy
 //! from the middle of the picture, b1 and b2 (aspect and skew), k1 to k4, p1 and p2, which OpenCV has in the other order.
-//! The transform of the component or the chunk leads to the world and is applied.
+//! The transform of the component or the chunk leads to the world and is applied. A chunk may have several frames, whose
+//! cameras have the poses of the chunk and pictures of their own.
 
 use super::{
     found::Found,
@@ -14,7 +15,7 @@ use crate::{failure::Failure, files::Files};
 use glam::{DMat3, DVec3};
 use pcmvs_core::Lens;
 use roxmltree::{Document, Node};
-use std::path::Path;
+use std::{collections::BTreeMap, path::Path};
 
 /// Coefficients that are read.
 const COEFFICIENTS: [&str; 12] = ["f", "cx", "cy", "b1", "b2", "k1", "k2", "k3", "k4", "p1", "p2", "resolution"];
@@ -24,12 +25,18 @@ pub fn read(files: &dyn Files, path: &Path, notes: &mut Notes) -> Result<Vec<Imp
     let text = read_text(files, path)?;
     let wrong = |problem: String| Failure::Input(format!("{}: {problem}", path.display()));
     let document = Document::parse(&text).map_err(|e| wrong(format!("{e}: correct that line")))?;
+    if path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("psx")) {
+        return Err(wrong(String::from(
+            "is a project: export its cameras as XML (File, Export, Export Cameras) and name that file",
+        )));
+    }
     let chunks: Vec<Node> = document.root_element().children().filter(|node| node.has_tag_name("chunk")).collect();
     let [chunk] = chunks[..] else {
         return Err(wrong(format!("has {} chunks: export the cameras of one chunk", chunks.len())));
     };
     let folder = path.parent().unwrap_or(Path::new(""));
     let folders = [folder.to_path_buf(), folder.join("images")];
+    let (count, photos) = frames(chunk).map_err(wrong)?;
     let mut views = Vec::new();
     let (mut without, mut disabled) = (Vec::new(), Vec::new());
     // Cameras may be in groups.
@@ -46,7 +53,22 @@ pub fn read(files: &dyn Files, path: &Path, notes: &mut Notes) -> Result<Vec<Imp
         };
         let of_camera = |problem: String| failure(path, &name, &problem);
         let found = view(chunk, camera, transform, label, &name, notes).map_err(of_camera)?;
-        views.extend(found.views(files, path, &folders)?);
+        let Some(photos) = camera.attribute("id").and_then(|id| photos.get(id)) else {
+            views.extend(found.views(files, path, &folders, notes)?);
+            continue;
+        };
+        for &(photo, time) in photos {
+            let of_frame = Found { picture: photo.to_owned(), ..found.clone() };
+            let own = of_frame.views(files, path, &folders, notes)?;
+            views.extend(own.into_iter().map(|view| ImportedView { time: Some(time), ..view }));
+        }
+    }
+    if count > 1 && photos.is_empty() {
+        notes.add(format!(
+            "{}: the chunk has {count} frames, but the export does not name their pictures: put them in a folder per camera, \
+             such as `images/LABEL/000001.jpg`, or in a folder per frame, such as `frame_0001/LABEL.jpg`",
+            path.display()
+        ));
     }
     for (names, problem) in [(without, "are not aligned"), (disabled, "are disabled")] {
         if !names.is_empty() {
@@ -54,6 +76,29 @@ pub fn read(files: &dyn Files, path: &Path, notes: &mut Notes) -> Result<Vec<Imp
         }
     }
     Ok(views)
+}
+
+/// The photos of cameras, by their ids: paths, and the numbers of the frames.
+type Photos<'a> = BTreeMap<&'a str, Vec<(&'a str, f64)>>;
+
+/// The number of frames of a chunk and, if there are several, their photos.
+fn frames<'a>(chunk: Node<'a, 'a>) -> Result<(usize, Photos<'a>), String> {
+    let frames = child(chunk, "frames").into_iter().flat_map(|node| node.children());
+    let frames: Vec<Node> = frames.filter(|node| node.has_tag_name("frame")).collect();
+    let mut photos = Photos::new();
+    for frame in frames.iter().filter(|_| frames.len() > 1) {
+        let id = frame.attribute("id").unwrap_or_default();
+        let number = id
+            .parse::<u32>()
+            .map_err(|_| format!("a frame has the id `{id}`, which is not a number: export it again"))?;
+        for camera in frame.descendants().filter(|node| node.has_tag_name("camera")) {
+            let photo = child(camera, "photo").and_then(|photo| photo.attribute("path"));
+            if let (Some(id), Some(photo)) = (camera.attribute("camera_id"), photo) {
+                photos.entry(id).or_default().push((photo, f64::from(number)));
+            }
+        }
+    }
+    Ok((frames.len(), photos))
 }
 
 fn child<'a>(node: Node<'a, 'a>, name: &str) -> Option<Node<'a, 'a>> {

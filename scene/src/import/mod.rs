@@ -55,7 +55,7 @@ pub use formats::Source;
 use notes::Notes;
 use pcmvs_core::Camera;
 pub use recognise::{KNOWN, of_folder, recognise};
-use source::{failure, picture_size, usual_mask};
+use source::{failure, is_video, picture_size, usual_mask};
 use std::{
     collections::{BTreeMap, BTreeSet},
     path::Path,
@@ -66,7 +66,8 @@ use view::ImportedView;
 #[derive(Debug)]
 pub struct Imported {
     /// The scene, with one frame unless the source has pictures of several instants. Picture paths are those of the source.
-    /// Camera names differ in more than upper and lower case, and are safe as file names.
+    /// Camera names differ in more than upper and lower case, and are safe as file names. If [`Scene::videos`] is set, the one
+    /// frame has the paths of the videos, which are not opened here: how many frames they show is unknown.
     pub scene: Scene,
     /// What was ignored or assumed, for the user.
     pub notes: Vec<String>,
@@ -106,12 +107,15 @@ pub fn import(files: &dyn Files, source: Source, path: &Path) -> Result<Imported
         return Err(Failure::Input(format!("{}: contains no camera", path.display())));
     }
     let capture = if files.is_folder(path) { path } else { path.parent().unwrap_or(Path::new("")) };
-    let mut views = instants::find(files, capture, views);
+    let of_videos = are_videos(&views)?;
+    let mut views = if of_videos { views } else { instants::find(files, capture, views) };
     let mut found = BTreeMap::new();
     for view in &mut views {
         view.camera.check().map_err(|problem| failure(&view.file, &view.name, &problem))?;
         let size = [view.camera.width, view.camera.height];
-        check_size(files, &view.image, &view.name, "picture", size)?;
+        if !of_videos {
+            check_size(files, &view.image, &view.name, "picture", size)?;
+        }
         if view.mask.is_none()
             && let Some(mask) = usual_mask(files, path, &view.image)
         {
@@ -123,15 +127,37 @@ pub fn import(files: &dyn Files, source: Source, path: &Path) -> Result<Imported
             }
             view.mask = Some(mask);
         }
-        if let Some(mask) = &view.mask {
-            check_size(files, mask, &view.name, "mask", size)?;
+        match &view.mask {
+            Some(mask) if of_videos && !is_video(mask) => {
+                let problem =
+                    "is one mask for a video: remove its key, and put a video of masks under the same name in `masks`";
+                return Err(failure(mask, &view.name, problem));
+            }
+            Some(mask) if !of_videos => check_size(files, mask, &view.name, "mask", size)?,
+            _ => {}
         }
     }
     let clip = clip::arrange(&views).map_err(|problem| Failure::Input(format!("{}: {problem}", path.display())))?;
     let names = camera_names(&views, &clip, &mut notes)?;
     clip.note(&views, &mut notes);
     note_equal_cameras(&views, &clip, &mut notes);
-    Ok(Imported { scene: scene(&views, &clip, names), notes: notes.into_list() })
+    let scene = scene(&views, &clip, names);
+    let mask_videos = of_videos && views.iter().any(|view| view.mask.is_some());
+    Ok(Imported { scene: Scene { videos: of_videos, mask_videos, ..scene }, notes: notes.into_list() })
+}
+
+/// Whether the views have videos. A scene has either pictures or videos.
+fn are_videos(views: &[ImportedView]) -> Result<bool, Failure> {
+    let has_video = |view: &&ImportedView| is_video(&view.image);
+    let (video, picture) = (views.iter().find(has_video), views.iter().find(|view| !has_video(view)));
+    match (video, picture) {
+        (Some(video), Some(picture)) => Err(failure(
+            &video.image,
+            &video.name,
+            &format!("is a video, but camera `{}` has pictures: give all cameras the same", picture.name),
+        )),
+        _ => Ok(video.is_some()),
+    }
 }
 
 fn check_size(files: &dyn Files, file: &Path, camera: &str, what: &str, calibrated: [u32; 2]) -> Result<(), Failure> {
@@ -139,9 +165,13 @@ fn check_size(files: &dyn Files, file: &Path, camera: &str, what: &str, calibrat
     if [width, height] == calibrated {
         return Ok(());
     }
+    let remedy = if [height, width] == calibrated {
+        format!("its sides are exchanged: turn the pixels of the {what}, because an orientation in EXIF is not applied")
+    } else {
+        format!("give a {what} of the calibrated size")
+    };
     let problem = format!(
-        "the {what} is {width} x {height} pixels but the camera was calibrated at {} x {}: give a {what} of the calibrated \
-         size",
+        "the {what} is {width} x {height} pixels but the camera was calibrated at {} x {}: {remedy}",
         calibrated[0], calibrated[1]
     );
     Err(failure(file, camera, &problem))

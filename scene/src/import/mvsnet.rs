@@ -50,7 +50,7 @@ pub fn read(files: &dyn Files, path: &Path, notes: &mut Notes) -> Result<Vec<Imp
             r: rows(r),
             t: [t[0], t[1], t[2]],
         };
-        views.extend(found.views(files, &file, &folders)?);
+        views.extend(found.views(files, &file, &folders, notes)?);
     }
     notes.add(format!(
         "{}: K is taken as OpenCV's, which puts the centre of the first pixel at (0, 0); ranges of depths are ignored",

@@ -50,7 +50,7 @@ pub fn import(files: &dyn Files, path: &Path, notes: &mut Notes) -> Result<Vec<I
         let (k, r, t) = decompose(&p).map_err(|problem| failure(&file, &name, &problem))?;
         let beside = image.parent().unwrap_or(folder).to_path_buf();
         let found = Found { name: name.clone(), picture: full, size: None, k, lens: Lens::NONE, r, t };
-        let mut own = found.views(files, &file, &[beside])?;
+        let mut own = found.views(files, &file, &[beside], notes)?;
         for view in &mut own {
             view.mask = mask(files, folder, &view.image);
         }

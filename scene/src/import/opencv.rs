@@ -216,7 +216,7 @@ fn camera(
         r: required(&Levels(vec![own]), ROTATION).and_then(|n| rotation(&n)).map_err(wrong)?,
         t,
     };
-    let mut views = found.views(files, file, &folders)?;
+    let mut views = found.views(files, file, &folders, notes)?;
     if mask.is_some() && views.len() > 1 {
         return Err(wrong(String::from(
             "has one mask for several pictures: remove the key `mask`, and put masks in `masks`",

@@ -48,7 +48,7 @@ pub fn read(files: &dyn Files, path: &Path, notes: &mut Notes) -> Result<Vec<Imp
         if !ignored.is_empty() {
             notes.add(format!("{}: ignored: {}", path.display(), listed(ignored)));
         }
-        views.extend(camera(&name, keys).map_err(of_camera)?.views(files, path, &folders)?);
+        views.extend(camera(&name, keys).map_err(of_camera)?.views(files, path, &folders, notes)?);
     }
     if views.is_empty() {
         return Err(wrong(String::from("none of its cameras has a picture: put them in `images` or hdImgs/NAME")));

@@ -5,6 +5,8 @@ use std::path::{Path, PathBuf};
 
 /// Extensions of pictures that can be read.
 const EXTENSIONS: [&str; 3] = ["png", "jpg", "jpeg"];
+/// Extensions of videos.
+const VIDEOS: [&str; 5] = ["mp4", "mov", "avi", "mkv", "webm"];
 
 /// An error message that names camera and file.
 pub fn failure(path: &Path, camera: &str, problem: &str) -> Failure {
@@ -22,15 +24,32 @@ pub fn read_text(files: &dyn Files, path: &Path) -> Result<String, Failure> {
     Ok(text.to_owned())
 }
 
-/// Width and height of a picture.
+/// Width and height of a picture, which is not decoded.
 pub fn picture_size(files: &dyn Files, path: &Path, camera: &str) -> Result<[u32; 2], Failure> {
-    let picture = Picture::decode(&read(files, path)?).map_err(|problem| failure(path, camera, &problem))?;
-    Ok([picture.view().width, picture.view().height])
+    Picture::size(&read(files, path)?).map_err(|problem| failure(path, camera, &problem))
+}
+
+fn ends_in(path: &Path, extensions: &[&str]) -> bool {
+    path.extension().is_some_and(|extension| extensions.iter().any(|known| extension.eq_ignore_ascii_case(known)))
 }
 
 /// Whether a path has the extension of a picture that can be read.
 pub fn is_picture(path: &Path) -> bool {
-    path.extension().is_some_and(|extension| EXTENSIONS.iter().any(|known| extension.eq_ignore_ascii_case(known)))
+    ends_in(path, &EXTENSIONS)
+}
+
+/// Whether a path has the extension of a video.
+pub fn is_video(path: &Path) -> bool {
+    ends_in(path, &VIDEOS)
+}
+
+/// The video of this name, without extension, in the first folder that contains one. The letter case of the extension does not
+/// matter.
+pub fn find_video(files: &dyn Files, folders: &[PathBuf], name: &str) -> Option<PathBuf> {
+    let is_wanted =
+        |path: &PathBuf| is_video(path) && path.file_stem().is_some_and(|stem| stem == name) && files.is_file(path);
+    let list = |folder: &PathBuf| if files.is_folder(folder) { files.list(folder).ok() } else { None };
+    folders.iter().filter_map(list).find_map(|entries| entries.into_iter().find(is_wanted))
 }
 
 /// A path without the extension of a picture. Any other dot is part of the name.
@@ -76,10 +95,14 @@ fn in_any_case(files: &dyn Files, path: &Path) -> Option<PathBuf> {
 
 /// A mask in a folder `masks`: in the folder of the pictures, next to it, or in the capture's folder. It has the stem of
 /// the picture, or the picture's full name with another extension added. Sub-folders of the pictures may be repeated below
-/// `masks`; such a mask has precedence.
+/// `masks`; such a mask has precedence. The mask of a video is a video of the same name, in any container.
 pub fn usual_mask(files: &dyn Files, capture: &Path, image: &Path) -> Option<PathBuf> {
     let capture = if files.is_folder(capture) { capture } else { capture.parent()? };
     let find = |folder: PathBuf, name: &Path| {
+        if is_video(name) {
+            let folder = folder.join(name.parent().unwrap_or(Path::new("")));
+            return find_video(files, &[folder], &name.file_stem()?.to_string_lossy());
+        }
         let full = name.to_string_lossy();
         let folder = [folder];
         find_picture(files, &folder, without_extension(&full)).or_else(|| find_picture(files, &folder, &full))

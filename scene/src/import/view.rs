@@ -12,7 +12,7 @@ pub struct ImportedView {
     pub camera: Camera,
     /// The file with its calibration.
     pub file: PathBuf,
-    /// The photograph.
+    /// The photograph, or the video.
     pub image: PathBuf,
     /// Its mask, if the source names it. Otherwise the usual folders are searched.
     pub mask: Option<PathBuf>,

@@ -1,9 +1,9 @@
 //! Agisoft Metashape's XML of cameras.
 
-use super::super::{HEIGHT, WIDTH, refused};
+use super::super::{HEIGHT, WIDTH, import, import_with_notes, refused};
 use super::{FISHEYE, Pose, by_rows, check, fisheye, folder, images, poses};
 use glam::{DMat3, DVec2, DVec3};
-use std::fmt::Write as _;
+use std::{fmt::Write as _, fs};
 
 /// Metashape's XML: camera to chunk, and a chunk that is turned, moved and three times as large.
 fn metashape(kind: &str, lens: &str) -> String {
@@ -89,4 +89,63 @@ fn metashape_counts_from_the_middle_and_has_tangential_coefficients_exchanged() 
         let message = refused("metashape", of(&text).path());
         assert!(message.contains(problem) && message.contains("cameras.xml"), "{message}");
     }
+}
+
+const PROJECTION: &str = "<f>60</f><cx>-1.5</cx><cy>0.75</cy>";
+
+/// A chunk of two frames that hold this of every camera.
+fn of_frames(camera: impl Fn(usize, usize) -> String) -> String {
+    let frame = |frame: usize| {
+        let cameras: String = (0..poses().len()).map(|i| camera(frame, i)).collect();
+        format!("<frame id=\"{frame}\">\n<cameras>\n{cameras}</cameras>\n<markers/></frame>\n")
+    };
+    let frames = format!("<frames next_id=\"2\">\n{}{}</frames>\n</chunk>", frame(0), frame(1));
+    metashape("frame", PROJECTION).replace("</chunk>", &frames)
+}
+
+#[test]
+fn frames_of_a_chunk_become_a_clip() {
+    let photo = |frame: usize, i: usize| format!("take{}IMG_{i}.png", ["0/", "1\\"][frame]);
+    let text =
+        of_frames(|frame, i| format!("<camera camera_id=\"{i}\"><photo path=\"{}\"/></camera>\n", photo(frame, i)));
+    let pictures: Vec<String> = (0..8).map(|i| photo(i / 4, i % 4).replace('\\', "/")).collect();
+    let capture = folder(&pictures, &[("cameras.xml", &text)]);
+    let scene = import("auto", capture.path());
+    assert_eq!(scene["cameras"].as_array().unwrap().len(), 4);
+    let frames = scene["frames"].as_array().unwrap();
+    assert_eq!(frames.len(), 2);
+    for frame in frames {
+        assert!(frame["images"].as_array().unwrap().iter().all(|image| image.is_string()));
+    }
+    fs::remove_file(capture.path().join("take1/IMG_2.png")).unwrap();
+    let message = refused("metashape", capture.path());
+    assert!(message.contains("`IMG_2`") && message.contains("is missing"), "{message}");
+}
+
+#[test]
+fn frames_without_pictures_and_projects_are_named() {
+    let text = of_frames(|_, _| String::new());
+    let capture = folder(&images(|i| format!("IMG_{i}")), &[("cameras.xml", &text)]);
+    let (scene, notes) = import_with_notes("metashape", capture.path());
+    assert_eq!(scene["frames"].as_array().unwrap().len(), 1);
+    assert!(notes.contains("has 2 frames, but the export does not name their pictures"), "{notes}");
+    // As the note says.
+    let numbered = |i: usize| format!("images/IMG_{}/{:06}.png", i % 4, i / 4);
+    let capture = folder(&(0..8).map(numbered).collect::<Vec<_>>(), &[("cameras.xml", &text)]);
+    assert_eq!(import("metashape", capture.path())["frames"].as_array().unwrap().len(), 2);
+
+    let capture = folder(&[], &[("a.psx", "<document version=\"1.2.0\" path=\"{projectname}.files/project.zip\"/>")]);
+    assert!(refused("auto", &capture.path().join("a.psx")).contains("is a project: export its cameras as XML"));
+}
+
+#[test]
+fn a_folder_of_pictures_that_is_passed_over_is_named() {
+    let mut pictures = images(|i| format!("IMG_{i}"));
+    pictures.push(String::from("images/IMG_2/000000.png"));
+    let capture = folder(&pictures, &[("cameras.xml", &metashape("frame", PROJECTION))]);
+    let (scene, notes) = import_with_notes("metashape", capture.path());
+    assert_eq!(scene["frames"].as_array().unwrap().len(), 1);
+    assert!(notes.contains("IMG_2.png is taken, and") && notes.contains("images/IMG_2 is not"), "{notes}");
+    fs::write(capture.path().join("images/IMG_3.mp4"), "a video").unwrap();
+    assert!(import_with_notes("metashape", capture.path()).1.contains("IMG_3.mp4 is not"));
 }

@@ -115,7 +115,7 @@ pub fn read(files: &dyn Files, file: &Path, notes: &mut Notes) -> Result<Vec<Imp
                 file.display()
             ));
         }
-        views.extend(found.views(files, file, &folders)?);
+        views.extend(found.views(files, file, &folders, notes)?);
     }
     if let Some(announced) = announced
         && announced.parse() != Ok(count)

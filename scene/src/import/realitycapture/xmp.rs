@@ -9,7 +9,7 @@ use super::{
         values::to_array,
         view::{ImportedView, rows},
     },
-    shares::{entries_with, principal},
+    shares::{brown, entries_with, principal},
 };
 use crate::{failure::Failure, files::Files};
 use glam::{DMat3, DVec3};
@@ -138,18 +138,16 @@ fn camera(entries: &Map<String, Value>, [width, height]: [u32; 2]) -> Result<Cam
     Ok(Camera { width, height, k, lens: lens(entries)?, r, t: t.to_array() })
 }
 
-/// The distortion k1 k2 k3 k4 t1 t2, of which OpenCV's model has the first three.
+/// The distortion k1 k2 k3 k4 t1 t2. A model that does not have a coefficient writes zero.
 fn lens(entries: &Map<String, Value>) -> Result<Lens, String> {
     let coefficients: [f64; 6] = numbers(entries, "DistortionCoeficients")?.unwrap_or([0.0; 6]);
     let model = entries.get("DistortionModel").and_then(Value::as_str).unwrap_or_default();
-    match (model, coefficients) {
-        (_, [0.0, 0.0, 0.0, 0.0, 0.0, 0.0]) => Ok(Lens::NONE),
-        ("brown3" | "brown4" | "brown3t2" | "brown4t2", [k1, k2, k3, 0.0, 0.0, 0.0]) => {
-            Ok(Lens::brown([k1, k2, 0.0, 0.0, k3]))
-        }
-        _ => Err(format!(
-            "the distortion model `{model}` with these coefficients is not supported: choose Brown3 in the settings of the \
-             alignment, align again and export"
-        )),
-    }
+    let is_brown = ["brown3", "brown4", "brown3t2", "brown4t2"].contains(&model);
+    let known = coefficients == [0.0; 6] || is_brown;
+    known.then(|| brown(coefficients)).flatten().ok_or_else(|| {
+        format!(
+            "the distortion model `{model}` with these coefficients is not supported: choose Brown3, with or without \
+             tangential distortion, in the settings of the alignment, align again and export"
+        )
+    })
 }
