@@ -36,7 +36,8 @@ impl Smooth {
     /// Smooths the square of `2 * half + 1` pixels around a pixel, which is the middle of the result. `None` if the square
     /// reaches beyond the picture.
     pub(super) fn around(luma: &[u8], [width, height]: [usize; 2], [x, y]: [usize; 2], half: usize) -> Option<Self> {
-        if x < half || y < half || x + half >= width || y + half >= height {
+        let fits = |at: usize, size: usize| (half..size.saturating_sub(half)).contains(&at);
+        if !fits(x, width) || !fits(y, height) {
             return None;
         }
         let edge = 2 * half + 1;
@@ -54,5 +55,26 @@ impl Smooth {
     #[inline]
     pub(super) fn at(&self, x: usize, y: usize) -> f32 {
         f32::from(self.values[y * self.width + x]) * (1.0 / 16.0)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_part_is_smoothed_as_the_whole_and_parts_beyond_the_picture_are_refused() {
+        let (width, height) = (12, 9);
+        let luma: Vec<u8> = (0..width * height).map(|i| (i * i * 7 % 251) as u8).collect();
+        let whole = Smooth::new(&luma, width, height);
+        let around = |at| Smooth::around(&luma, [width, height], at, 3);
+        let part = around([8, 4]).unwrap();
+        for (x, y) in (-2..=2).flat_map(|y| (-2..=2).map(move |x| (x, y))) {
+            let at = |middle: usize, by: i32| middle.wrapping_add_signed(by as isize);
+            assert_eq!(part.at(at(3, x), at(3, y)), whole.at(at(8, x), at(4, y)));
+        }
+        for beyond in [[2, 4], [9, 4], [8, 2], [8, 6], [usize::MAX, 4], [8, usize::MAX]] {
+            assert!(around(beyond).is_none(), "{beyond:?}");
+        }
     }
 }
