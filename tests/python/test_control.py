@@ -56,7 +56,15 @@ def test_an_exception_in_the_callback_comes_out_unchanged(frame):
     assert frame.reached == "coarse"
 
 
-def test_ctrl_c_stops_the_work(scene, pictures, finished):
+@pytest.fixture
+def ctrl_c():
+    """Python's own handler of Ctrl-C, which it does not install if the tests run in the background of a script."""
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    yield
+    signal.signal(signal.SIGINT, before)
+
+
+def test_ctrl_c_stops_the_work(scene, pictures, finished, ctrl_c):
     frames = [pcmvs.Frame(scene.rig(), **pictures) for _ in range(8)]
     presser = threading.Timer(0.3, os.kill, (os.getpid(), signal.SIGINT))
     with pytest.raises(KeyboardInterrupt):
