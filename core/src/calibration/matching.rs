@@ -30,7 +30,7 @@ const HIDDEN: f32 = 8.0;
 /// Bounds of how much larger or smaller a window may appear in a neighbour, as an area.
 const AREAS: [f32; 2] = [0.35, 2.8];
 /// Standard deviation of a corner's own position in pixels. Matches are relative to it.
-const OWN_SIGMA: f64 = 0.08;
+pub(super) const OWN_SIGMA: f64 = 0.08;
 /// A comparison of the brightness of two views: the places of both cameras, and the second over the first.
 pub(super) type Brightness = (u16, u16, f32);
 

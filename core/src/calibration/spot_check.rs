@@ -8,6 +8,7 @@
 use super::{
     corners::{AROUND, strength},
     instant::INSIDE,
+    matching::OWN_SIGMA,
     model::Model,
     patch::{self, MARGIN},
     residuals::{epipolar_bias, residuals},
@@ -22,7 +23,7 @@ use crate::{
     silhouette::Silhouette,
     view::View,
 };
-use alloc::vec::Vec;
+use alloc::{vec, vec::Vec};
 use glam::{DVec2, DVec3, Mat2, Vec2, Vec3};
 
 /// Points that are searched, per view.
@@ -37,8 +38,6 @@ const REACH: usize = 5;
 const SEARCHED: usize = 30;
 /// Cosine between a surface's normal and the ray below which a window would be warped too much.
 const LEAST_FACING: f32 = 0.35;
-/// Standard deviation of a point's own position in pixels. Nothing here depends on it.
-const OWN_SIGMA: f64 = 0.08;
 
 /// How well the calibration fits a frame.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -73,7 +72,7 @@ fn matches(rig: &Rig, views: &[View], models: &[Model], i: usize, points: &[Poin
         let [x, y] = point.pixel;
         let half = MARGIN + REACH;
         let Some(own) = smoothed(view, [x, y], half) else { continue };
-        let mut observations = alloc::vec![seen(view, &models[i], i, Vec2::new(x as f32, y as f32))];
+        let mut observations = vec![seen(view, &models[i], i, Vec2::new(x as f32, y as f32))];
         for j in others() {
             let Some((expected, affine)) = point.seen_by(&view.camera, &views[j].camera) else { continue };
             let (column, row) = (libm::roundf(expected.x), libm::roundf(expected.y));
