@@ -1,10 +1,6 @@
 //! Frames that are averaged with their neighbours in time: which frames are made, and when each can be finished.
 
-use crate::{
-    frame::{Job, Own},
-    report::FrameReport,
-    warning::WarningReport,
-};
+use crate::{frame::Job, report::FrameReport, warning::WarningReport};
 use pcmvs_core::Mesh;
 use pcmvs_scene::{Failure, SceneFrame};
 use std::sync::Arc;
@@ -47,10 +43,10 @@ pub fn with_neighbours(mut all: Vec<SceneFrame>, asked: &[u32]) -> Vec<SceneFram
     all
 }
 
-/// A frame that can be finished.
-pub struct Ready<'a> {
+/// A frame that can be finished. `O` is the frame as it was reconstructed by itself.
+pub struct Ready<O> {
     pub place: usize,
-    pub own: Own<'a>,
+    pub own: O,
     pub digest: String,
     /// The digests of its neighbours and their meshes, of those that have one.
     pub neighbours: Vec<Option<(String, Arc<Mesh>)>>,
@@ -58,54 +54,61 @@ pub struct Ready<'a> {
 }
 
 /// What has become of the frames of a plan.
-pub struct Waiting<'a> {
+pub struct Waiting<'a, O> {
     plan: &'a [Planned<'a>],
-    states: Vec<State<'a>>,
+    states: Vec<State<O>>,
 }
 
-enum State<'a> {
+enum State<O> {
     /// It has not been reconstructed yet.
     Open,
     /// It has been reconstructed by itself. `own` is there until it is finished.
-    Made { own: Option<Box<(Own<'a>, Vec<WarningReport>)>>, digest: String, mesh: Arc<Mesh> },
+    Made { own: Option<Box<(O, Vec<WarningReport>)>>, digest: String, mesh: Arc<Mesh> },
     /// It has failed.
     Failed,
     /// Neither it nor any of its neighbours needs it any more.
     Gone,
 }
 
-impl<'a> Waiting<'a> {
+impl<'a, O> Waiting<'a, O> {
     pub fn new(plan: &'a [Planned<'a>]) -> Self {
         Self { plan, states: plan.iter().map(|_| State::Open).collect() }
     }
 
     /// Notes that a frame has failed. Returns the frames that can be finished now.
-    pub fn failed(&mut self, place: usize) -> Vec<Ready<'a>> {
+    pub fn failed(&mut self, place: usize) -> Vec<Ready<O>> {
         self.states[place] = State::Failed;
         self.ready_around(place)
     }
 
-    /// Notes that a frame has been reconstructed. Returns the frames that can be finished now: itself, or frames beside it.
-    pub fn made(&mut self, place: usize, own: Own<'a>, digest: String, warnings: Vec<WarningReport>) -> Vec<Ready<'a>> {
-        let Planned { is_asked, neighbours, .. } = &self.plan[place];
-        // A copy, because the frame's own mesh goes with it when it is finished.
-        let mesh = if neighbours.is_empty() { Arc::default() } else { Arc::new(own.mesh().clone()) };
-        let own = is_asked.then(|| Box::new((own, warnings)));
-        self.states[place] = State::Made { own, digest, mesh };
+    /// Notes that a frame has been reconstructed. `mesh` is the copy that its neighbours are averaged with. Returns the frames
+    /// that can be finished now: itself, or frames beside it.
+    pub fn made(
+        &mut self,
+        place: usize,
+        own: O,
+        mesh: Mesh,
+        digest: String,
+        warnings: Vec<WarningReport>,
+    ) -> Vec<Ready<O>> {
+        let own = self.plan[place].is_asked.then(|| Box::new((own, warnings)));
+        self.states[place] = State::Made { own, digest, mesh: Arc::new(mesh) };
         self.ready_around(place)
     }
 
-    fn ready_around(&mut self, place: usize) -> Vec<Ready<'a>> {
+    fn ready_around(&mut self, place: usize) -> Vec<Ready<O>> {
         let around: Vec<usize> = self.plan[place].neighbours.iter().copied().chain([place]).collect();
         let ready = around.iter().filter_map(|&place| self.ready(place)).collect();
-        for place in around {
+        // A frame that is finished now may be the last that needed the one beside it.
+        let plan = self.plan;
+        for place in around.into_iter().flat_map(|place| plan[place].neighbours.iter().copied().chain([place])) {
             self.let_go(place);
         }
         ready
     }
 
     /// Takes out a frame if it and all of its neighbours are settled.
-    fn ready(&mut self, place: usize) -> Option<Ready<'a>> {
+    fn ready(&mut self, place: usize) -> Option<Ready<O>> {
         let plan = self.plan;
         let neighbours = &plan[place].neighbours;
         if neighbours.iter().any(|&other| matches!(self.states[other], State::Open)) {
@@ -153,4 +156,41 @@ pub fn digests(job: &Job, plan: &[Planned]) -> Result<Vec<Option<String>>, Failu
         Err(_) => Ok(None),
     };
     plan.iter().map(digest).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn frames(count: u32) -> Vec<SceneFrame> {
+        (0..count).map(|index| SceneFrame { index, images: Vec::new(), masks: None }).collect()
+    }
+
+    fn held(waiting: &Waiting<u32>) -> usize {
+        waiting.states.iter().filter(|state| matches!(state, State::Made { .. })).count()
+    }
+
+    #[test]
+    fn the_meshes_of_a_take_are_held_as_long_as_frames_beside_them_need_them() {
+        let frames = frames(40);
+        let plan = plan(&frames, |_| true, false);
+        for fails in [None, Some(7)] {
+            let (mut waiting, mut finished) = (Waiting::new(&plan), Vec::new());
+            for place in 0..plan.len() {
+                let ready = if fails == Some(place) {
+                    waiting.failed(place)
+                } else {
+                    waiting.made(place, place as u32, Mesh::default(), place.to_string(), Vec::new())
+                };
+                finished.extend(ready.into_iter().map(|ready| (ready.own, ready.neighbours.iter().flatten().count())));
+                // The frame that waits for the next one, and the one beside it.
+                assert!(held(&waiting) <= 2, "{place}: {}", held(&waiting));
+            }
+            assert_eq!(held(&waiting), 0);
+            let made = |place: &u32| *place < 40 && fails != Some(*place as usize);
+            let beside = |place: u32| [place.wrapping_sub(1), place + 1].iter().filter(|other| made(other)).count();
+            let expected: Vec<(u32, usize)> = (0..40).filter(made).map(|place| (place, beside(place))).collect();
+            assert_eq!(finished, expected);
+        }
+    }
 }

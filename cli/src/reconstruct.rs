@@ -226,7 +226,7 @@ fn make_missing<'a>(job: &'a Job<'a>, kept: &[u32], outcome: Outcome<'a>) -> Out
         let mut next = lock(&turn);
         let place = *next;
         *next += 1;
-        let Planned { frame, is_asked, .. } = plan[place];
+        let Planned { frame, is_asked, ref neighbours } = plan[place];
         let index = frame.index;
         let files = guarded(index, || job.read(frame));
         drop(next);
@@ -236,7 +236,11 @@ fn make_missing<'a>(job: &'a Job<'a>, kept: &[u32], outcome: Outcome<'a>) -> Out
             Ok((guarded(index, || job.reconstruct(frame, files, &mut warnings))?, digest))
         });
         let ready = match own {
-            Ok((own, digest)) => lock(&waiting).made(place, own, digest, warnings),
+            Ok((own, digest)) => {
+                // The frame's own mesh goes with it when it is finished.
+                let mesh = if neighbours.is_empty() { Mesh::default() } else { own.mesh().clone() };
+                lock(&waiting).made(place, own, mesh, digest, warnings)
+            }
             Err(failure) => {
                 if is_asked {
                     lock(&outcome).add(index, Err(failure), warnings);
