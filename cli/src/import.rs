@@ -2,7 +2,7 @@
 //! that the scene does not depend on its source.
 
 use crate::{arguments::Import, output, video::Videos};
-use pcmvs_scene::{Disk, FILE_NAME, Failure, Imported, Scene, import, recognise};
+use pcmvs_scene::{Disk, FILE_NAME, Failure, Imported, Scene, import, is_picture, is_video, recognise};
 use serde_json::{Value, json};
 use std::{
     fs::{self, File},
@@ -160,7 +160,7 @@ impl<'p> Blocks<'p> {
 /// The extension for a copy: that of a picture or video, or that of the picture's format.
 fn extension(path: &Path) -> Result<String, Failure> {
     let own = path.extension().unwrap_or_default().to_string_lossy().to_lowercase();
-    if ["png", "jpg", "jpeg", "mp4", "mov", "avi", "mkv", "webm"].contains(&own.as_str()) {
+    if is_picture(path) || is_video(path) {
         return Ok(own);
     }
     let is_png = fs::read(path).map_err(|e| Failure::unreadable(path, &e))?.starts_with(b"\x89PNG");

@@ -24,7 +24,7 @@ mod threads;
 pub use document::Document;
 pub use failure::Failure;
 pub use files::{Disk, Files};
-pub use import::{Imported, Source, import, recognise};
+pub use import::{Imported, Source, import, is_picture, is_video, recognise};
 pub use inputs::{DecodedView, FrameFiles, MissingFile, NoVideos, Pictures, Silhouettes, UndecodedViews, Videos};
 pub use lens::LensModel;
 pub use open::open;

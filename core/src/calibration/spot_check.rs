@@ -75,12 +75,9 @@ fn matches(rig: &Rig, views: &[View], models: &[Model], i: usize, points: &[Poin
         let mut observations = vec![seen(view, &models[i], i, Vec2::new(x as f32, y as f32))];
         for j in others() {
             let Some((expected, affine)) = point.seen_by(&view.camera, &views[j].camera) else { continue };
-            let (column, row) = (libm::roundf(expected.x), libm::roundf(expected.y));
-            if !(column >= 0.0 && row >= 0.0) {
-                continue;
-            }
-            let Some(there) = smoothed(&views[j], [column as usize, row as usize], SEARCHED) else { continue };
-            let corner = Vec2::new(column, row) - SEARCHED as f32;
+            let Some(middle) = nearest(expected) else { continue };
+            let Some(there) = smoothed(&views[j], middle, SEARCHED) else { continue };
+            let corner = Vec2::from(middle.map(|v| v as f32)) - SEARCHED as f32;
             if let Some(found) = patch::find([&own, &there], [half as u16; 2], expected - corner, affine, REACH) {
                 observations.push(seen(&views[j], &models[j], j, found.pixel + corner));
             }
@@ -97,6 +94,12 @@ fn seen(view: &View, model: &Model, place: usize, pixel: Vec2) -> Observation {
     let scale = f64::from(1u32 << view.octave);
     let ideal = (pixel.as_dvec2() + 0.5) * scale - DVec2::splat(0.5);
     Observation { camera: place as u16, pixel: model.real_of_ideal(ideal), sigma: OWN_SIGMA }
+}
+
+/// The pixel nearest to a position; `None` above or to the left of the picture.
+fn nearest(at: Vec2) -> Option<[usize; 2]> {
+    let [x, y] = [libm::roundf(at.x), libm::roundf(at.y)];
+    (x >= 0.0 && y >= 0.0).then_some([x as usize, y as usize])
 }
 
 /// The surroundings of a pixel, smoothed.
@@ -146,12 +149,8 @@ fn chosen(view: &View, points: &[Point]) -> Vec<Tangent> {
         let step = part.len().div_ceil(CANDIDATES);
         let mut best: Option<(f32, Tangent)> = None;
         for point in part.iter().step_by(step).filter(|point| point.rank == Rank::Detected) {
-            let at = view.camera.project(point.position);
-            let (x, y) = (libm::roundf(at.x), libm::roundf(at.y));
-            if !(x >= 0.0 && y >= 0.0) {
-                continue;
-            }
-            let pixel = [x as usize, y as usize];
+            let at = view.camera.project(point.position).truncate();
+            let Some(pixel) = nearest(at) else { continue };
             let Some(around) = smoothed(view, pixel, AROUND) else { continue };
             let inside = |d: &[i16]| d[pixel[1] * width + pixel[0]] > deep;
             if !shown.is_none_or(inside) {

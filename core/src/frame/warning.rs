@@ -91,7 +91,7 @@ pub enum Warning {
         /// Its overlap.
         overlap: f32,
     },
-    /// The calibration as a whole does not fit the pictures: no camera stands out, and they miss each other.
+    /// The calibration as a whole does not fit the pictures.
     CalibrationInconsistent {
         /// Mean over all pairs of neighbouring cameras of how far matches lie from their epipolar lines, in pixels.
         pixels: f32,

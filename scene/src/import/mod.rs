@@ -55,7 +55,8 @@ pub use formats::Source;
 use notes::Notes;
 use pcmvs_core::Camera;
 pub use recognise::{KNOWN, of_folder, recognise};
-use source::{failure, is_video, picture_size, usual_mask};
+use source::{failure, picture_size, usual_mask};
+pub use source::{is_picture, is_video};
 use std::{
     collections::{BTreeMap, BTreeSet},
     path::Path,
