@@ -10,7 +10,7 @@ use crate::{
     warning::WarningReport,
 };
 use pcmvs_core::{
-    Camera, Executor, Progress, Rig, View,
+    Camera, Progress, Rig, View,
     calibration::{self, Calibration, CalibrationParams, CameraReport, Finding, Verdict, calibrate},
 };
 use pcmvs_scene::{

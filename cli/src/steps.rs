@@ -1,7 +1,7 @@
 //! Which cameras of a take are out of step.
 
 use crate::{arguments::List, run::Run, warning::WarningReport};
-use pcmvs_core::{Camera, Executor, Progress, Rig, View, calibration::out_of_step};
+use pcmvs_core::{Camera, Progress, Rig, View, calibration::out_of_step};
 use pcmvs_scene::{Disk, Failure, FrameFiles, Scene, SceneCamera, SceneFrame};
 use serde_json::{Map, Value};
 

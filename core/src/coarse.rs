@@ -76,7 +76,7 @@ pub fn coarse(
     frontier: &[Point],
     (params, detection, meshing): (&CoarseParams, &DetectionParams, &MeshingParams),
     further: u32,
-    executor: &impl Executor,
+    executor: &dyn Executor,
     scratch: &mut Vec<DetectionScratch>,
     workspace: &mut Workspace,
 ) -> Result<Mesh> {
@@ -116,7 +116,7 @@ fn points(
     detection: &DetectionParams,
     meshing: &MeshingParams,
     frontier: &[Point],
-    executor: &impl Executor,
+    executor: &dyn Executor,
     scratch: &mut Vec<DetectionScratch>,
     workspace: &mut Workspace,
 ) -> Result<PointCloud> {

@@ -1,56 +1,29 @@
 //! How independent jobs are run: on the calling thread ([`Serial`]) or on the host's threads ([`Executor`]).
 
 use alloc::vec::Vec;
+use core::mem::{replace, take};
 use spin::Mutex;
 
-/// Runs independent jobs, in any order and on any thread. The results are returned in the order of the jobs.
+/// Runs independent jobs, in any order and on any thread.
+///
+/// Stages take `&dyn Executor`, so that they are compiled once and not again in every program that has threads of its own.
 pub trait Executor: Sync {
+    /// Calls `job(i)` once for each `i` from 0 to `count - 1`, and returns when all calls have returned.
+    fn run(&self, count: usize, job: &(dyn Fn(usize) + Sync));
+}
+
+/// Results are returned in the order of the jobs.
+impl dyn Executor + '_ {
+    /// Computes `(0..count).map(job)`.
+    pub fn map<T: Send>(&self, count: usize, job: impl Fn(usize) -> T + Sync) -> Vec<T> {
+        self.map_parts(0..count, |_, i| job(i))
+    }
+
     /// Computes `(0..count).map(|i| job(scratch, i))`.
     ///
     /// Each running job has exclusive use of a scratch buffer. It is taken from `spare`, or created if all of them are
     /// in use. All buffers are in `spare` when the call returns. Their content never affects a result.
-    fn map_with<S: Default + Send, T: Send>(
-        &self,
-        spare: &mut Vec<S>,
-        count: usize,
-        job: impl Fn(&mut S, usize) -> T + Sync,
-    ) -> Vec<T>;
-
-    /// Computes `(0..count).map(job)`.
-    fn map<T: Send>(&self, count: usize, job: impl Fn(usize) -> T + Sync) -> Vec<T> {
-        self.map_with(&mut Vec::<()>::new(), count, |(), i| job(i))
-    }
-
-    /// Computes `job(i, part)` for each of the parts, such as mutable slices of one vector.
-    fn map_parts<P: Send, T: Send>(
-        &self,
-        parts: impl IntoIterator<Item = P>,
-        job: impl Fn(usize, P) -> T + Sync,
-    ) -> Vec<T> {
-        self.map_parts_with(&mut Vec::<()>::new(), parts, |(), i, part| job(i, part))
-    }
-
-    /// [`Self::map_parts`] with scratch buffers as in [`Self::map_with`].
-    fn map_parts_with<S: Default + Send, P: Send, T: Send>(
-        &self,
-        spare: &mut Vec<S>,
-        parts: impl IntoIterator<Item = P>,
-        job: impl Fn(&mut S, usize, P) -> T + Sync,
-    ) -> Vec<T> {
-        let parts: Vec<Mutex<Option<P>>> = parts.into_iter().map(|part| Mutex::new(Some(part))).collect();
-        self.map_with(spare, parts.len(), |scratch, i| {
-            let part = parts[i].lock().take().expect("each job runs once");
-            job(scratch, i, part)
-        })
-    }
-}
-
-/// Runs all jobs on the calling thread.
-#[derive(Debug, Clone, Copy, Default)]
-pub struct Serial;
-
-impl Executor for Serial {
-    fn map_with<S: Default + Send, T: Send>(
+    pub fn map_with<S: Default + Send, T: Send>(
         &self,
         spare: &mut Vec<S>,
         count: usize,
@@ -59,17 +32,52 @@ impl Executor for Serial {
         self.map_parts_with(spare, 0..count, |scratch, _, i| job(scratch, i))
     }
 
-    /// Without the locks that threads need.
-    fn map_parts_with<S: Default + Send, P: Send, T: Send>(
+    /// Computes `job(i, part)` for each of the parts, such as mutable slices of one vector.
+    pub fn map_parts<P: Send, T: Send>(
+        &self,
+        parts: impl IntoIterator<Item = P>,
+        job: impl Fn(usize, P) -> T + Sync,
+    ) -> Vec<T> {
+        self.map_parts_with(&mut Vec::<()>::new(), parts, |(), i, part| job(i, part))
+    }
+
+    /// [`Self::map_parts`] with scratch buffers as in [`Self::map_with`].
+    pub fn map_parts_with<S: Default + Send, P: Send, T: Send>(
         &self,
         spare: &mut Vec<S>,
         parts: impl IntoIterator<Item = P>,
         job: impl Fn(&mut S, usize, P) -> T + Sync,
     ) -> Vec<T> {
-        let mut scratch = spare.pop().unwrap_or_default();
-        let results = parts.into_iter().enumerate().map(|(i, part)| job(&mut scratch, i, part)).collect();
-        spare.push(scratch);
-        results
+        let jobs: Vec<Mutex<Job<P, T>>> = parts.into_iter().map(|part| Mutex::new(Job::Waiting(part))).collect();
+        let mut scratches = Pool::from(take(spare));
+        self.run(jobs.len(), &|i| {
+            let Job::Waiting(part) = replace(&mut *jobs[i].lock(), Job::Running) else { panic!("each job runs once") };
+            let result = scratches.with(|scratch| job(scratch, i, part));
+            *jobs[i].lock() = Job::Done(result);
+        });
+        *spare = take(scratches.spare());
+        let result = |job: Mutex<Job<P, T>>| match job.into_inner() {
+            Job::Done(result) => result,
+            Job::Waiting(_) | Job::Running => panic!("an executor runs all jobs"),
+        };
+        jobs.into_iter().map(result).collect()
+    }
+}
+
+/// State of a job: it turns a part into a result.
+enum Job<P, T> {
+    Waiting(P),
+    Running,
+    Done(T),
+}
+
+/// Runs all jobs on the calling thread.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Serial;
+
+impl Executor for Serial {
+    fn run(&self, count: usize, job: &(dyn Fn(usize) + Sync)) {
+        (0..count).for_each(job);
     }
 }
 

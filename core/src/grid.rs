@@ -67,7 +67,7 @@ impl SparseGrid {
     pub(crate) fn for_each_part<T: Send>(
         &self,
         field: &mut [T],
-        executor: &impl Executor,
+        executor: &dyn Executor,
         job: impl Fn(&mut dyn Iterator<Item = (&[u16; 3], &mut [T])>) + Sync,
     ) {
         let parts = self.blocks.chunks(BLOCKS_PER_JOB).zip(field.chunks_mut(BLOCKS_PER_JOB * BLOCK_NODES));

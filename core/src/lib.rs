@@ -171,7 +171,7 @@ pub fn reconstruct<'i>(
     rig: &Rig,
     inputs: &[impl Into<Option<ViewInput<'i>>> + Copy + Sync],
     params: &Params,
-    executor: &impl Executor,
+    executor: &dyn Executor,
     progress: &dyn Progress,
 ) -> Result<Reconstruction> {
     let mut frame = Frame::new(rig, *params, Memory::default());

@@ -80,7 +80,7 @@ pub struct ViewScratch {
 }
 
 /// Hash of views, which depends on their order.
-pub(crate) fn hash(views: &[View], executor: &impl Executor) -> u64 {
+pub(crate) fn hash(views: &[View], executor: &dyn Executor) -> u64 {
     Hash64::of_parts(executor.map(views.len(), |i| views[i].hash()))
 }
 

@@ -1,11 +1,10 @@
 //! The host's threads as an executor of the core.
 
 use crate::batches::{Open, run_job};
-use pcmvs_core::{Executor, Pool, Serial};
+use pcmvs_core::{Executor, Serial};
 use std::{
     any::Any,
     ffi::c_void,
-    mem::take,
     panic::{AssertUnwindSafe, catch_unwind, resume_unwind},
     ptr::{with_exposed_provenance, without_provenance_mut},
     sync::{Mutex, PoisonError},
@@ -31,35 +30,35 @@ pub(crate) struct HostThreads {
     pub user: *mut c_void,
 }
 
-// SAFETY: the core calls `map` only on the thread that called it; `user` is the host's.
+// SAFETY: the core calls `run` only on the thread that called it; `user` is the host's.
 unsafe impl Sync for HostThreads {}
 
-/// The jobs of one `map`, shared with the host's threads.
-struct Batch<'a, T, F> {
-    job: &'a F,
-    results: Vec<Mutex<Slot<T>>>,
+/// The jobs of one call, shared with the host's threads.
+struct Batch<'a> {
+    job: &'a (dyn Fn(usize) + Sync),
+    states: Vec<Mutex<State>>,
 }
 
 /// State of a job.
-enum Slot<T> {
+enum State {
     Waiting,
     Running,
-    Done(T),
+    Done,
     Panicked(Box<dyn Any + Send>),
 }
 
-impl<T: Send, F: Fn(usize) -> T + Sync> Batch<'_, T, F> {
+impl Batch<'_> {
     fn run(&self, index: usize) {
-        let Some(slot) = self.results.get(index) else { return };
+        let Some(state) = self.states.get(index) else { return };
         {
-            let mut slot = slot.lock().unwrap_or_else(PoisonError::into_inner);
-            if !matches!(*slot, Slot::Waiting) {
+            let mut state = state.lock().unwrap_or_else(PoisonError::into_inner);
+            if !matches!(*state, State::Waiting) {
                 return;
             }
-            *slot = Slot::Running;
+            *state = State::Running;
         }
-        let result = catch_unwind(AssertUnwindSafe(|| (self.job)(index)));
-        *slot.lock().unwrap_or_else(PoisonError::into_inner) = result.map_or_else(Slot::Panicked, Slot::Done);
+        let done = catch_unwind(AssertUnwindSafe(|| (self.job)(index)));
+        *state.lock().unwrap_or_else(PoisonError::into_inner) = done.map_or_else(State::Panicked, |()| State::Done);
     }
 
     /// # Safety
@@ -71,41 +70,28 @@ impl<T: Send, F: Fn(usize) -> T + Sync> Batch<'_, T, F> {
 }
 
 impl Executor for HostThreads {
-    fn map_with<S: Default + Send, T: Send>(
-        &self,
-        spare: &mut Vec<S>,
-        count: usize,
-        job: impl Fn(&mut S, usize) -> T + Sync,
-    ) -> Vec<T> {
-        let Some(parallel) = self.parallel else { return Serial.map_with(spare, count, job) };
-        let mut pool = Pool::from(take(spare));
-        let results = self.run(parallel, count, |i| pool.with(|scratch| job(scratch, i)));
-        *spare = take(pool.spare());
-        results
+    fn run(&self, count: usize, job: &(dyn Fn(usize) + Sync)) {
+        let Some(parallel) = self.parallel else { return Serial.run(count, job) };
+        let batch = Batch { job, states: (0..count).map(|_| Mutex::new(State::Waiting)).collect() };
+        // Afterwards no other thread uses the batch.
+        self.hand_out(parallel, &batch);
+        (0..count).for_each(|i| batch.run(i));
+        for state in batch.states {
+            match state.into_inner().unwrap_or_else(PoisonError::into_inner) {
+                State::Done => {}
+                State::Panicked(panic) => resume_unwind(panic),
+                State::Waiting | State::Running => {
+                    unreachable!("all jobs have been run, and those that run are waited for")
+                }
+            }
+        }
     }
 }
 
 impl HostThreads {
-    fn run<T: Send>(&self, parallel: Parallel, count: usize, job: impl Fn(usize) -> T + Sync) -> Vec<T> {
-        let batch = Batch { job: &job, results: (0..count).map(|_| Mutex::new(Slot::Waiting)).collect() };
-        // Afterwards no other thread uses the batch.
-        self.hand_out(parallel, &batch);
-        (0..count).for_each(|i| batch.run(i));
-        let results = batch.results.into_iter().map(|slot| slot.into_inner().unwrap_or_else(PoisonError::into_inner));
-        results
-            .map(|slot| match slot {
-                Slot::Done(result) => result,
-                Slot::Panicked(panic) => resume_unwind(panic),
-                Slot::Waiting | Slot::Running => {
-                    unreachable!("all jobs have been run, and those that run are waited for")
-                }
-            })
-            .collect()
-    }
-
-    fn hand_out<T: Send, F: Fn(usize) -> T + Sync>(&self, parallel: Parallel, batch: &Batch<T, F>) {
-        let open = Open::new((&raw const *batch).expose_provenance(), Batch::<T, F>::run_one);
+    fn hand_out(&self, parallel: Parallel, batch: &Batch) {
+        let open = Open::new((&raw const *batch).expose_provenance(), Batch::run_one);
         // SAFETY: the host keeps function and user alive for the call. `job` is a number, which may come late.
-        unsafe { parallel(self.user, batch.results.len() as u32, Some(run_job), without_provenance_mut(open.number)) };
+        unsafe { parallel(self.user, batch.states.len() as u32, Some(run_job), without_provenance_mut(open.number)) };
     }
 }

@@ -43,12 +43,7 @@ impl Take {
 
     /// Reads the views of one frame, one per camera, and discards what was found without it. A camera without picture has
     /// none. On failure nothing changes.
-    pub fn add(
-        &mut self,
-        inputs: &[Option<ViewInput>],
-        threads: &impl Executor,
-        progress: &dyn Progress,
-    ) -> Result<()> {
+    pub fn add(&mut self, inputs: &[Option<ViewInput>], threads: &dyn Executor, progress: &dyn Progress) -> Result<()> {
         let (done, total) = (AtomicU32::new(0), inputs.len() as u32);
         let report = || {
             let go_on = progress.step(Stage::Views, done.load(Ordering::Relaxed), total);
@@ -70,7 +65,7 @@ impl Take {
     }
 
     /// Checks and refines the cameras. On failure there is no result.
-    pub fn run(&mut self, params: &CalibrationParams, threads: &impl Executor, progress: &dyn Progress) -> Result<()> {
+    pub fn run(&mut self, params: &CalibrationParams, threads: &dyn Executor, progress: &dyn Progress) -> Result<()> {
         self.found = None;
         if self.frames.is_empty() {
             let problem = "the calibration has no frames yet: call pcmvs_calibration_add_frame";

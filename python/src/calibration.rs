@@ -148,7 +148,7 @@ pub fn calibrate(
     let read = |frame: &Bound<PyDict>| Given::from_dict(frame)?.read(rig.cameras().len());
     let pictures = frames.iter().map(read).collect::<PyResult<Vec<_>>>()?;
     let params = CalibrationParams { intrinsics, ..CalibrationParams::default() };
-    let work = |executor: &_, progress: &dyn Progress| {
+    let work = |executor: &dyn Executor, progress: &dyn Progress| {
         let views = views(&rig, &pictures, executor, progress)?;
         let views: Vec<&[View]> = views.iter().map(Vec::as_slice).collect();
         Ok(calibration::calibrate(&rig, &views, &params, executor, progress)?)
@@ -160,7 +160,7 @@ pub fn calibrate(
 fn views(
     rig: &pcmvs_core::Rig,
     frames: &[Pictures],
-    executor: &impl Executor,
+    executor: &dyn Executor,
     progress: &dyn Progress,
 ) -> Result<Vec<Vec<View>>, Error> {
     let (done, cameras) = (AtomicU32::new(0), rig.cameras().len());

@@ -88,7 +88,7 @@ impl Frame {
     }
 
     /// Runs the stages up to one of them that are not complete.
-    fn advance(&mut self, last: Stage, executor: &impl Executor, progress: &dyn Progress) -> Result<(), Problem> {
+    fn advance(&mut self, last: Stage, executor: &dyn Executor, progress: &dyn Progress) -> Result<(), Problem> {
         if let Some(pictures) = &self.pictures {
             let inputs = pictures.inputs();
             let read = executor.map(inputs.len(), |camera| match &inputs[camera] {
@@ -225,7 +225,8 @@ impl Frame {
         progress: Option<&Bound<PyAny>>,
     ) -> PyResult<Mesh> {
         let params = FormParams { faces, texture: texture.params() };
-        let make = |executor: &_, progress: &dyn Progress| Ok(self.frame.form(&params, executor, progress)?);
+        let make =
+            |executor: &dyn Executor, progress: &dyn Progress| Ok(self.frame.form(&params, executor, progress)?);
         let form = run(py, threads, progress, make)?;
         Mesh::new(py, form, self.frame.rig().origin())
     }

@@ -1,7 +1,7 @@
 //! Runs work of the core on threads of its own, while the calling thread passes progress on and looks for Ctrl-C.
 
 use crate::error::Problem;
-use pcmvs_core::{Error, Progress, Stage};
+use pcmvs_core::{Error, Executor, Progress, Stage};
 use pcmvs_scene::{Failure, Threads, thread_count};
 use pyo3::prelude::*;
 use std::{
@@ -65,7 +65,7 @@ pub fn run<T: Send>(
     py: Python,
     threads: Option<NonZeroUsize>,
     progress: Option<&Bound<PyAny>>,
-    work: impl FnOnce(&Threads, &dyn Progress) -> Result<T, Problem> + Send,
+    work: impl FnOnce(&dyn Executor, &dyn Progress) -> Result<T, Problem> + Send,
 ) -> PyResult<T> {
     let pool = Threads::new(thread_count(threads)).map_err(Problem::from)?;
     let cancelled = AtomicBool::new(false);

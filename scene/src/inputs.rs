@@ -208,7 +208,7 @@ impl<'s> FrameFiles<'s> {
     }
 
     /// Decodes all files.
-    pub fn decode(self, executor: &impl Executor) -> Result<Pictures, Failure> {
+    pub fn decode(self, executor: &dyn Executor) -> Result<Pictures, Failure> {
         let silhouettes = self.silhouettes;
         let views = self.into_views();
         let decoded = executor.map(views.views.len(), |camera| views.decode(camera));

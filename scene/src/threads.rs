@@ -1,10 +1,9 @@
 //! Runs the independent pieces of work of the core on a thread pool.
 
 use crate::failure::Failure;
-use pcmvs_core::{Executor, Pool};
+use pcmvs_core::Executor;
 use rayon::{Scope, ThreadPool, ThreadPoolBuilder, prelude::*};
 use std::{
-    mem::take,
     num::NonZeroUsize,
     sync::{
         Mutex, PoisonError,
@@ -70,23 +69,19 @@ impl<J: Fn(usize) -> T + Sync, T: Send> Queue<J, T> {
 }
 
 impl Executor for Threads {
-    fn map_with<S: Default + Send, T: Send>(
-        &self,
-        spare: &mut Vec<S>,
-        count: usize,
-        job: impl Fn(&mut S, usize) -> T + Sync,
-    ) -> Vec<T> {
-        let mut scratches = Pool::from(take(spare));
-        let with_scratch = |i| scratches.with(|scratch| job(scratch, i));
-        let results = self.pool.install(|| (0..count).into_par_iter().with_max_len(1).map(with_scratch).collect());
-        *spare = take(scratches.spare());
-        results
+    fn run(&self, count: usize, job: &(dyn Fn(usize) + Sync)) {
+        self.pool.install(|| (0..count).into_par_iter().with_max_len(1).for_each(job));
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// The mapping methods are those of any executor.
+    fn any(threads: &Threads) -> &dyn Executor {
+        threads
+    }
 
     #[test]
     fn results_come_in_order_and_no_more_jobs_run_than_allowed() {
@@ -95,7 +90,7 @@ mod tests {
             let [outer, inner] = [(); 2].map(|()| Peak::default());
             let result = threads.map_at_most(3, 9, |i| {
                 outer.during(|| {
-                    threads.map(7, |j| {
+                    any(&threads).map(7, |j| {
                         inner.during(|| thread::sleep(std::time::Duration::from_millis(1)));
                         10 * i + j
                     })
@@ -113,7 +108,7 @@ mod tests {
         let threads = Threads::new(NonZeroUsize::new(2).unwrap()).unwrap();
         let mut spare: Vec<Vec<usize>> = Vec::new();
         for _ in 0..3 {
-            threads.map_with(&mut spare, 20, |scratch, i| scratch.push(i));
+            any(&threads).map_with(&mut spare, 20, |scratch, i| scratch.push(i));
         }
         assert!(spare.len() <= 2);
         assert_eq!(spare.iter().map(Vec::len).sum::<usize>(), 60);

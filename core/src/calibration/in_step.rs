@@ -49,7 +49,7 @@ type Distances = [Option<f32>; SHIFTS];
 pub fn out_of_step(
     rig: &Rig,
     frames: &[(u32, Vec<View>)],
-    executor: &impl Executor,
+    executor: &dyn Executor,
     progress: &dyn Progress,
 ) -> Result<Vec<Option<i32>>> {
     let count = rig.cameras().len();
@@ -89,7 +89,7 @@ fn shifted(frames: &[(u32, Vec<View>)], frame: usize, place: usize, shift: i32) 
 fn distances(
     frames: &[(u32, Vec<View>)],
     applied: &[i32],
-    executor: &impl Executor,
+    executor: &dyn Executor,
     progress: &dyn Progress,
 ) -> Result<Vec<Vec<Distances>>> {
     let (count, total) = (applied.len(), applied.len() * frames.len());

@@ -45,7 +45,7 @@ pub(super) struct Instant {
 }
 
 impl Instant {
-    pub(super) fn new(views: &[View], executor: &impl Executor) -> Self {
+    pub(super) fn new(views: &[View], executor: &dyn Executor) -> Self {
         let made = executor.map(views.len(), |i| {
             let view = &views[i];
             let (w, h) = (view.camera.width as usize, view.camera.height as usize);
@@ -83,7 +83,7 @@ impl Instant {
         models: &[Model],
         excluded: impl Fn(usize) -> bool,
         params: &GuideParams,
-        executor: &impl Executor,
+        executor: &dyn Executor,
         progress: &dyn Progress,
     ) -> Result<Guide> {
         let mut carved = Carved {
@@ -111,7 +111,7 @@ struct Carved {
 }
 
 impl Carving for Carved {
-    fn carve(&mut self, executor: &impl Executor, progress: &dyn Progress) -> Result<()> {
+    fn carve(&mut self, executor: &dyn Executor, progress: &dyn Progress) -> Result<()> {
         let workspace = &mut self.workspace;
         let hull = VisualHull::with_workspace(&self.views, &self.params, None, workspace, executor, progress)?;
         self.mesh = hull.mesh(workspace, executor);

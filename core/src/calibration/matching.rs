@@ -44,7 +44,7 @@ pub(super) fn tracks(
     models: &[Model],
     guide: &Guide,
     reach: usize,
-    executor: &impl Executor,
+    executor: &dyn Executor,
     progress: &dyn Progress,
 ) -> Result<(Vec<Track>, Vec<Brightness>)> {
     let footprint = guide.footprint;

@@ -28,7 +28,7 @@ pub(super) fn fit(
     instants: &[Instant],
     models: &[Model],
     hull: &GuideParams,
-    executor: &impl Executor,
+    executor: &dyn Executor,
     progress: &dyn Progress,
 ) -> Result<Fit> {
     let (mut pairs, mut hulls) = (Vec::new(), 0);

@@ -106,7 +106,7 @@ pub fn calibrate(
     rig: &Rig,
     frames: &[&[View]],
     params: &CalibrationParams,
-    executor: &impl Executor,
+    executor: &dyn Executor,
     progress: &dyn Progress,
 ) -> Result<Calibration> {
     let count = rig.cameras().len();
@@ -232,7 +232,7 @@ impl Evidence {
         models: &[Model],
         hull: &GuideParams,
         reach: usize,
-        executor: &impl Executor,
+        executor: &dyn Executor,
         progress: &dyn Progress,
     ) -> Result<Self> {
         let mut evidence = Self { apart: vec![0; models.len()], ..Self::default() };

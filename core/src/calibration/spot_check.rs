@@ -51,7 +51,7 @@ pub(crate) struct SpotCheck {
 }
 
 /// Matches points that stereo has found in each view, given in the rig's order like the views.
-pub(crate) fn spot_check(rig: &Rig, views: &[View], points: &[PointCloud], executor: &impl Executor) -> SpotCheck {
+pub(crate) fn spot_check(rig: &Rig, views: &[View], points: &[PointCloud], executor: &dyn Executor) -> SpotCheck {
     let ordered = rig.order().iter().map(|&i| &rig.cameras()[i as usize]);
     let models: Vec<Model> = ordered.map(|camera| Model::new(camera, rig.origin())).collect();
     let found = executor.map(views.len(), |i| matches(rig, views, &models, i, &points[i]));

@@ -62,7 +62,7 @@ impl Overlap {
     /// Solves the gains by least squares over pairs of views in the log domain. Each pair contributes the median ratio
     /// of the colours that both see, so that highlights, shadows and wrong points have no influence. The geometric mean
     /// of the gains is one.
-    pub(super) fn solve(&mut self, params: &GainParams, executor: &impl Executor) -> Vec<Vec3> {
+    pub(super) fn solve(&mut self, params: &GainParams, executor: &dyn Executor) -> Vec<Vec3> {
         let n = self.views;
         let mut gains = vec![Vec3::ONE; n];
         self.samples.sort_unstable_by_key(|&(vertex, view, _)| (vertex, view));

@@ -60,7 +60,7 @@ pub fn colour(
     fixed_gains: Option<&[Vec3]>,
     params: &ColourParams,
     workspace: &mut Workspace,
-    executor: &impl Executor,
+    executor: &dyn Executor,
     progress: &dyn Progress,
 ) -> Result<Vec<Vec3>> {
     // One step per view, one for the gains and one for blending.

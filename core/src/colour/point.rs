@@ -21,7 +21,7 @@ pub(crate) struct PointColours<'a> {
 
 impl<'a> PointColours<'a> {
     /// `gains` has one factor per view.
-    pub fn new(mesh: &Mesh, views: &'a [View], gains: &'a [Vec3], blended: u32, executor: &impl Executor) -> Self {
+    pub fn new(mesh: &Mesh, views: &'a [View], gains: &'a [Vec3], blended: u32, executor: &dyn Executor) -> Self {
         let buffers = executor.map_with(&mut Vec::new(), views.len(), |projected, i| {
             let mut buffer = DepthBuffer::default();
             if views[i].is_used() {

@@ -34,7 +34,7 @@ pub fn contours(
     hull_mesh: &Mesh,
     frontier_params: Option<&FrontierParams>,
     implicit_params: Option<&ImplicitParams>,
-    executor: &impl Executor,
+    executor: &dyn Executor,
 ) -> Result<Contours> {
     let Context { views, hull, progress, .. } = context;
     let count = views.len() as u32;

@@ -18,7 +18,7 @@ use core::ops::Deref;
 const ROUNDS: u32 = 3;
 
 impl<R: Deref<Target = Rig> + Sync> Carving for Frame<R> {
-    fn carve(&mut self, executor: &impl Executor, progress: &dyn Progress) -> Result<()> {
+    fn carve(&mut self, executor: &dyn Executor, progress: &dyn Progress) -> Result<()> {
         self.carve_hull(executor, progress)
     }
 
@@ -33,7 +33,7 @@ impl<R: Deref<Target = Rig> + Sync> Frame<R> {
     ///
     /// # Errors
     /// Those of carving.
-    pub(super) fn carve_agreeing(&mut self, executor: &impl Executor, progress: &dyn Progress) -> Result<()> {
+    pub(super) fn carve_agreeing(&mut self, executor: &dyn Executor, progress: &dyn Progress) -> Result<()> {
         self.views.iter_mut().for_each(View::take_back);
         let agreement = self.params.agreement;
         let rounds = if agreement.is_some() { ROUNDS } else { 0 };
@@ -57,7 +57,7 @@ impl<R: Deref<Target = Rig> + Sync> Frame<R> {
     }
 
     /// Adds to the silhouettes what they lack. Returns whether one has changed.
-    fn complete_silhouettes(&mut self, executor: &impl Executor, progress: &dyn Progress) -> Result<bool> {
+    fn complete_silhouettes(&mut self, executor: &dyn Executor, progress: &dyn Progress) -> Result<bool> {
         let Some(hull) = &self.hull else { return Ok(false) };
         let completed = completed(&self.views, hull.bounds(), hull.footprint(), executor, progress)?;
         let any = !completed.is_empty();

@@ -35,7 +35,7 @@ impl<R: Deref<Target = Rig> + Sync> Frame<R> {
     ///
     /// # Errors
     /// Those of carving, [`Error::MasksInverted`] and [`Error::Cameras`].
-    pub(super) fn carve_and_check(&mut self, executor: &impl Executor, progress: &dyn Progress) -> Result<()> {
+    pub(super) fn carve_and_check(&mut self, executor: &dyn Executor, progress: &dyn Progress) -> Result<()> {
         let progress = &Onward::new(progress);
         for view in &mut self.views {
             view.left_out = view.left_out.filter(|reason| !reason.is_found_with_hull());
@@ -73,7 +73,7 @@ impl<R: Deref<Target = Rig> + Sync> Frame<R> {
         Ok(())
     }
 
-    fn carve_and_compare(&mut self, executor: &impl Executor, progress: &dyn Progress) -> Result<()> {
+    fn carve_and_compare(&mut self, executor: &dyn Executor, progress: &dyn Progress) -> Result<()> {
         match self.carve_agreeing(executor, progress) {
             Err(Error::EmptyHull) => {
                 return Err(self.other_convention(executor, progress)?.unwrap_or(Error::EmptyHull));
@@ -88,7 +88,7 @@ impl<R: Deref<Target = Rig> + Sync> Frame<R> {
     ///
     /// # Errors
     /// [`Error::Cancelled`].
-    fn other_convention(&mut self, executor: &impl Executor, progress: &dyn Progress) -> Result<Option<Error>> {
+    fn other_convention(&mut self, executor: &dyn Executor, progress: &dyn Progress) -> Result<Option<Error>> {
         let mut workspace = take(&mut self.memory.workspace);
         let mut best: Option<(f32, Convention)> = None;
         for convention in Convention::others() {
@@ -138,7 +138,7 @@ fn trial(
     views: &[View],
     smallest: f32,
     limit: Option<u64>,
-    executor: &impl Executor,
+    executor: &dyn Executor,
     workspace: &mut Workspace,
     progress: &dyn Progress,
 ) -> Result<Option<f32>> {

@@ -42,7 +42,7 @@ impl<R: Deref<Target = Rig> + Sync> Frame<R> {
     /// # Errors
     /// [`crate::Error::WrongOrder`] if [`Stage::Colour`] is not complete, [`crate::Error::Form`],
     /// [`crate::Error::OutOfMemory`], and [`crate::Error::Cancelled`].
-    pub fn form(&self, params: &FormParams, executor: &impl Executor, progress: &dyn Progress) -> Result<Form> {
+    pub fn form(&self, params: &FormParams, executor: &dyn Executor, progress: &dyn Progress) -> Result<Form> {
         self.require(Stage::Colour)?;
         progress.on_stage_start(Stage::Form);
         let form = self.make_form(params, executor, progress);
@@ -50,7 +50,7 @@ impl<R: Deref<Target = Rig> + Sync> Frame<R> {
         form
     }
 
-    fn make_form(&self, params: &FormParams, executor: &impl Executor, progress: &dyn Progress) -> Result<Form> {
+    fn make_form(&self, params: &FormParams, executor: &dyn Executor, progress: &dyn Progress) -> Result<Form> {
         let hull = self.hull.as_ref().ok_or_else(no_hull)?;
         let footprint = hull.footprint();
         let within_memory = |mesh: &Mesh, size: u32| {

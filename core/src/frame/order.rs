@@ -40,7 +40,7 @@ fn before(stage: Stage) -> Option<Stage> {
 
 impl<R: Deref<Target = Rig> + Sync> Frame<R> {
     /// Executes one stage.
-    fn run(&mut self, stage: Stage, executor: &impl Executor, progress: &dyn Progress) -> Result<()> {
+    fn run(&mut self, stage: Stage, executor: &dyn Executor, progress: &dyn Progress) -> Result<()> {
         match stage {
             Stage::Views => self.collect_views(),
             Stage::Hull => self.carve_and_check(executor, progress),
@@ -73,7 +73,7 @@ impl<R: Deref<Target = Rig> + Sync> Frame<R> {
     }
 
     /// A 64-bit hash of a stage's output.
-    fn hash(&self, stage: Stage, executor: &impl Executor) -> u64 {
+    fn hash(&self, stage: Stage, executor: &dyn Executor) -> u64 {
         let of = &self.intermediates;
         match stage {
             Stage::Views => crate::view::hash(&self.views, executor),
@@ -96,7 +96,7 @@ impl<R: Deref<Target = Rig> + Sync> Frame<R> {
     ///
     /// # Errors
     /// [`Error::WrongOrder`] if the preceding stage is not complete, and the errors of the stage itself.
-    pub fn step(&mut self, stage: Stage, executor: &impl Executor, progress: &dyn Progress) -> Result<()> {
+    pub fn step(&mut self, stage: Stage, executor: &dyn Executor, progress: &dyn Progress) -> Result<()> {
         let previous = before(stage);
         match previous {
             Some(Stage::Views) if self.reached.is_none() => self.step(Stage::Views, executor, progress)?,
@@ -136,7 +136,7 @@ impl<R: Deref<Target = Rig> + Sync> Frame<R> {
     pub fn run_all<'i>(
         &mut self,
         inputs: &[impl Into<Option<ViewInput<'i>>> + Copy + Sync],
-        executor: &impl Executor,
+        executor: &dyn Executor,
         progress: &dyn Progress,
     ) -> Result<()> {
         if inputs.len() != self.cameras() {
@@ -154,7 +154,7 @@ impl<R: Deref<Target = Rig> + Sync> Frame<R> {
     /// Those of `read` and of [`Frame::view`], of the camera with the lowest index.
     pub fn read_views<E: From<Error> + Send>(
         &self,
-        executor: &impl Executor,
+        executor: &dyn Executor,
         progress: &dyn Progress,
         read: impl Fn(usize, &dyn Fn(Option<&ViewInput>) -> Result<()>) -> core::result::Result<(), E> + Sync,
     ) -> core::result::Result<(), E> {
@@ -174,7 +174,7 @@ impl<R: Deref<Target = Rig> + Sync> Frame<R> {
     ///
     /// # Errors
     /// Those of all stages.
-    pub fn run_stages(&mut self, executor: &impl Executor, progress: &dyn Progress) -> Result<()> {
+    pub fn run_stages(&mut self, executor: &dyn Executor, progress: &dyn Progress) -> Result<()> {
         ORDER.into_iter().skip(1).try_for_each(|stage| self.step(stage, executor, progress))
     }
 
@@ -184,7 +184,7 @@ impl<R: Deref<Target = Rig> + Sync> Frame<R> {
         self.hashes.push((Stage::Steady, self.mesh().hash()));
     }
 
-    fn complete(&mut self, stage: Stage, executor: &impl Executor) {
+    fn complete(&mut self, stage: Stage, executor: &dyn Executor) {
         self.reached = Some(stage);
         self.hashes.retain(|&(done, _)| position(done) < position(stage));
         self.hashes.push((stage, self.hash(stage, executor)));

@@ -22,7 +22,7 @@ use core::{mem::take, ops::Deref};
 
 impl<R: Deref<Target = Rig> + Sync> Frame<R> {
     /// §0: the visual hull, and its mesh without stray components.
-    pub(super) fn carve_hull(&mut self, executor: &impl Executor, progress: &dyn Progress) -> Result<()> {
+    pub(super) fn carve_hull(&mut self, executor: &dyn Executor, progress: &dyn Progress) -> Result<()> {
         let limit = self.memory.limit();
         let workspace = &mut self.memory.workspace;
         if let Some(old) = self.hull.take() {
@@ -39,7 +39,7 @@ impl<R: Deref<Target = Rig> + Sync> Frame<R> {
     }
 
     /// §4.4: frontier and implicit points.
-    pub(super) fn find_contours(&mut self, executor: &impl Executor, progress: &dyn Progress) -> Result<()> {
+    pub(super) fn find_contours(&mut self, executor: &dyn Executor, progress: &dyn Progress) -> Result<()> {
         if self.params.method == Method::Hull {
             return Ok(());
         }
@@ -55,7 +55,7 @@ impl<R: Deref<Target = Rig> + Sync> Frame<R> {
     }
 
     /// Sets the surface that guides detection: that of the prior or of the coarse pass, if there is one.
-    pub(super) fn make_guide(&mut self, executor: &impl Executor, progress: &dyn Progress) -> Result<()> {
+    pub(super) fn make_guide(&mut self, executor: &dyn Executor, progress: &dyn Progress) -> Result<()> {
         take(&mut self.intermediates.coarse).recycle_into(&mut self.memory.workspace);
         self.forget_points();
         self.further_octaves = 0;
@@ -87,7 +87,7 @@ impl<R: Deref<Target = Rig> + Sync> Frame<R> {
     }
 
     /// §4.1 to §4.3, for all views that have not been detected yet.
-    pub(super) fn detect_missing(&mut self, executor: &impl Executor, progress: &dyn Progress) -> Result<()> {
+    pub(super) fn detect_missing(&mut self, executor: &dyn Executor, progress: &dyn Progress) -> Result<()> {
         let missing = self.undetected();
         let frame = &*self;
         let done = executor.map(missing.len(), |i| frame.detect_place(missing[i], progress));
@@ -96,7 +96,7 @@ impl<R: Deref<Target = Rig> + Sync> Frame<R> {
     }
 
     /// §5: merges all points into one cloud.
-    pub(super) fn merge_points(&mut self, executor: &impl Executor, progress: &dyn Progress) -> Result<()> {
+    pub(super) fn merge_points(&mut self, executor: &dyn Executor, progress: &dyn Progress) -> Result<()> {
         if self.params.method == Method::Hull {
             return Ok(());
         }
@@ -112,7 +112,7 @@ impl<R: Deref<Target = Rig> + Sync> Frame<R> {
     }
 
     /// §6: the mesh of the merged cloud.
-    pub(super) fn mesh_points(&mut self, executor: &impl Executor, progress: &dyn Progress) -> Result<()> {
+    pub(super) fn mesh_points(&mut self, executor: &dyn Executor, progress: &dyn Progress) -> Result<()> {
         if self.params.method == Method::Hull {
             self.mesh = self.intermediates.hull.clone();
             return Ok(());
@@ -131,7 +131,7 @@ impl<R: Deref<Target = Rig> + Sync> Frame<R> {
     }
 
     /// §7: the colours of the mesh.
-    pub(super) fn colour_mesh(&mut self, executor: &impl Executor, progress: &dyn Progress) -> Result<()> {
+    pub(super) fn colour_mesh(&mut self, executor: &dyn Executor, progress: &dyn Progress) -> Result<()> {
         self.mesh.colours.clear();
         let gains = colour::colour(
             &mut self.mesh,

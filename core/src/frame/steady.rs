@@ -25,7 +25,7 @@ impl<R: Deref<Target = Rig> + Sync> Frame<R> {
         &mut self,
         neighbours: &[&Mesh],
         params: &SteadyParams,
-        executor: &impl Executor,
+        executor: &dyn Executor,
         progress: &dyn Progress,
     ) -> Result<()> {
         self.require(Stage::Colour)?;
@@ -41,7 +41,7 @@ impl<R: Deref<Target = Rig> + Sync> Frame<R> {
         &self,
         neighbours: &[&Mesh],
         params: &SteadyParams,
-        executor: &impl Executor,
+        executor: &dyn Executor,
         progress: &dyn Progress,
     ) -> Result<Mesh> {
         let hull = self.hull.as_ref().ok_or_else(no_hull)?;

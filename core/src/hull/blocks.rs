@@ -57,12 +57,7 @@ impl Judging<'_> {
     ///
     /// # Errors
     /// [`crate::Error::OutOfMemory`] and [`crate::Error::Cancelled`].
-    pub fn judge(
-        &self,
-        workspace: &mut Workspace,
-        executor: &impl Executor,
-        progress: &dyn Progress,
-    ) -> Result<Judged> {
+    pub fn judge(&self, workspace: &mut Workspace, executor: &dyn Executor, progress: &dyn Progress) -> Result<Judged> {
         let mut layers: Vec<Layer> = Vec::with_capacity(self.dims[2] as usize);
         let mut stored = 0;
         while (layers.len() as u32) < self.dims[2] {

@@ -56,7 +56,7 @@ impl VisualHull {
         params: &HullParams,
         limit: Option<u64>,
         workspace: &mut Workspace,
-        executor: &impl Executor,
+        executor: &dyn Executor,
         progress: &dyn Progress,
     ) -> Result<Self> {
         let carvers = carvers(views);

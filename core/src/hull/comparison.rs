@@ -44,7 +44,7 @@ struct Scratch {
 pub fn compare(
     views: &[View],
     mesh: &Mesh,
-    executor: &impl Executor,
+    executor: &dyn Executor,
     progress: &dyn Progress,
 ) -> Result<Vec<Comparison>> {
     let compared = executor.map_with(&mut Vec::<Scratch>::new(), views.len(), |scratch, i| {

@@ -24,7 +24,7 @@ const REMAINING: f32 = 0.4;
 pub fn exchanged(
     views: &[View],
     mesh: &Mesh,
-    executor: &impl Executor,
+    executor: &dyn Executor,
     progress: &dyn Progress,
 ) -> Result<Vec<[u16; 2]>> {
     let not_carving = |view: &&View| (!view.is_used() || view.is_set_aside()) && view.silhouette_as_given().is_some();
@@ -63,7 +63,7 @@ fn in_place_of(camera: &View, silhouette: &View) -> View {
     View::of_silhouette(camera.index, camera.camera, silhouette.silhouette_as_given().cloned())
 }
 
-fn overlaps(views: Vec<View>, mesh: &Mesh, executor: &impl Executor, progress: &dyn Progress) -> Result<Vec<f32>> {
+fn overlaps(views: Vec<View>, mesh: &Mesh, executor: &dyn Executor, progress: &dyn Progress) -> Result<Vec<f32>> {
     let found = compare(&views, mesh, executor, progress)?;
     Ok(found.into_iter().map(|found| found.overlap.unwrap_or(0.0)).collect())
 }

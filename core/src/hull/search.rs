@@ -30,7 +30,7 @@ impl Search {
     pub fn new(
         carvers: &[Carver],
         workspace: &mut Workspace,
-        executor: &impl Executor,
+        executor: &dyn Executor,
         progress: &dyn Progress,
     ) -> Result<Self> {
         let half = half_edge(carvers);

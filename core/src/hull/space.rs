@@ -40,7 +40,7 @@ impl Space {
         carvers: &[Carver],
         tolerated: u32,
         workspace: &mut Workspace,
-        executor: &impl Executor,
+        executor: &dyn Executor,
         progress: &dyn Progress,
     ) -> Result<Self> {
         let half = half_edge(carvers);
@@ -104,7 +104,7 @@ pub(super) fn support(
     half: f32,
     tolerated: u32,
     workspace: &mut Workspace,
-    executor: &impl Executor,
+    executor: &dyn Executor,
     progress: &dyn Progress,
 ) -> Result<Vec<u16>> {
     let mut support = workspace.filled(0u16, CELLS * CELLS * CELLS);

@@ -61,7 +61,7 @@ pub(super) fn needed_support(
     support: &[u16],
     half: f32,
     workspace: &mut Workspace,
-    executor: &impl Executor,
+    executor: &dyn Executor,
 ) -> Vec<u16> {
     let cell = cell_edge(half);
     let centre = |i: u32| cell_corner(i as usize, half) + Vec3::splat(0.5 * cell);

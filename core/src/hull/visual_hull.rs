@@ -95,7 +95,7 @@ impl VisualHull {
     }
 
     /// The hull's surface as a closed mesh.
-    pub fn mesh(&self, workspace: &mut Workspace, executor: &impl Executor) -> Mesh {
+    pub fn mesh(&self, workspace: &mut Workspace, executor: &dyn Executor) -> Mesh {
         let unstored = Unstored { inside: self.grid.voxel, outside: -self.grid.voxel };
         marching_cubes(&self.grid, &self.values, 0.0, unstored, workspace, executor)
     }

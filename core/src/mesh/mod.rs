@@ -89,7 +89,7 @@ pub fn mesh(
     voxel: f32,
     params: &MeshingParams,
     workspace: &mut Workspace,
-    executor: &impl Executor,
+    executor: &dyn Executor,
     progress: &dyn Progress,
 ) -> Result<Meshed> {
     let (low, high) = envelope.bounds();

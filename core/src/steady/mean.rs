@@ -54,7 +54,7 @@ impl Means {
     }
 
     /// Adds what the mesh of a neighbouring frame says, to which `moves` take the vertices.
-    pub fn add(&mut self, own: &Target, moves: &Moves, target: &Target, params: &MeanParams, executor: &impl Executor) {
+    pub fn add(&mut self, own: &Target, moves: &Moves, target: &Target, params: &MeanParams, executor: &dyn Executor) {
         let grid = target.grid(1, SEARCH);
         executor.map_parts(self.0.chunks_mut(VERTICES_PER_JOB), |part, sums| {
             for (v, sum) in (part * VERTICES_PER_JOB..).zip(sums) {

@@ -62,7 +62,7 @@ pub fn steady(
     neighbours: &[&Mesh],
     footprint: f32,
     params: &SteadyParams,
-    executor: &impl Executor,
+    executor: &dyn Executor,
     progress: &dyn Progress,
 ) -> Result<()> {
     let total = neighbours.len() as u32 + 1;

@@ -22,7 +22,7 @@ pub(super) fn motions(
     nodes: &Nodes,
     target: &Target,
     params: &MotionParams,
-    executor: &impl Executor,
+    executor: &dyn Executor,
 ) -> Vec<Motion> {
     let mut motions = vec![Motion::REST; nodes.places.len()];
     for (k, level) in params.levels.iter().enumerate() {

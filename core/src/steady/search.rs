@@ -46,7 +46,7 @@ impl<'a> Search<'a> {
         target: &'a Target<'a>,
         degree: usize,
         level: &'a LevelParams,
-        executor: &impl Executor,
+        executor: &dyn Executor,
     ) -> Self {
         let gradients = target.gradients(degree, executor);
         let grid = target.grid(level.target_stride as usize, 0.5 * level.search_pixels);
@@ -54,7 +54,7 @@ impl<'a> Search<'a> {
     }
 
     /// For every `stride`th vertex, what it is pulled to, if anything is near.
-    pub fn pulls(&self, moves: &Moves, executor: &impl Executor) -> Vec<Option<Pull>> {
+    pub fn pulls(&self, moves: &Moves, executor: &dyn Executor) -> Vec<Option<Pull>> {
         let stride = self.level.stride as usize;
         let mut pulls = vec![None; self.own.positions.len().div_ceil(stride)];
         executor.map_parts(pulls.chunks_mut(SAMPLES_PER_JOB), |part, pulls| {

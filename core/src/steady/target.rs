@@ -30,7 +30,7 @@ pub(super) struct Place {
 }
 
 impl<'a> Target<'a> {
-    pub fn new(mesh: &'a Mesh, per_unit: f32, executor: &impl Executor) -> Self {
+    pub fn new(mesh: &'a Mesh, per_unit: f32, executor: &dyn Executor) -> Self {
         let neighbours = VertexNeighbours::new(mesh);
         let mut colours: [Vec<Vec3>; DEGREES] = Default::default();
         let mut smooth: Vec<Vec3> = mesh.colours.iter().map(|&rgb| Vec3::from_array(rgb.map(f32::from))).collect();
@@ -47,7 +47,7 @@ impl<'a> Target<'a> {
     }
 
     /// Gradient along the surface of the luma of a degree, in grey levels per pixel, for every vertex.
-    pub fn gradients(&self, degree: usize, executor: &impl Executor) -> Vec<Vec3> {
+    pub fn gradients(&self, degree: usize, executor: &dyn Executor) -> Vec<Vec3> {
         let colours = &self.colours[degree];
         let mut gradients = vec![Vec3::ZERO; self.positions.len()];
         executor.map_parts(gradients.chunks_mut(VERTICES_PER_JOB), |part, gradients| {
@@ -110,7 +110,7 @@ pub(super) fn luma(rgb: Vec3) -> f32 {
 }
 
 /// Each colour averaged with the mean of its neighbours.
-fn smoothed(colours: &[Vec3], neighbours: &VertexNeighbours, executor: &impl Executor) -> Vec<Vec3> {
+fn smoothed(colours: &[Vec3], neighbours: &VertexNeighbours, executor: &dyn Executor) -> Vec<Vec3> {
     let mut out = vec![Vec3::ZERO; colours.len()];
     executor.map_parts(out.chunks_mut(VERTICES_PER_JOB), |part, out| {
         for (v, out) in (part * VERTICES_PER_JOB..).zip(out) {

@@ -157,15 +157,8 @@ fn what_is_not_the_same_is_left_alone() {
 struct Backwards;
 
 impl Executor for Backwards {
-    fn map_with<S: Default + Send, T: Send>(
-        &self,
-        _: &mut Vec<S>,
-        count: usize,
-        job: impl Fn(&mut S, usize) -> T + Sync,
-    ) -> Vec<T> {
-        let mut done: Vec<T> = (0..count).rev().map(|i| job(&mut S::default(), i)).collect();
-        done.reverse();
-        done
+    fn run(&self, count: usize, job: &(dyn Fn(usize) + Sync)) {
+        (0..count).rev().for_each(job);
     }
 }
 

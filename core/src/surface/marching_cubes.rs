@@ -40,7 +40,7 @@ pub fn marching_cubes(
     iso: f32,
     unstored: Unstored,
     workspace: &mut Workspace,
-    executor: &impl Executor,
+    executor: &dyn Executor,
 ) -> Mesh {
     let mut mesh = Mesh::with_workspace(workspace);
     let mut extractor = Extractor::new(grid, values, iso, unstored, workspace);

@@ -26,7 +26,7 @@ pub(super) fn bake(
     packed: &Packed,
     size: u32,
     colours: &PointColours,
-    executor: &impl Executor,
+    executor: &dyn Executor,
     progress: &dyn Progress,
 ) -> Result<Vec<Option<[u8; 3]>>> {
     let size = size as usize;

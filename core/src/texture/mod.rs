@@ -67,7 +67,7 @@ pub(crate) fn texture(
     gains: &[Vec3],
     size: u32,
     blended_views: u32,
-    executor: &impl Executor,
+    executor: &dyn Executor,
     progress: &dyn Progress,
 ) -> Result<(Mesh, Texture)> {
     let normals: Vec<Vec3> = normals(mesh).collect();

@@ -73,7 +73,7 @@ impl Shot {
     pub fn reconstruct_with(
         &self,
         params: &Params,
-        executor: &impl Executor,
+        executor: &dyn Executor,
         progress: &dyn Progress,
     ) -> Result<Reconstruction, Error> {
         reconstruct(&self.rig(), &self.inputs(), params, executor, progress)

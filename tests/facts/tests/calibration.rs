@@ -19,7 +19,7 @@ fn record(faults: &Faults) -> Shot {
     Shot::new(Subject::Figure, &cameras(), faults)
 }
 
-fn calibrated_by(shots: &[&Shot], executor: &impl Executor) -> Calibration {
+fn calibrated_by(shots: &[&Shot], executor: &dyn Executor) -> Calibration {
     let rig = shots[0].rig();
     let views: Vec<Vec<View>> = shots
         .iter()

@@ -18,22 +18,8 @@ pub fn all<T>(run: impl FnOnce() -> T) -> T {
 pub struct Marked;
 
 impl Executor for Marked {
-    fn map_with<S: Default + Send, T: Send>(
-        &self,
-        spare: &mut Vec<S>,
-        count: usize,
-        job: impl Fn(&mut S, usize) -> T + Sync,
-    ) -> Vec<T> {
-        all(|| Serial.map_with(spare, count, job))
-    }
-
-    fn map_parts_with<S: Default + Send, P: Send, T: Send>(
-        &self,
-        spare: &mut Vec<S>,
-        parts: impl IntoIterator<Item = P>,
-        job: impl Fn(&mut S, usize, P) -> T + Sync,
-    ) -> Vec<T> {
-        all(|| Serial.map_parts_with(spare, parts, job))
+    fn run(&self, count: usize, job: &(dyn Fn(usize) + Sync)) {
+        all(|| Serial.run(count, job));
     }
 }
 
@@ -42,19 +28,14 @@ impl Executor for Marked {
 pub struct Timed(Mutex<Vec<Vec<f64>>>);
 
 impl Executor for Timed {
-    fn map_with<S: Default + Send, T: Send>(
-        &self,
-        spare: &mut Vec<S>,
-        count: usize,
-        job: impl Fn(&mut S, usize) -> T + Sync,
-    ) -> Vec<T> {
-        let timed = Serial.map_with(spare, count, |scratch, i| {
+    fn run(&self, count: usize, job: &(dyn Fn(usize) + Sync)) {
+        let timed = |i| {
             let start = Instant::now();
-            (job(scratch, i), start.elapsed().as_secs_f64())
-        });
-        let (results, seconds) = timed.into_iter().unzip();
+            job(i);
+            start.elapsed().as_secs_f64()
+        };
+        let seconds = (0..count).map(timed).collect();
         self.0.lock().unwrap_or_else(PoisonError::into_inner).push(seconds);
-        results
     }
 }
 

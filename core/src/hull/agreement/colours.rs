@@ -41,7 +41,7 @@ pub(super) struct ObjectColours(Histogram);
 
 impl ObjectColours {
     /// Counts them.
-    pub(super) fn new(views: &[View], executor: &impl Executor) -> Self {
+    pub(super) fn new(views: &[View], executor: &dyn Executor) -> Self {
         let inside = (INSIDE * Silhouette::UNITS) as i16;
         let counted = executor.map(views.len(), |i| {
             let mut histogram = Histogram::new();

@@ -44,7 +44,7 @@ pub fn completed(
     views: &[View],
     bounds: (Vec3, Vec3),
     footprint: f32,
-    executor: &impl Executor,
+    executor: &dyn Executor,
     progress: &dyn Progress,
 ) -> Result<Vec<Completed>> {
     let carvers = carvers(views);

@@ -80,7 +80,7 @@ pub fn contradicting(
     mesh: &Mesh,
     blame: f32,
     workspace: &mut Workspace,
-    executor: &impl Executor,
+    executor: &dyn Executor,
     progress: &dyn Progress,
 ) -> Result<Contradicting> {
     let carvers = carvers(views);

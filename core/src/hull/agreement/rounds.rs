@@ -20,7 +20,7 @@ pub trait Carving {
     ///
     /// # Errors
     /// [`Error::EmptyHull`], after which the hull is carved again if a silhouette is at fault, and others.
-    fn carve(&mut self, executor: &impl Executor, progress: &dyn Progress) -> Result<()>;
+    fn carve(&mut self, executor: &dyn Executor, progress: &dyn Progress) -> Result<()>;
 
     /// The views, the mesh of the hull, and working memory.
     fn parts(&mut self) -> (&mut [View], &mut Mesh, &mut Workspace);
@@ -36,7 +36,7 @@ pub fn carve_agreeing(
     carving: &mut impl Carving,
     params: Option<&AgreementParams>,
     rounds: u32,
-    executor: &impl Executor,
+    executor: &dyn Executor,
     progress: &dyn Progress,
 ) -> Result<Vec<u16>> {
     let mut carved = carving.carve(executor, progress);
@@ -72,7 +72,7 @@ pub fn carve_agreeing(
 /// Places in the rig's order of the views that are set aside and whose silhouettes, besides lacking something, show what the
 /// hull of the others does not have: their cameras are not where the calibration says, or their pictures are of another
 /// instant. `mesh` is the hull's mesh.
-pub fn apart(views: &[View], mesh: &Mesh, params: &AgreementParams, executor: &impl Executor) -> Vec<u16> {
+pub fn apart(views: &[View], mesh: &Mesh, params: &AgreementParams, executor: &dyn Executor) -> Vec<u16> {
     let is_apart = |coverage: &mut Coverage, view: &View| {
         let silhouette = view.given.as_deref().filter(|_| view.is_set_aside());
         silhouette.is_some_and(|silhouette| {

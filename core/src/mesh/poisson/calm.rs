@@ -22,7 +22,7 @@ pub(super) fn shares(
     nodes: usize,
     half: f32,
     workspace: &mut Workspace,
-    executor: &impl Executor,
+    executor: &dyn Executor,
 ) -> Vec<f32> {
     let mut sums = workspace.filled([0.0_f32; 2], nodes);
     cells.scatter(&mut sums, executor, |sum, cell, share| {
@@ -46,7 +46,7 @@ pub(super) fn calm(
     distances: &mut [f32],
     shares: &[f32],
     workspace: &mut Workspace,
-    executor: &impl Executor,
+    executor: &dyn Executor,
 ) {
     for distance in &mut *distances {
         *distance = distance.clamp(-FAR, FAR);

@@ -107,7 +107,7 @@ impl Cells {
         grid: &SparseGrid,
         level: usize,
         workspace: &mut Workspace,
-        executor: &impl Executor,
+        executor: &dyn Executor,
     ) -> Self {
         let sums = sums(samples, grid, level, workspace);
         let parts: Vec<&[Sums]> = sums.chunks(CELLS_PER_JOB).collect();
@@ -156,7 +156,7 @@ impl Cells {
     pub(super) fn scatter<T: Send>(
         &self,
         field: &mut [T],
-        executor: &impl Executor,
+        executor: &dyn Executor,
         add: impl Fn(&mut T, &Cell, f32) + Sync,
     ) {
         executor.map_parts(field.chunks_mut(BLOCKS_PER_JOB * BLOCK_NODES), |i, part| {

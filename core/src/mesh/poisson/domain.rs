@@ -51,7 +51,7 @@ pub(super) fn distances(
     envelope: &dyn Envelope,
     reach: f32,
     workspace: &mut Workspace,
-    executor: &impl Executor,
+    executor: &dyn Executor,
 ) -> Vec<f32> {
     let mut distances = workspace.filled(0.0, grid.blocks.len() * BLOCK_NODES);
     grid.for_each_part(&mut distances, executor, |blocks| {

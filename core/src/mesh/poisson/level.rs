@@ -51,7 +51,7 @@ impl GridLevel {
         level: usize,
         iso: f32,
         workspace: &mut Workspace,
-        executor: &impl Executor,
+        executor: &dyn Executor,
     ) -> Self {
         let coarse = &levels[levels.len() - 1];
         let dims = coarse.grid.dims.map(|v| 2 * v);
@@ -70,7 +70,7 @@ impl GridLevel {
 
 /// For each block of the next finer level: inside, outside, or 0 if there are nodes on both sides of `iso` in it or
 /// next to it.
-fn states(coarse: &GridLevel, iso: f32, executor: &impl Executor) -> Vec<u32> {
+fn states(coarse: &GridLevel, iso: f32, executor: &dyn Executor) -> Vec<u32> {
     let grid = &coarse.grid;
     let [w, h, d] = grid.dims.map(|v| 2 * v as usize);
     let mut states = vec![SparseGrid::OUTSIDE; w * h * d];
@@ -124,7 +124,7 @@ pub(super) fn prolong(
     grid: &SparseGrid,
     scale: f32,
     fine: &mut [f32],
-    executor: &impl Executor,
+    executor: &dyn Executor,
 ) {
     const COARSE: usize = BLOCK / 2 + 1;
     let interpolate = |block: &[u16; 3], out: &mut [f32]| {

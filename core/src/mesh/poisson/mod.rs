@@ -76,7 +76,7 @@ pub(super) fn solve(
     Pull { screening, calm }: Pull,
     envelope: Option<&dyn Envelope>,
     workspace: &mut Workspace,
-    executor: &impl Executor,
+    executor: &dyn Executor,
     steps: &mut Steps,
 ) -> Result<Solution> {
     let (finest, count) = domain::domain(low, high, voxel);
@@ -167,7 +167,7 @@ fn right_hand_side(
     sparse: &mut Vec<f32>,
     NextLevel { samples, grid, level }: NextLevel,
     workspace: &mut Workspace,
-    executor: &impl Executor,
+    executor: &dyn Executor,
     step: impl FnMut() -> Result<()>,
 ) -> Result<Vec<f32>> {
     let here = level as f32;

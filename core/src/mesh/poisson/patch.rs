@@ -63,7 +63,7 @@ pub(super) fn accumulate<S: Sync, const N: usize>(
     grid: &SparseGrid,
     contribute: impl Fn(&S, &mut Patch<N>) + Sync,
     mut add: impl FnMut(usize, &[[f32; N]]),
-    executor: &impl Executor,
+    executor: &dyn Executor,
     mut step: impl FnMut() -> Result<()>,
 ) -> Result<()> {
     let jobs = samples.len().min(SAMPLES_PER_STEP).div_ceil(SAMPLES_PER_JOB);

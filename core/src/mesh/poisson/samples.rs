@@ -44,7 +44,7 @@ pub(super) fn collect(
     points: &[Point],
     grid: &SparseGrid,
     workspace: &mut Workspace,
-    executor: &impl Executor,
+    executor: &dyn Executor,
     mut step: impl FnMut() -> Result<()>,
 ) -> Result<Vec<Sample>> {
     let parts: Vec<&[Point]> = points.chunks(POINTS_PER_JOB).collect();
@@ -199,7 +199,7 @@ pub(super) fn weigh(
     finest: &SparseGrid,
     levels: usize,
     workspace: &mut Workspace,
-    executor: &impl Executor,
+    executor: &dyn Executor,
     mut step: impl FnMut() -> Result<()>,
 ) -> Result<()> {
     let mut waiting: Vec<u32> = workspace.empty(samples.len());
@@ -267,7 +267,7 @@ fn density(
     grid: &SparseGrid,
     scale: f32,
     workspace: &mut Workspace,
-    executor: &impl Executor,
+    executor: &dyn Executor,
     step: impl FnMut() -> Result<()>,
 ) -> Result<Vec<[f32; 2]>> {
     let mut density = workspace.filled([0.0; 2], grid.blocks.len() * BLOCK_NODES);
@@ -294,13 +294,7 @@ fn density(
 }
 
 /// Marks the blocks of a level's grid that contain a node within `reach` voxels of a sample.
-pub(super) fn mark(
-    samples: &[Sample],
-    dims: [u32; 3],
-    level: usize,
-    reach: f32,
-    executor: &impl Executor,
-) -> Vec<bool> {
+pub(super) fn mark(samples: &[Sample], dims: [u32; 3], level: usize, reach: f32, executor: &dyn Executor) -> Vec<bool> {
     let scale = 1.0 / (1 << level) as f32;
     let block = |v: f32, k: usize| min(max(v, 0.0) / BLOCK as f32, (dims[k] - 1) as f32) as u32;
     let parts: Vec<&[Sample]> = samples.chunks(POINTS_PER_JOB).collect();
@@ -331,7 +325,7 @@ pub(super) fn mark(
 }
 
 /// A level's grid, which stores the blocks around the samples.
-fn around(samples: &[Sample], finest: &SparseGrid, level: usize, reach: f32, executor: &impl Executor) -> SparseGrid {
+fn around(samples: &[Sample], finest: &SparseGrid, level: usize, reach: f32, executor: &dyn Executor) -> SparseGrid {
     let dims = finest.dims.map(|v| v >> level);
     let marks = mark(samples, dims, level, reach, executor);
     let voxel = finest.voxel * (1 << level) as f32;

@@ -18,7 +18,7 @@ pub(super) fn smooth(
     chi: &[f32],
     [inside, outside]: [f32; 2],
     workspace: &mut Workspace,
-    executor: &impl Executor,
+    executor: &dyn Executor,
 ) -> Vec<f32> {
     let mut once = workspace.filled(0.0, chi.len());
     binomial(grid, chi, [inside, outside], &mut once, executor);
@@ -41,7 +41,7 @@ fn mean(a: Row, b: Row, c: Row) -> Row {
     core::array::from_fn(|i| 0.25 * (a[i] + c[i]) + 0.5 * b[i])
 }
 
-fn binomial(grid: &SparseGrid, values: &[f32], [inside, outside]: [f32; 2], out: &mut [f32], executor: &impl Executor) {
+fn binomial(grid: &SparseGrid, values: &[f32], [inside, outside]: [f32; 2], out: &mut [f32], executor: &dyn Executor) {
     grid.for_each_part(out, executor, |blocks| {
         let mut around = Neighbourhood::new();
         let mut along_x = [[[0.0; BLOCK]; ROWS]; ROWS];

@@ -30,7 +30,7 @@ fn row(block: &[f32], z: usize, y: usize) -> &Row {
 
 impl Operator<'_> {
     /// Computes `out` = A `v` and returns v · A v. `v` must be 0 at fixed nodes for the product to be right.
-    fn apply(&self, v: &[f32], out: &mut [f32], executor: &impl Executor) -> f64 {
+    fn apply(&self, v: &[f32], out: &mut [f32], executor: &dyn Executor) -> f64 {
         let parts = out.chunks_mut(NODES);
         let products = executor.map_parts(parts, |i, part| self.apply_to_part(v, i * BLOCKS_PER_JOB, part));
         products.into_iter().sum()
@@ -88,7 +88,7 @@ impl Operator<'_> {
         iterations: u32,
         tolerance: f64,
         workspace: &mut Workspace,
-        executor: &impl Executor,
+        executor: &dyn Executor,
         mut step: impl FnMut() -> Result<()>,
     ) -> Result<()> {
         let weights = self.inverse_diagonal;

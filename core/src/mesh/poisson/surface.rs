@@ -28,7 +28,7 @@ pub(super) fn distances(
     iso: f32,
     envelope: Option<&Vec<f32>>,
     workspace: &mut Workspace,
-    executor: &impl Executor,
+    executor: &dyn Executor,
 ) -> Vec<f32> {
     const NODES: usize = BLOCKS_PER_JOB * BLOCK_NODES;
     let mut distances = smooth::smooth(&level.grid, &level.chi, [1.0, 0.0], workspace, executor);
@@ -45,7 +45,7 @@ pub(super) fn distances(
 impl Solution {
     /// The surface, clipped at the envelope, calmed and clipped again: calming smooths the edges that the first clip
     /// leaves, where the hull has creases, and may move the surface over the envelope again.
-    pub(in crate::mesh) fn surface(self, workspace: &mut Workspace, executor: &impl Executor) -> Mesh {
+    pub(in crate::mesh) fn surface(self, workspace: &mut Workspace, executor: &dyn Executor) -> Mesh {
         let Self { grid, mut distances, calm_shares, envelope } = self;
         clip(&mut distances, envelope.as_deref());
         if let Some(shares) = calm_shares {

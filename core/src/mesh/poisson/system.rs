@@ -27,7 +27,7 @@ pub(super) fn splat<const N: usize>(
     level: usize,
     shares: impl Fn(f32) -> [f32; N] + Sync,
     mut fields: [&mut [f32]; N],
-    executor: &impl Executor,
+    executor: &dyn Executor,
     step: impl FnMut() -> Result<()>,
 ) -> Result<()> {
     let scale = 1.0 / (1 << level) as f32;
@@ -85,7 +85,7 @@ pub(super) fn inverse_diagonal(
     screening: f32,
     fixed: impl Fn(usize) -> bool + Sync,
     workspace: &mut Workspace,
-    executor: &impl Executor,
+    executor: &dyn Executor,
 ) -> Vec<f32> {
     let mut diagonal = workspace.filled(6.0_f32, neighbours.len() * BLOCK_NODES);
     cells.scatter(&mut diagonal, executor, |value, cell, share| {
