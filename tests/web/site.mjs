@@ -120,6 +120,13 @@ export async function check(page) {
     });
 }
 
+/** The cameras that are marked in the strip, by name. */
+export const marked = (page) =>
+    page.$$eval("#strip button[data-warning] span", (spans) => spans.map((s) => s.textContent.split(" ")[0]));
+
+/** The codes of the warnings that are listed. */
+export const warned = (page) => page.$$eval("#warnings [data-code]", (all) => all.map((one) => one.dataset.code));
+
 /** A browser and the site, for all tests of a file. */
 export function drive() {
     let browser, site;

@@ -1,5 +1,5 @@
-//! How steady a take of 60 frames is, frame by frame and averaged in time, as a table in Markdown. The figure stands still
-//! but for its breath, and waves.
+//! How steady a take of 60 frames is, frame by frame and averaged in time, as a table in Markdown. The figure's legs are at
+//! rest, its trunk and head sway, and it waves.
 
 use facts::{
     steadiness::{Point, alone_and_averaged, measure, of_speed, quantile, take_of_figure},
@@ -10,8 +10,9 @@ const FRAMES: usize = 60;
 const VIEWS: u32 = 12;
 const SIZE: (u32, u32) = (640, 480);
 /// Classes of speed, in pixels of footprint per frame.
-const SPEEDS: [(&str, f64, f64); 5] = [
-    ("below 0.3", 0.0, 0.3),
+const SPEEDS: [(&str, f64, f64); 6] = [
+    ("at rest", 0.0, 0.01),
+    ("below 0.3", 0.01, 0.3),
     ("0.3 to 1", 0.3, 1.0),
     ("1 to 2", 1.0, 2.0),
     ("2 to 4", 2.0, 4.0),

@@ -18,12 +18,13 @@ const POINTS: usize = 4000;
 /// Largest distance of a mesh that is measured, in footprints.
 const FAR: f64 = 3.0;
 
-/// The moving figure, with noise of 4 grey levels and contours that are off by 0.7 pixels.
+/// The figure, whose legs are at rest while the rest of it moves, with noise of 4 grey levels and contours that are off by
+/// 0.7 pixels.
 pub fn take_of_figure(frames: usize, views: u32, (width, height): (u32, u32)) -> Vec<Shot> {
     let cameras = Ring { count: views, ..Ring::default() }.sized(width, height).cameras();
     let faults = Faults { noise: 4.0, contour_error: 0.7, ..Faults::default() };
     let times: Vec<f64> = (0..frames).map(|frame| frame as f64 / RATE).collect();
-    let Capture { cameras, frames, .. } = Capture::new(Subject::Figure, &cameras, &times, &faults);
+    let Capture { cameras, frames, .. } = Capture::new(Subject::Standing, &cameras, &times, &faults);
     frames.into_iter().map(|frame| Shot { cameras: cameras.clone(), frame }).collect()
 }
 

@@ -28,11 +28,14 @@ struct Limb {
 }
 
 /// The parts of the figure at a time in seconds, in the world. The feet stand on the floor at the origin, facing +x.
-pub fn parts(time: f64) -> Vec<Part> {
-    let beat = |turns: f64, phase: f64| libm::sin(TAU * (turns * time + phase));
+/// Pelvis and legs are those of the time `legs`.
+pub fn parts(time: f64, legs: f64) -> Vec<Part> {
+    let beat_at = |time: f64, turns: f64, phase: f64| libm::sin(TAU * (turns * time + phase));
+    let beat = |turns: f64, phase: f64| beat_at(time, turns, phase);
+    let step = |phase: f64| beat_at(legs, 0.7, phase);
     let legs = [
-        Limb { swing: 0.10 + 0.26 * beat(0.7, 0.0), spread: 0.13, twist: -0.25, bend: 0.28 + 0.22 * beat(0.7, 0.05) },
-        Limb { swing: 0.10 - 0.26 * beat(0.7, 0.0), spread: 0.13, twist: -0.25, bend: 0.28 - 0.22 * beat(0.7, 0.05) },
+        Limb { swing: 0.10 + 0.26 * step(0.0), spread: 0.13, twist: -0.25, bend: 0.28 + 0.22 * step(0.05) },
+        Limb { swing: 0.10 - 0.26 * step(0.0), spread: 0.13, twist: -0.25, bend: 0.28 - 0.22 * step(0.05) },
     ];
     let arms = [
         Limb { swing: -0.15 + 0.05 * beat(0.7, 0.2), spread: 0.80 + 0.05 * beat(0.7, 0.1), twist: 1.35, bend: 1.62 },
@@ -40,9 +43,9 @@ pub fn parts(time: f64) -> Vec<Part> {
     ];
     // Pose the body around the pelvis, then move it so that the lower sole stands on the floor.
     let pose = |height: f64| {
-        let sway = 0.03 * beat(0.7, 0.1);
+        let sway = 0.03 * step(0.1);
         Pose {
-            rotation: turn(0.04 * beat(0.7, 0.1), 0.03, 0.22 * beat(0.7, 0.0)),
+            rotation: turn(0.04 * step(0.1), 0.03, 0.22 * step(0.0)),
             origin: DVec3::new(0.0, sway, height),
         }
     };

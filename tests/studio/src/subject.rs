@@ -22,8 +22,10 @@ pub enum Subject {
     TwoBodies,
     /// A plate, 12 mm thick.
     Plate,
-    /// A clothed, dancing person: the only subject that moves.
+    /// A clothed, dancing person.
     Figure,
+    /// The same person on legs that are at rest: trunk, head and arms dance.
+    Standing,
 }
 
 impl Subject {
@@ -46,7 +48,8 @@ impl Subject {
                 cuboid(middle + DVec3::new(-0.28, -0.02, 0.0), DVec3::new(0.12, 0.3, 0.4), turn(0.0, 0.0, 0.35)),
             ],
             Self::Plate => vec![cuboid(middle, DVec3::new(0.45, 0.35, 0.006), turn(1.2, 0.25, 0.4))],
-            Self::Figure => figure::parts(time),
+            Self::Figure => figure::parts(time, time),
+            Self::Standing => figure::parts(time, 0.0),
         };
         Solid::new(parts)
     }
