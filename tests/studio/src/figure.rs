@@ -44,10 +44,7 @@ pub fn parts(time: f64, legs: f64) -> Vec<Part> {
     // Pose the body around the pelvis, then move it so that the lower sole stands on the floor.
     let pose = |height: f64| {
         let sway = 0.03 * step(0.1);
-        Pose {
-            rotation: turn(0.04 * step(0.1), 0.03, 0.22 * step(0.0)),
-            origin: DVec3::new(0.0, sway, height),
-        }
+        Pose { rotation: turn(0.04 * step(0.1), 0.03, 0.22 * step(0.0)), origin: DVec3::new(0.0, sway, height) }
     };
     let pelvis = pose(0.0);
     let lowest = (0..2).map(|i| foot(&pelvis, side(i), &legs[i]).origin.z - ANKLE).fold(f64::MAX, f64::min);

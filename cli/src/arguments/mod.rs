@@ -1,9 +1,14 @@
-//! The arguments of the command line.
+//! The arguments of the command line: its commands and their options.
 
-use clap::{Args, Parser, Subcommand, ValueEnum};
-use pcmvs_core::{Preset, texture::SIZES as TEXTURE_SIZES};
-use pcmvs_scene::SilhouetteFiles;
-use std::{num::NonZeroUsize, ops::RangeInclusive, path::PathBuf};
+mod choices;
+mod values;
+
+pub use choices::{Format, MaskSource, PresetName, Source};
+pub use values::{FPS_RANGE, List, Quality};
+
+use clap::{Args, Parser, Subcommand};
+use std::{num::NonZeroUsize, path::PathBuf};
+use values::{parse_fps, parse_list, parse_quality, parse_seconds, parse_texture_size};
 
 /// Multi-view stereo for free-viewpoint video.
 #[derive(Debug, Parser)]
@@ -104,7 +109,7 @@ pub struct Reconstruct {
     pub faces: Option<u32>,
     /// Give the meshes a texture of SIZE x SIZE texels instead of colours per vertex. Without SIZE it is as large as the
     /// photographs' detail needs. Only for GLB
-    #[arg(long, value_name = "SIZE", num_args = 0..=1, require_equals = true, value_parser = texture_size)]
+    #[arg(long, value_name = "SIZE", num_args = 0..=1, require_equals = true, value_parser = parse_texture_size)]
     pub texture: Option<Option<u32>>,
     /// Compress the meshes to about a seventh: positions and colours with fewer bits, without normals. Players need
     /// EXT_meshopt_compression and KHR_mesh_quantization. Only for GLB
@@ -233,215 +238,4 @@ pub struct Pack {
     /// Picture to show before the clip plays, which is copied to the folder
     #[arg(long, value_name = "FILE", requires = "manifest")]
     pub poster: Option<PathBuf>,
-}
-
-/// A quality of a clip to publish.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Quality {
-    /// The beginning of its files' names.
-    pub name: String,
-    pub folder: PathBuf,
-}
-
-impl Quality {
-    /// Name of the quality that `OUT` is.
-    pub const BEST: &str = "full";
-}
-
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub enum Source {
-    /// Whichever of the others PATH contains
-    Auto,
-    Middlebury,
-    Colmap,
-    Opencv,
-    Transforms,
-    Easymocap,
-    Bundler,
-    Metashape,
-    Neus,
-    /// Also FreeMoCap and Caliscope
-    Anipose,
-    Panoptic,
-    Mvsnet,
-    Kalibr,
-    /// Also RealityScan
-    Realitycapture,
-    /// ZJU-MoCap
-    Zju,
-}
-
-impl Source {
-    /// The format, or none if it is to be recognised.
-    pub const fn source(self) -> Option<pcmvs_scene::Source> {
-        match self {
-            Self::Auto => None,
-            Self::Middlebury => Some(pcmvs_scene::Source::Middlebury),
-            Self::Colmap => Some(pcmvs_scene::Source::Colmap),
-            Self::Opencv => Some(pcmvs_scene::Source::Opencv),
-            Self::Transforms => Some(pcmvs_scene::Source::Transforms),
-            Self::Easymocap => Some(pcmvs_scene::Source::Easymocap),
-            Self::Bundler => Some(pcmvs_scene::Source::Bundler),
-            Self::Metashape => Some(pcmvs_scene::Source::Metashape),
-            Self::Neus => Some(pcmvs_scene::Source::Neus),
-            Self::Anipose => Some(pcmvs_scene::Source::Anipose),
-            Self::Panoptic => Some(pcmvs_scene::Source::Panoptic),
-            Self::Mvsnet => Some(pcmvs_scene::Source::Mvsnet),
-            Self::Kalibr => Some(pcmvs_scene::Source::Kalibr),
-            Self::Realitycapture => Some(pcmvs_scene::Source::Realitycapture),
-            Self::Zju => Some(pcmvs_scene::Source::Zju),
-        }
-    }
-}
-
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub enum MaskSource {
-    File,
-    Chroma,
-    Plates,
-}
-
-impl MaskSource {
-    /// The files that it reads.
-    pub const fn files(self) -> SilhouetteFiles {
-        match self {
-            Self::File => SilhouetteFiles::Masks,
-            Self::Chroma => SilhouetteFiles::None,
-            Self::Plates => SilhouetteFiles::Plates,
-        }
-    }
-
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::File => "file",
-            Self::Chroma => "chroma",
-            Self::Plates => "plates",
-        }
-    }
-}
-
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub enum Format {
-    Glb,
-    Ply,
-}
-
-impl Format {
-    pub const fn extension(self) -> &'static str {
-        match self {
-            Self::Glb => "glb",
-            Self::Ply => "ply",
-        }
-    }
-}
-
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub enum PresetName {
-    /// Best measured quality
-    Default,
-    /// The method as the paper describes it
-    Paper,
-    /// The mesh of the visual hull
-    Hull,
-    /// Fast and coarse
-    Preview,
-}
-
-impl PresetName {
-    pub const fn preset(self) -> Preset {
-        match self {
-            Self::Default => Preset::Default,
-            Self::Paper => Preset::Paper,
-            Self::Hull => Preset::Hull,
-            Self::Preview => Preset::Preview,
-        }
-    }
-
-    /// Whether frames are averaged with their neighbours.
-    pub const fn averages(self) -> bool {
-        matches!(self, Self::Default | Self::Hull)
-    }
-
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Default => "default",
-            Self::Paper => "paper",
-            Self::Hull => "hull",
-            Self::Preview => "preview",
-        }
-    }
-}
-
-fn texture_size(text: &str) -> Result<u32, String> {
-    let [smallest, largest] = TEXTURE_SIZES;
-    let size = text.parse().ok().filter(|size| (smallest..=largest).contains(size));
-    size.ok_or_else(|| format!("`{text}` is no size of a texture: choose {smallest} to {largest}"))
-}
-
-/// Frames per second that a clip can have, so that single precision tells its moments apart.
-pub const FPS_RANGE: RangeInclusive<f64> = 0.001..=10_000.0;
-
-fn parse_fps(text: &str) -> Result<f64, String> {
-    let fps = text.parse().ok().filter(|fps| FPS_RANGE.contains(fps));
-    let (low, high) = (FPS_RANGE.start(), FPS_RANGE.end());
-    fps.ok_or_else(|| format!("`{text}` is no number of frames per second: choose {low} to {high}"))
-}
-
-fn parse_quality(text: &str) -> Result<Quality, String> {
-    let (name, folder) =
-        text.split_once('=').ok_or_else(|| format!("`{text}` is not a name and a folder: web=OUT_WEB"))?;
-    let is_safe = |c: char| c.is_ascii_lowercase() || c.is_ascii_digit() || c == '-';
-    if name.is_empty() || !name.chars().all(is_safe) {
-        return Err(format!("`{name}` is no name of a quality: use small letters, digits and hyphens"));
-    }
-    Ok(Quality { name: name.to_owned(), folder: folder.into() })
-}
-
-fn parse_seconds(text: &str) -> Result<f64, String> {
-    let seconds = text.parse().ok().filter(|&seconds: &f64| seconds > 0.0 && seconds.is_finite());
-    seconds.ok_or_else(|| format!("`{text}` is no number of seconds, such as 2 or 0.5"))
-}
-
-/// Numbers and inclusive ranges, in the order given.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct List(pub Vec<u32>);
-
-/// A longer range is a typing error, because no capture has as many frames.
-const MAX_LIST: u32 = 10_000_000;
-
-fn parse_list(text: &str) -> Result<List, String> {
-    let mut numbers = Vec::new();
-    for part in text.split(',') {
-        let number = |s: &str| {
-            s.trim().parse::<u32>().map_err(|_| format!("`{part}` is neither a number nor a range such as 10..20"))
-        };
-        let (first, last) = match part.split_once("..") {
-            Some((first, last)) => (number(first)?, number(last)?),
-            None => (number(part)?, number(part)?),
-        };
-        if first > last || last - first > MAX_LIST {
-            return Err(format!("`{part}` runs backwards or is too long"));
-        }
-        numbers.extend(first..=last);
-    }
-    let mut sorted = numbers.clone();
-    sorted.sort_unstable();
-    match sorted.windows(2).find(|pair| pair[0] == pair[1]) {
-        Some(pair) => Err(format!("{} is listed twice", pair[0])),
-        None => Ok(List(numbers)),
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn lists_hold_numbers_and_inclusive_ranges() {
-        assert_eq!(parse_list("0,3,10..12"), Ok(List(vec![0, 3, 10, 11, 12])));
-        assert_eq!(parse_list("7"), Ok(List(vec![7])));
-        for wrong in ["", "a", "1,,2", "3..1", "-1", "1..", "0,0", "2..4,3", "0..4294967295"] {
-            assert!(parse_list(wrong).is_err(), "{wrong}");
-        }
-    }
 }
