@@ -67,6 +67,7 @@ fn a_failure_of_the_callers_allocator_is_a_status() {
 }
 
 #[test]
+#[ignore = "takes long: `cargo xtask test --all` runs it"]
 fn address_sanitizer_finds_no_leak_over_200_frames() {
     let sample = Sample::sized(6, 80, 60);
     let program = build(sample.path(), SANITIZED, "tests/c/soak.c", Link::Shared);
@@ -92,7 +93,7 @@ fn valgrind_finds_no_error() {
 }
 
 #[test]
-#[ignore = "takes minutes: `cargo xtask test --all` runs it"]
+#[ignore = "takes long: `cargo xtask test --all` runs it"]
 fn valgrind_finds_no_error_over_200_frames() {
     valgrind("200");
 }

@@ -53,7 +53,7 @@ pub fn run(all: bool, install: bool) -> Result<()> {
     steps.step("module cycles", || cycles::check().map(Outcome::Passed))?;
     steps.step_with(&no_std::NEEDS, "core without std", || no_std::check().map(Outcome::Passed))?;
     steps.step_with(&oldest_compiler::NEEDS, "oldest compiler", oldest_compiler::check)?;
-    steps.step("tests", || tests().map(Outcome::Passed))?;
+    steps.step("tests", || tests(all).map(Outcome::Passed))?;
     golden::check(&mut steps, all)?;
     steps.step("documentation", || {
         let mut doc = cargo("doc --quiet --workspace --no-deps --all-features");
@@ -95,11 +95,16 @@ fn lints() -> Result<()> {
     run_program(fuzz.arg(target()).args(["--", "-D", "warnings"])).map(drop)
 }
 
-/// All Rust tests, including those of the C library. Reports how many passed, and which were skipped.
-fn tests() -> Result<String> {
+/// All Rust tests, including those of the C library. Those that take long are marked `ignore`, and only run with `all`; the C
+/// library's are run by [`abi_check`]. Reports how many passed, and which were skipped.
+fn tests(all: bool) -> Result<String> {
     // The tasks alone, because with the features of the workspace all that they depend on would be compiled again.
-    let printed = run_program(&mut cargo("test --workspace --exclude xtask --all-features"))?
+    let mut printed = run_program(&mut cargo("test --workspace --exclude xtask --all-features"))?
         + &run_program(&mut cargo("test --package xtask"))?;
+    if all {
+        printed +=
+            &run_program(&mut cargo("test --workspace --exclude xtask --all-features --test facts -- --ignored"))?;
+    }
     let count = |line: &str| {
         let passed = line.strip_prefix("test result: ok. ")?.split(' ').next()?;
         passed.parse::<u32>().ok()

@@ -61,6 +61,7 @@ fn bump(shot: &mut Shot, camera: usize, pixels: f64) {
 /// Noise, coarse masks and small errors of the calibration, which all cameras of an ordinary capture have, are no
 /// contradiction.
 #[test]
+#[ignore = "takes long: `cargo xtask test --all` runs it"]
 fn nobody_is_at_fault_in_an_ordinary_capture() {
     let ordinary = [
         Faults::default(),

@@ -169,6 +169,7 @@ fn a_picture_of_another_instant_is_named_and_its_camera_does_not_move() {
 /// More frames show the object in more places of the pictures. That makes the largest errors smaller, at places that single
 /// frames leave empty.
 #[test]
+#[ignore = "takes long: `cargo xtask test --all` runs it"]
 fn frames_of_a_take_are_used_together() {
     let faults = Faults { calibration: 1.0, noise: 6.0, ..Faults::default() };
     let capture = Capture::new(Subject::Figure, &cameras(), &[0.0, 0.4, 0.8], &faults);

@@ -66,6 +66,7 @@ fn small_pictures_take_what_the_formula_says() {
 }
 
 #[test]
+#[ignore = "takes long: `cargo xtask test --all` runs it"]
 fn many_views_take_what_the_formula_says() {
     takes_what_the_formula_says(40, (320, 240));
 }
@@ -76,6 +77,7 @@ fn few_views_take_what_the_formula_says() {
 }
 
 #[test]
+#[ignore = "takes long: `cargo xtask test --all` runs it"]
 fn larger_pictures_take_what_the_formula_says() {
     takes_what_the_formula_says(10, (640, 480));
 }
@@ -111,6 +113,7 @@ fn a_form_takes_what_the_formula_says() {
 
 /// A frame of 20 views of 1024 x 768 stays below 400 MiB.
 #[test]
+#[ignore = "takes long: `cargo xtask test --all` runs it"]
 fn a_usual_frame_takes_less_than_400_mib() {
     let cameras = Ring::default().sized(1024, 768).cameras();
     let shot = Shot::new(Subject::Figure, &cameras, &Faults::default());
