@@ -1,7 +1,7 @@
 //! How independent jobs are run: on the calling thread ([`Serial`]) or on the host's threads ([`Executor`]).
 
 use alloc::vec::Vec;
-use core::mem::{replace, take};
+use core::mem::take;
 use spin::Mutex;
 
 /// Runs independent jobs, in any order and on any thread.
@@ -16,7 +16,9 @@ pub trait Executor: Sync {
 impl dyn Executor + '_ {
     /// Computes `(0..count).map(job)`.
     pub fn map<T: Send>(&self, count: usize, job: impl Fn(usize) -> T + Sync) -> Vec<T> {
-        self.map_parts(0..count, |_, i| job(i))
+        let results: Vec<Mutex<Option<T>>> = (0..count).map(|_| Mutex::new(None)).collect();
+        self.run(count, &|i| *results[i].lock() = Some(job(i)));
+        results.into_iter().map(|result| result.into_inner().expect("an executor runs all jobs")).collect()
     }
 
     /// Computes `(0..count).map(|i| job(scratch, i))`.
@@ -29,7 +31,10 @@ impl dyn Executor + '_ {
         count: usize,
         job: impl Fn(&mut S, usize) -> T + Sync,
     ) -> Vec<T> {
-        self.map_parts_with(spare, 0..count, |scratch, _, i| job(scratch, i))
+        let mut scratches = Pool::from(take(spare));
+        let results = self.map(count, |i| scratches.with(|scratch| job(scratch, i)));
+        *spare = take(scratches.spare());
+        results
     }
 
     /// Computes `job(i, part)` for each of the parts, such as mutable slices of one vector.
@@ -38,7 +43,8 @@ impl dyn Executor + '_ {
         parts: impl IntoIterator<Item = P>,
         job: impl Fn(usize, P) -> T + Sync,
     ) -> Vec<T> {
-        self.map_parts_with(&mut Vec::<()>::new(), parts, |(), i, part| job(i, part))
+        let parts: Vec<Mutex<Option<P>>> = parts.into_iter().map(|part| Mutex::new(Some(part))).collect();
+        self.map(parts.len(), |i| job(i, parts[i].lock().take().expect("each job runs once")))
     }
 
     /// [`Self::map_parts`] with scratch buffers as in [`Self::map_with`].
@@ -48,27 +54,11 @@ impl dyn Executor + '_ {
         parts: impl IntoIterator<Item = P>,
         job: impl Fn(&mut S, usize, P) -> T + Sync,
     ) -> Vec<T> {
-        let jobs: Vec<Mutex<Job<P, T>>> = parts.into_iter().map(|part| Mutex::new(Job::Waiting(part))).collect();
         let mut scratches = Pool::from(take(spare));
-        self.run(jobs.len(), &|i| {
-            let Job::Waiting(part) = replace(&mut *jobs[i].lock(), Job::Running) else { panic!("each job runs once") };
-            let result = scratches.with(|scratch| job(scratch, i, part));
-            *jobs[i].lock() = Job::Done(result);
-        });
+        let results = self.map_parts(parts, |i, part| scratches.with(|scratch| job(scratch, i, part)));
         *spare = take(scratches.spare());
-        let result = |job: Mutex<Job<P, T>>| match job.into_inner() {
-            Job::Done(result) => result,
-            Job::Waiting(_) | Job::Running => panic!("an executor runs all jobs"),
-        };
-        jobs.into_iter().map(result).collect()
+        results
     }
-}
-
-/// State of a job: it turns a part into a result.
-enum Job<P, T> {
-    Waiting(P),
-    Running,
-    Done(T),
 }
 
 /// Runs all jobs on the calling thread.
