@@ -98,7 +98,8 @@ impl Copy {
     /// Plans the copy of a picture into a folder of the scene, and changes the path in the scene. The name without
     /// extension is that of a camera, which is safe as a file name (see [`Imported`]), and perhaps a frame's number.
     fn plan(path: &mut PathBuf, folder: &str, name: &str) -> Result<Self, Failure> {
-        let target = Path::new(folder).join(format!("{name}.{}", extension(path)?));
+        // With `/` on Windows, too: scene.json has this path.
+        let target = PathBuf::from(format!("{folder}/{name}.{}", extension(path)?));
         Ok(Self { source: std::mem::replace(path, target.clone()), target })
     }
 

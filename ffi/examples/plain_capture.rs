@@ -1,4 +1,7 @@
-//! Renders a small capture as plain files for the examples in C. Usage: plain_capture FOLDER [VIEWS WIDTH HEIGHT]
+//! Renders a small capture as plain files for the examples in C. Usage: plain_capture FOLDER [VIEWS WIDTH HEIGHT | turned | N]
+//!
+//! With `turned` camera 4 does not stand where the calibration has it. With one number, a capture of so many frames, frame k
+//! in a folder of its own that ends on k.
 
 use std::{env, io, path::Path};
 
@@ -7,12 +10,19 @@ mod plain;
 
 fn main() -> io::Result<()> {
     let arguments: Vec<String> = env::args().skip(1).collect();
+    let folder = arguments.first().ok_or_else(|| io::Error::other("name a folder"))?;
     let numbers: Option<Vec<u32>> = arguments.iter().skip(1).map(|a| a.parse().ok()).collect();
     let capture = match numbers.as_deref() {
         Some([]) => plain::capture(10, 160, 120),
         Some(&[views, width, height]) => plain::capture(views, width, height),
-        _ => return Err(io::Error::other("usage: plain_capture FOLDER [VIEWS WIDTH HEIGHT]")),
+        Some(&[frames]) => {
+            let capture = plain::take(frames);
+            let folder = |frame: usize| format!("{folder}{frame}");
+            let mut frames = 0..capture.frames.len();
+            return frames.try_for_each(|frame| plain::write(&capture, frame, Path::new(&folder(frame))));
+        }
+        None if arguments[1..] == ["turned"] => plain::one_turned(),
+        _ => return Err(io::Error::other("usage: plain_capture FOLDER [VIEWS WIDTH HEIGHT | turned | FRAMES]")),
     };
-    let folder = arguments.first().ok_or_else(|| io::Error::other("name a folder"))?;
     plain::write(&capture, 0, Path::new(folder))
 }

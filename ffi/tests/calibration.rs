@@ -117,7 +117,7 @@ fn bits(numbers: impl IntoIterator<Item = f64>) -> Vec<u64> {
 
 #[test]
 fn c_finds_what_the_core_finds() {
-    let capture = common::turned_capture();
+    let capture = common::plain::one_turned();
     for intrinsics in [false, true] {
         let expected = by_core(&capture, intrinsics);
         let (cameras, reports, whole) = by_c(&capture, intrinsics);

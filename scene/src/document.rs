@@ -3,6 +3,7 @@
 use crate::{
     failure::Failure,
     files::Files,
+    paths::written,
     scene::{FILE_NAME, SceneCamera},
     text,
 };
@@ -36,9 +37,9 @@ impl Document {
 
     /// Makes all paths start in another folder, which leads to that of the document.
     pub fn move_to(&mut self, lead: &Path) {
-        let literal = |path: &str| lead.join(path).to_string_lossy().into_owned();
-        let escaped = lead.to_string_lossy().replace('{', "{{").replace('}', "}}");
-        let pattern = |path: &str| Path::new(&escaped).join(path).to_string_lossy().into_owned();
+        let literal = |path: &str| written(&lead.join(path));
+        let escaped = written(lead).replace('{', "{{").replace('}', "}}");
+        let pattern = |path: &str| written(&Path::new(&escaped).join(path));
         for (key, value) in &mut self.0 {
             match key.as_str() {
                 "rig" => change(value, &literal),

@@ -13,6 +13,7 @@ mod lens;
 mod load;
 mod open;
 pub mod output;
+mod paths;
 mod pattern;
 mod pictures;
 mod scene;
@@ -28,6 +29,7 @@ pub use import::{Imported, Source, import, is_picture, is_video, recognise};
 pub use inputs::{DecodedView, FrameFiles, MissingFile, NoVideos, Pictures, Silhouettes, UndecodedViews, Videos};
 pub use lens::LensModel;
 pub use open::open;
+pub use paths::written as written_path;
 pub use pictures::Picture;
 pub use scene::{Background, FILE_NAME, Scene, SceneCamera, SceneFrame, SilhouetteFiles, VERSION};
 #[cfg(feature = "threads")]

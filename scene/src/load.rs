@@ -3,6 +3,7 @@
 use crate::{
     failure::Failure,
     files::Files,
+    paths,
     scene::{FILE_NAME, Scene, SceneCamera, VERSION},
     take::Take,
 };
@@ -14,7 +15,7 @@ impl Scene {
         let path = if files.is_folder(path) { path.join(FILE_NAME) } else { path.to_path_buf() };
         let mut take = Take::read(files, &path)?;
         let wrong = |problem: String| Failure::Input(format!("{}: {problem}", path.display()));
-        let rig = take.rig().map_err(wrong)?.map(|rig| path.parent().unwrap_or(Path::new("")).join(rig));
+        let rig = take.rig().map_err(wrong)?.map(|rig| paths::resolve(path.parent().unwrap_or(Path::new("")), &rig));
         let cameras = match (take.cameras.take(), &rig) {
             (None, Some(rig)) => {
                 let shared = Take::read(files, rig)?;

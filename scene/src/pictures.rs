@@ -3,7 +3,7 @@
 //! The JPEG standard leaves the rounding of the inverse transform to the decoder. Therefore the same decoder, without its
 //! SIMD paths, is used everywhere.
 
-use image::{DynamicImage, ImageDecoder, ImageFormat, codecs::png::PngDecoder};
+use image::{DynamicImage, ImageDecoder, ImageFormat, codecs::png::PngDecoder, metadata::Orientation};
 use pcmvs_core::{ImageRef, PixelFormat};
 use std::io::Cursor;
 use zune_jpeg::{
@@ -51,7 +51,8 @@ impl Picture {
         self.alpha().unwrap_or(self)
     }
 
-    /// Decodes the bytes of a file. Errors name the problem and the remedy.
+    /// Decodes the bytes of a file. Pixels stay as they are stored: where EXIF asks to turn them, the calibration must be of the
+    /// stored ones. If the sides do not tell that, it is an error. Errors name the problem and the remedy.
     pub fn decode(file: &[u8]) -> Result<Self, String> {
         if is_jpeg(file)? { decode_jpeg(file) } else { decode_png(file) }
     }
@@ -66,9 +67,24 @@ impl Picture {
         if !png_has_end(file) {
             return Err(damaged("its end is missing"));
         }
-        let (width, height) = PngDecoder::new(Cursor::new(file)).map_err(damaged)?.dimensions();
-        Ok([width, height])
+        png_header(file)
     }
+}
+
+/// Fails if EXIF asks to turn or mirror a picture and its sides do not tell whether it is calibrated as it is stored. They do
+/// tell if turning exchanges them.
+fn check_orientation(exif: Option<&[u8]>, [width, height]: [u32; 2]) -> Result<(), String> {
+    use Orientation::{NoTransforms, Rotate90, Rotate90FlipH, Rotate270, Rotate270FlipH};
+    let orientation = exif.and_then(Orientation::from_exif_chunk).unwrap_or(NoTransforms);
+    let exchanges = matches!(orientation, Rotate90 | Rotate90FlipH | Rotate270 | Rotate270FlipH);
+    if orientation == NoTransforms || (exchanges && width != height) {
+        return Ok(());
+    }
+    Err(format!(
+        "EXIF asks to turn or mirror the picture (orientation {}), and its size does not tell whether it is calibrated as it is \
+         stored or as it is shown: remove the orientation, or turn the pixels if it is calibrated as it is shown",
+        orientation.to_exif()
+    ))
 }
 
 /// Whether a file is JPEG. Otherwise it is PNG.
@@ -108,7 +124,9 @@ fn jpeg_header(file: &[u8]) -> Result<(Jpeg<'_>, [u32; 2]), String> {
     if width.saturating_mul(height) > MOST_PIXELS {
         return Err(format!("the picture is {width} x {height} pixels: at most {MOST_PIXELS} can be used; scale it"));
     }
-    Ok((decoder, [width as u32, height as u32]))
+    let size = [width as u32, height as u32];
+    check_orientation(decoder.exif().map(Vec::as_slice), size)?;
+    Ok((decoder, size))
 }
 
 fn decode_jpeg(file: &[u8]) -> Result<Picture, String> {
@@ -131,7 +149,15 @@ fn png_has_end(file: &[u8]) -> bool {
     false
 }
 
+fn png_header(file: &[u8]) -> Result<[u32; 2], String> {
+    let mut decoder = PngDecoder::new(Cursor::new(file)).map_err(damaged)?;
+    let (width, height) = decoder.dimensions();
+    let exif = decoder.exif_metadata().map_err(damaged)?;
+    check_orientation(exif.as_deref(), [width, height]).map(|()| [width, height])
+}
+
 fn decode_png(file: &[u8]) -> Result<Picture, String> {
+    png_header(file)?;
     let decoded = image::load_from_memory_with_format(file, ImageFormat::Png).map_err(damaged)?;
     let (width, height) = (decoded.width(), decoded.height());
     let (format, pixels) = match decoded {
@@ -184,6 +210,44 @@ mod tests {
         file[data..data + 4].fill(0);
         assert!(Picture::decode(&file).is_err());
         assert_eq!(Picture::size(&file), Ok([2, 1]));
+    }
+
+    /// The smallest EXIF data with an orientation: a TIFF header and one entry.
+    fn exif(orientation: u8) -> Vec<u8> {
+        let mut data = b"MM\0*\0\0\0\x08\0\x01\x01\x12\0\x03\0\0\0\x01\0".to_vec();
+        data.extend([orientation, 0, 0, 0, 0, 0, 0]);
+        data
+    }
+
+    fn png_with_exif(orientation: u8, width: u32) -> Vec<u8> {
+        let mut file = Vec::new();
+        let mut encoder = PngEncoder::new(&mut file);
+        encoder.set_exif_metadata(exif(orientation)).unwrap();
+        encoder.write_image(&[0; 2], width, 2 / width, ColorType::L8.into()).unwrap();
+        file
+    }
+
+    fn jpeg_with_exif(orientation: u8) -> Vec<u8> {
+        let mut file = include_bytes!("../../cli/tests/data/waves.jpg").to_vec();
+        let data = [b"Exif\0\0".to_vec(), exif(orientation)].concat();
+        let length = (data.len() as u16 + 2).to_be_bytes();
+        file.splice(2..2, [&[0xFF, 0xE1], &length[..], &data].concat());
+        file
+    }
+
+    #[test]
+    fn a_turn_that_exif_asks_for_is_refused_unless_the_sides_tell_of_it() {
+        for orientation in 1..=8 {
+            for file in [png_with_exif(orientation, 2), jpeg_with_exif(orientation)] {
+                let (size, decoded) = (Picture::size(&file).map(drop), Picture::decode(&file).map(drop));
+                assert_eq!(size, decoded);
+                match size {
+                    Ok(()) => assert!(matches!(orientation, 1 | 5..=8), "{orientation}"),
+                    Err(problem) => assert!(problem.contains(&format!("(orientation {orientation})")), "{problem}"),
+                }
+            }
+        }
+        assert!(check_orientation(Some(&exif(6)), [4, 4]).is_err());
     }
 
     #[test]

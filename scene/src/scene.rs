@@ -3,6 +3,7 @@
 use crate::{
     failure::Failure,
     lens::{self, LensModel},
+    paths,
 };
 use pcmvs_core::Camera;
 use serde::{Deserialize, Serialize};
@@ -241,8 +242,8 @@ impl Scene {
         self.rig.as_ref().unwrap_or(&self.path)
     }
 
-    /// A path of the scene, relative to the working directory.
+    /// A path of the scene, relative to the working directory. Both `/` and `\` separate its folders.
     pub fn resolve(&self, path: &Path) -> PathBuf {
-        self.path.parent().unwrap_or(Path::new("")).join(path)
+        paths::resolve(self.path.parent().unwrap_or(Path::new("")), path)
     }
 }

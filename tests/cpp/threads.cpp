@@ -12,6 +12,9 @@
 #include <iostream>
 #include <pcmvs.hpp>
 #include <thread>
+#ifdef _WIN32
+#include <malloc.h>
+#endif
 
 namespace {
 
@@ -20,12 +23,20 @@ std::atomic<long> blocks{0};
 void *allocate(void *, std::size_t size, std::size_t alignment) {
     blocks++;
     alignment = std::max(alignment, sizeof(void *));
+#ifdef _WIN32
+    return _aligned_malloc(size, alignment);
+#else
     return std::aligned_alloc(alignment, (size + alignment - 1) / alignment * alignment);
+#endif
 }
 
 void deallocate(void *, void *memory, std::size_t, std::size_t) {
     blocks--;
+#ifdef _WIN32
+    _aligned_free(memory);
+#else
     std::free(memory);
+#endif
 }
 
 // One of two threads succeeds.

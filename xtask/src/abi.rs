@@ -5,7 +5,6 @@ use crate::{
     process::{cargo, root, run, target},
 };
 use std::{
-    env::consts::{DLL_PREFIX, DLL_SUFFIX},
     fs, io,
     path::{Path, PathBuf},
 };
@@ -22,12 +21,71 @@ fn abi() -> String {
     }
 }
 
-/// Name of the static library.
-const STATIC: &str = if cfg!(target_env = "msvc") { "pcmvs.lib" } else { "libpcmvs.a" };
+/// The files of the library on a system, as cargo names them.
+struct Library {
+    shared: &'static str,
+    fixed: &'static str,
+    /// With which programs link the shared library, where it is not that library itself.
+    import: Option<&'static str>,
+    /// What a program with the static library links, too, separated by semicolons.
+    needed: &'static str,
+    /// The same as flags of a linker.
+    flags: &'static str,
+}
 
-/// Name of the shared library as cargo builds it.
-fn shared() -> String {
-    format!("{DLL_PREFIX}pcmvs{DLL_SUFFIX}")
+const LINUX: Library = Library {
+    shared: "libpcmvs.so",
+    fixed: "libpcmvs.a",
+    import: None,
+    needed: "Threads::Threads;${CMAKE_DL_LIBS};m",
+    flags: "-lpthread -ldl -lm",
+};
+const MACOS: Library = Library { shared: "libpcmvs.dylib", needed: "", flags: "", ..LINUX };
+const MINGW: Library = Library {
+    shared: "pcmvs.dll",
+    fixed: "libpcmvs.a",
+    import: Some("libpcmvs.dll.a"),
+    needed: "ntdll;userenv;ws2_32;dbghelp",
+    flags: "-lntdll -luserenv -lws2_32 -ldbghelp",
+};
+const MSVC: Library = Library { fixed: "pcmvs.lib", import: Some("pcmvs.dll.lib"), ..MINGW };
+
+impl Library {
+    /// The files on the system of a triple, or on this one.
+    fn of(triple: Option<&str>) -> Self {
+        match triple {
+            Some(triple) if triple.ends_with("windows-msvc") => MSVC,
+            Some(triple) if triple.contains("windows") => MINGW,
+            Some(triple) if triple.contains("apple") => MACOS,
+            None if cfg!(target_env = "msvc") => MSVC,
+            None if cfg!(windows) => MINGW,
+            None if cfg!(target_os = "macos") => MACOS,
+            _ => LINUX,
+        }
+    }
+
+    /// Only ELF libraries have the version in their names.
+    fn is_elf(&self) -> bool {
+        self.shared == LINUX.shared
+    }
+
+    /// Path of the installed shared library below the prefix. Windows finds libraries beside programs.
+    fn shared_path(&self) -> String {
+        match (self.is_elf(), self.import) {
+            (true, _) => format!("lib/{}.{VERSION}", self.shared),
+            (_, Some(_)) => format!("bin/{}", self.shared),
+            _ => format!("lib/{}", self.shared),
+        }
+    }
+
+    /// What CMake must know to link the shared library, besides its place.
+    fn property(&self) -> String {
+        match self.import {
+            Some(import) => format!("IMPORTED_IMPLIB \"${{_pcmvs_prefix}}/lib/{import}\""),
+            None if self.is_elf() => format!("IMPORTED_SONAME \"{}.{}\"", self.shared, abi()),
+            None => format!("IMPORTED_SONAME \"@rpath/{}\"", self.shared),
+        }
+    }
 }
 
 /// Adds the file's name to an error.
@@ -41,9 +99,13 @@ pub fn header() -> Result<()> {
     run(test.env("PCMVS_WRITE_HEADER", "1")).map(drop)
 }
 
-/// Builds the library and installs it for C and C++ below `prefix`. The installed folder can be moved.
-pub fn install(prefix: &Path) -> Result<()> {
-    run(&mut cargo("build --quiet --release -p pcmvs-ffi"))?;
+/// Builds the library, for another system if a triple is given, and installs it for C and C++ below `prefix`. The installed
+/// folder can be moved.
+pub fn install(prefix: &Path, triple: Option<&str>) -> Result<()> {
+    let mut build = cargo("build --quiet --release -p pcmvs-ffi");
+    triple.iter().for_each(|triple| _ = build.args(["--target", triple]));
+    run(&mut build)?;
+    let library = Library::of(triple);
     let lib = prefix.join("lib");
     let folders = [prefix.join("include"), lib.join("pkgconfig"), lib.join("cmake/pcmvs")];
     folders.iter().try_for_each(|folder| fs::create_dir_all(folder).map_err(problem(folder)))?;
@@ -53,25 +115,36 @@ pub fn install(prefix: &Path) -> Result<()> {
     for header in ["pcmvs.h", "pcmvs.hpp"] {
         copy(root().join("include").join(header), include.join(header))?;
     }
-    let built = target().join("release");
-    // Only ELF libraries have the version in their names.
-    let versioned = if cfg!(target_os = "linux") { format!("{}.{VERSION}", shared()) } else { shared() };
-    copy(built.join(STATIC), lib.join(STATIC))?;
-    copy(built.join(shared()), lib.join(&versioned))?;
-    let links = if cfg!(target_os = "linux") { vec![format!("{}.{}", shared(), abi()), shared()] } else { vec![] };
+    let built = target().join(triple.unwrap_or_default()).join("release");
+    let shared = prefix.join(library.shared_path());
+    shared.parent().map_or(Ok(()), fs::create_dir_all).map_err(problem(&shared))?;
+    copy(built.join(library.shared), shared)?;
+    for name in [Some(library.fixed), library.import].into_iter().flatten() {
+        copy(built.join(name), lib.join(name))?;
+    }
+    let links = if library.is_elf() {
+        vec![format!("{}.{}", library.shared, abi()), library.shared.to_owned()]
+    } else {
+        vec![]
+    };
     for name in links {
         let link = lib.join(name);
         if link.symlink_metadata().is_ok() {
             fs::remove_file(&link).map_err(problem(&link))?;
         }
-        symlink(&versioned, &link).map_err(problem(&link))?;
+        symlink(&format!("{}.{VERSION}", library.shared), &link).map_err(problem(&link))?;
     }
     let configure = |folder: &Path, name: &str| {
         let template = root().join("ffi/install").join(format!("{name}.in"));
         let text = fs::read_to_string(&template).map_err(problem(&template))?;
         let text = text.replace("@VERSION@", VERSION).replace("@ABI_PATTERN@", &abi().replace('.', "\\\\."));
+        let text = text.replace("@SHARED@", &library.shared_path()).replace("@PROPERTY@", &library.property());
+        let text = text
+            .replace("@STATIC@", library.fixed)
+            .replace("@NEEDED@", library.needed)
+            .replace("@FLAGS@", library.flags);
         let path = folder.join(name);
-        fs::write(&path, text.replace("@ABI@", &abi())).map_err(problem(&path))
+        fs::write(&path, text).map_err(problem(&path))
     };
     configure(&pkgconfig, "pcmvs.pc")?;
     configure(&cmake, "pcmvs-config.cmake")?;

@@ -56,7 +56,7 @@ fn consumers() -> Result<String> {
         fs::remove_dir_all(&work).map_err(problem(&work))?;
     }
     let (first, prefix) = (work.join("first"), work.join("moved/prefix"));
-    install(&first)?;
+    install(&first, None)?;
     fs::create_dir_all(work.join("moved")).map_err(problem(&work))?;
     fs::rename(&first, &prefix).map_err(problem(&first))?;
     let plain = work.join("plain");

@@ -101,6 +101,9 @@ enum Task {
         /// Folder in which include and lib are created. It can be moved afterwards
         #[arg(long, required_unless_present = "check")]
         prefix: Option<std::path::PathBuf>,
+        /// For another system than this one, such as x86_64-pc-windows-gnu
+        #[arg(long)]
+        target: Option<String>,
         /// Make the long checks of the C library instead, which install compilers and tools
         #[arg(long)]
         check: bool,
@@ -151,7 +154,7 @@ fn main() -> ExitCode {
         Task::Blender => blender::run_alone(),
         Task::Farm => farm::test(),
         Task::Wasm => web::wasm().map(|sizes| println!("{sizes}")),
-        Task::Install { prefix: Some(prefix), check: false } => abi::install(&prefix),
+        Task::Install { prefix: Some(prefix), target, check: false } => abi::install(&prefix, target.as_deref()),
         Task::Install { .. } => test::c_library(),
         Task::Python => python::test(),
         Task::Windows => windows::test(),

@@ -1,7 +1,7 @@
 //! A small capture, and programs in C and C++ built against the library under test.
 #![allow(dead_code, reason = "each test uses a part")]
 
-mod plain;
+pub mod plain;
 
 use std::{
     env,
@@ -100,11 +100,6 @@ pub fn output<A: AsRef<OsStr>>(program: &Path, arguments: impl IntoIterator<Item
     String::from_utf8(run(Command::new(program).args(arguments)).stdout).unwrap()
 }
 
-/// The capture of [`Sample::turned`].
-pub fn turned_capture() -> Capture {
-    plain::turned(10, 320, 240, &[(4, [-4.0, 4.0])])
-}
-
 /// A capture in two forms: a scene for the command line, and plain files for the examples in C.
 pub struct Sample {
     pub folder: TempDir,
@@ -119,14 +114,14 @@ impl Sample {
         Self::of(&plain::capture(views, width, height))
     }
 
-    /// A capture of which camera 4 was turned after it was calibrated, large enough to find that out.
+    /// A capture of which camera 4 was turned after it was calibrated.
     pub fn turned() -> Self {
-        Self::of(&turned_capture())
+        Self::of(&plain::one_turned())
     }
 
     /// A capture of a moving figure. `plain` has its first frame, and `plainN` the frame N.
     pub fn take(frames: u32) -> Self {
-        Self::of(&plain::recorded(8, 120, 90, &[], frames))
+        Self::of(&plain::take(frames))
     }
 
     fn of(capture: &Capture) -> Self {

@@ -14,6 +14,16 @@ pub fn turned(views: u32, width: u32, height: u32, turned: &[(usize, [f64; 2])])
     recorded(views, width, height, turned, 1)
 }
 
+/// A capture of which camera 4 was turned after it was calibrated, large enough to find that out.
+pub fn one_turned() -> Capture {
+    turned(10, 320, 240, &[(4, [-4.0, 4.0])])
+}
+
+/// A capture of a moving figure.
+pub fn take(frames: u32) -> Capture {
+    recorded(8, 120, 90, &[], frames)
+}
+
 /// The same with so many frames, 30 per second, in which the figure moves.
 pub fn recorded(views: u32, width: u32, height: u32, turned: &[(usize, [f64; 2])], frames: u32) -> Capture {
     let distortion = [-0.05, 0.02, 1e-4, -2e-4, 0.0];

@@ -1,5 +1,6 @@
 //! Agisoft Metashape's XML of cameras. Poses are camera to chunk with x right, y down, z forward. A sensor has f, cx and cy
 //! from the middle of the picture, b1 and b2 (aspect and skew), k1 to k4, p1 and p2, which OpenCV has in the other order.
+//! Cameras may be in groups, whose labels are the folders of their pictures.
 //! The transform of the component or the chunk leads to the world and is applied. A chunk may have several frames, whose
 //! cameras have the poses of the chunk and pictures of their own.
 
@@ -15,7 +16,10 @@ use crate::{failure::Failure, files::Files};
 use glam::{DMat3, DVec3};
 use pcmvs_core::Lens;
 use roxmltree::{Document, Node};
-use std::{collections::BTreeMap, path::Path};
+use std::{
+    collections::BTreeMap,
+    path::{Component, Path, PathBuf},
+};
 
 /// Coefficients that are read.
 const COEFFICIENTS: [&str; 12] = ["f", "cx", "cy", "b1", "b2", "k1", "k2", "k3", "k4", "p1", "p2", "resolution"];
@@ -35,14 +39,20 @@ pub fn read(files: &dyn Files, path: &Path, notes: &mut Notes) -> Result<Vec<Imp
         return Err(wrong(format!("has {} chunks: export the cameras of one chunk", chunks.len())));
     };
     let folder = path.parent().unwrap_or(Path::new(""));
-    let folders = [folder.to_path_buf(), folder.join("images")];
+    let usual = [folder.to_path_buf(), folder.join("images")];
     let (count, photos) = frames(chunk).map_err(wrong)?;
     let mut views = Vec::new();
     let (mut without, mut disabled) = (Vec::new(), Vec::new());
-    // Cameras may be in groups.
-    for camera in chunk.descendants().filter(|node| node.has_tag_name("camera") && node.attribute("label").is_some()) {
+    let labelled = |node: &Node| node.has_tag_name("camera") && node.attribute("label").is_some();
+    let mut repeated = BTreeMap::new();
+    for label in chunk.descendants().filter(labelled).filter_map(|camera| camera.attribute("label")) {
+        *repeated.entry(label).or_insert(0) += 1;
+    }
+    for camera in chunk.descendants().filter(labelled) {
         let label = camera.attribute("label").unwrap_or_default();
-        let name = name_of(label);
+        let group = group(camera);
+        let name = if repeated[label] > 1 { name_of(&format!("{group}/{label}")) } else { name_of(label) };
+        let folders = in_group(&usual, &group);
         if matches!(camera.attribute("enabled"), Some("false" | "0")) {
             disabled.push(name);
             continue;
@@ -76,6 +86,22 @@ pub fn read(files: &dyn Files, path: &Path, notes: &mut Notes) -> Result<Vec<Imp
         }
     }
     Ok(views)
+}
+
+/// The labels of the groups around a camera, as a path. Where photos of several folders were added, the groups are the folders.
+fn group(camera: Node) -> String {
+    let groups = camera.ancestors().filter(|node| node.has_tag_name("group"));
+    let mut labels: Vec<&str> = groups.filter_map(|group| group.attribute("label")).collect();
+    labels.reverse();
+    labels.join("/")
+}
+
+/// Folders in which the pictures of a group are searched: its own, then the usual ones.
+fn in_group(usual: &[PathBuf], group: &str) -> Vec<PathBuf> {
+    // A label is any text, and must not lead elsewhere.
+    let inside = Path::new(group).components().all(|part| matches!(part, Component::Normal(_)));
+    let own = usual.iter().filter(|_| inside && !group.is_empty()).map(|folder| folder.join(group));
+    own.chain(usual.iter().cloned()).collect()
 }
 
 /// The photos of cameras, by their ids: paths, and the numbers of the frames.

@@ -149,3 +149,29 @@ fn a_folder_of_pictures_that_is_passed_over_is_named() {
     fs::write(capture.path().join("images/IMG_3.mp4"), "a video").unwrap();
     assert!(import_with_notes("metashape", capture.path()).1.contains("IMG_3.mp4 is not"));
 }
+
+#[test]
+fn groups_are_the_folders_of_pictures_whose_labels_repeat() {
+    // Two groups with pictures of the same names, and a sensor for each.
+    let text = metashape("frame", PROJECTION).replace("<group id=\"0\">", "<group id=\"0\" label=\"left\">");
+    let text = text.replace("label=\"IMG_2\"", "label=\"IMG_0\"").replace("label=\"IMG_3\"", "label=\"IMG_1\"");
+    let at = text.find("<camera id=\"2\"").unwrap();
+    let (first, second) = text.split_at(at);
+    let second = second.replace("sensor_id=\"0\"", "sensor_id=\"1\"");
+    let start = first.find("<sensor id").unwrap();
+    let sensor = &first[start..first.find("</sensors>").unwrap()];
+    let other = sensor.replace("id=\"0\"", "id=\"1\"").replace("<f>60</f>", "<f>70</f>");
+    let first = first.replace("</sensors>", &format!("{other}</sensors>"));
+    let text = format!("{first}</group>\n<group id=\"1\" label=\"right\">\n{second}");
+    let pictures = ["left/IMG_0.png", "left/IMG_1.png", "images/right/IMG_0.png", "images/right/IMG_1.png"];
+    let capture = folder(&pictures.map(String::from), &[("cameras.xml", &text)]);
+    let scene = import("auto", capture.path());
+    let cameras = scene["cameras"].as_array().unwrap().iter();
+    let found: Vec<_> =
+        cameras.map(|camera| (camera["name"].as_str().unwrap(), camera["K"][0][0].as_f64().unwrap())).collect();
+    assert_eq!(found, [("left_IMG_0", 60.0), ("left_IMG_1", 60.0), ("right_IMG_0", 70.0), ("right_IMG_1", 70.0)]);
+    // A label does not lead out of the folder.
+    let text = text.replace("label=\"left\"", "label=\"../left\"");
+    let capture = folder(&pictures.map(String::from), &[("scene/cameras.xml", &text)]);
+    assert!(refused("metashape", &capture.path().join("scene/cameras.xml")).contains("`IMG_0` is missing"));
+}
