@@ -1,6 +1,6 @@
 //! The command line: its files, paths as Windows writes them, and Ctrl-C.
 
-use super::{CC, built, compare, empty, prefix, windows_path, wine};
+use super::machine::{CC, built, compare, empty, prefix, windows_path, wine};
 use crate::{
     Result,
     abi::problem,

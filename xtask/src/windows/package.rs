@@ -1,6 +1,6 @@
 //! The installed library as a project on Windows finds it with CMake: DLL, import library, static library and headers.
 
-use super::{CC, CXX, TRIPLE, compare, empty, windows_path, wine};
+use super::machine::{CC, CXX, TRIPLE, compare, empty, windows_path, wine};
 use crate::{
     Result,
     abi::{install, problem},

@@ -1,6 +1,6 @@
 //! Programs in C and C++: the examples, and the tests that the package `pcmvs-ffi` runs on this machine.
 
-use super::{CC, CXX, built, compare, empty, windows_path, wine};
+use super::machine::{CC, CXX, built, compare, empty, windows_path, wine};
 use crate::{
     Result,
     process::{cargo, program, root, run, target},
