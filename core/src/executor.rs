@@ -44,7 +44,10 @@ impl dyn Executor + '_ {
         job: impl Fn(usize, P) -> T + Sync,
     ) -> Vec<T> {
         let parts: Vec<Mutex<Option<P>>> = parts.into_iter().map(|part| Mutex::new(Some(part))).collect();
-        self.map(parts.len(), |i| job(i, parts[i].lock().take().expect("each job runs once")))
+        self.map(parts.len(), |i| {
+            let part = parts[i].lock().take().expect("each job runs once");
+            job(i, part)
+        })
     }
 
     /// [`Self::map_parts`] with scratch buffers as in [`Self::map_with`].
