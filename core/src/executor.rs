@@ -50,7 +50,7 @@ impl dyn Executor + '_ {
         })
     }
 
-    /// [`Self::map_parts`] with scratch buffers as in [`Self::map_with`].
+    /// `map_parts` with scratch buffers as in `map_with`.
     pub fn map_parts_with<S: Default + Send, P: Send, T: Send>(
         &self,
         spare: &mut Vec<S>,
