@@ -7,7 +7,8 @@ use crate::{
 };
 use std::path::{Path, PathBuf};
 
-/// Captures for the programs, by what `plain_capture` is told. The frames of `take` are in folders of their own.
+/// The captures that the programs read: the name of each, and the arguments with which the example `plain_capture` writes it.
+/// `take` has several frames, and each is written to a folder of its own: `take0`, `take1`, `take2`.
 const CAPTURES: [(&str, &str); 4] = [("plain", ""), ("tiny", "4 40 32"), ("turned", "turned"), ("take", "3")];
 
 /// Programs that check themselves, and their arguments. A capture's name stands for its folder.
