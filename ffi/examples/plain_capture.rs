@@ -1,7 +1,7 @@
-//! Renders a small capture as plain files for the examples in C. Usage: plain_capture FOLDER [VIEWS WIDTH HEIGHT | turned | N]
+//! Renders a small capture as plain files for the examples in C. Usage: plain_capture FOLDER [VIEWS WIDTH HEIGHT | turned | FRAMES]
 //!
-//! With `turned` camera 4 does not stand where the calibration has it. With one number, a capture of so many frames, frame k
-//! in a folder of its own that ends on k.
+//! `turned` writes a capture of which camera 4 was turned after it was calibrated. FRAMES writes a capture of that many frames:
+//! frame 0 to the folder FOLDER0, frame 1 to FOLDER1, and so on.
 
 use std::{env, io, path::Path};
 

@@ -24,10 +24,11 @@ fn abi() -> String {
 /// The files of the library on a system, as cargo names them.
 struct Library {
     shared: &'static str,
-    fixed: &'static str,
-    /// With which programs link the shared library, where it is not that library itself.
+    /// The static library.
+    archive: &'static str,
+    /// The import library, with which programs link on Windows. Elsewhere they link the shared library itself.
     import: Option<&'static str>,
-    /// What a program with the static library links, too, separated by semicolons.
+    /// What programs that use the static library must link besides it, separated by semicolons.
     needed: &'static str,
     /// The same as flags of a linker.
     flags: &'static str,
@@ -35,7 +36,7 @@ struct Library {
 
 const LINUX: Library = Library {
     shared: "libpcmvs.so",
-    fixed: "libpcmvs.a",
+    archive: "libpcmvs.a",
     import: None,
     needed: "Threads::Threads;${CMAKE_DL_LIBS};m",
     flags: "-lpthread -ldl -lm",
@@ -43,12 +44,12 @@ const LINUX: Library = Library {
 const MACOS: Library = Library { shared: "libpcmvs.dylib", needed: "", flags: "", ..LINUX };
 const MINGW: Library = Library {
     shared: "pcmvs.dll",
-    fixed: "libpcmvs.a",
+    archive: "libpcmvs.a",
     import: Some("libpcmvs.dll.a"),
     needed: "ntdll;userenv;ws2_32;dbghelp",
     flags: "-lntdll -luserenv -lws2_32 -ldbghelp",
 };
-const MSVC: Library = Library { fixed: "pcmvs.lib", import: Some("pcmvs.dll.lib"), ..MINGW };
+const MSVC: Library = Library { archive: "pcmvs.lib", import: Some("pcmvs.dll.lib"), ..MINGW };
 
 impl Library {
     /// The files on the system of a triple, or on this one.
@@ -119,7 +120,7 @@ pub fn install(prefix: &Path, triple: Option<&str>) -> Result<()> {
     let shared = prefix.join(library.shared_path());
     shared.parent().map_or(Ok(()), fs::create_dir_all).map_err(problem(&shared))?;
     copy(built.join(library.shared), shared)?;
-    for name in [Some(library.fixed), library.import].into_iter().flatten() {
+    for name in [Some(library.archive), library.import].into_iter().flatten() {
         copy(built.join(name), lib.join(name))?;
     }
     let links = if library.is_elf() {
@@ -140,7 +141,7 @@ pub fn install(prefix: &Path, triple: Option<&str>) -> Result<()> {
         let text = text.replace("@VERSION@", VERSION).replace("@ABI_PATTERN@", &abi().replace('.', "\\\\."));
         let text = text.replace("@SHARED@", &library.shared_path()).replace("@PROPERTY@", &library.property());
         let text = text
-            .replace("@STATIC@", library.fixed)
+            .replace("@STATIC@", library.archive)
             .replace("@NEEDED@", library.needed)
             .replace("@FLAGS@", library.flags);
         let path = folder.join(name);
