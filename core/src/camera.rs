@@ -160,6 +160,14 @@ impl Pinhole {
         Vec3::new((self.rows[0].dot(p) + self.offset.x) / z, (self.rows[1].dot(p) + self.offset.y) / z, z)
     }
 
+    /// Whether a point is before the camera and inside its picture.
+    #[inline]
+    pub fn shows(&self, p: Vec3) -> bool {
+        let pixel = self.project(p);
+        let (right, bottom) = (self.width as f32 - 0.5, self.height as f32 - 0.5);
+        pixel.z > 0.0 && pixel.x > -0.5 && pixel.y > -0.5 && pixel.x < right && pixel.y < bottom
+    }
+
     /// Direction of a pixel's ray, scaled so that the point `centre + depth * ray` has that depth.
     #[inline]
     pub fn ray(&self, u: f32, v: f32) -> Vec3 {

@@ -61,12 +61,15 @@ pub struct DepthMap {
     pub fidelity: Vec<f32>,
     /// Standard deviation of the depth, in scene units. Means nothing where the depth was substituted.
     pub sigma: Vec<f32>,
+    /// Number of neighbouring views that were compared.
+    pub compared: Vec<u8>,
 }
 
 /// Largest number of depth hypotheses per tile. Tiles with a deeper range use larger steps.
 const MAX_HYPOTHESES: usize = 256;
 
-/// Finds the depth of every pixel. `keep_going` is called once per row of tiles, and its error cancels the search.
+/// Finds the depth of every pixel. Each tile is compared with the first J of the `neighbours` whose pictures show it.
+/// `keep_going` is called once per row of tiles, and its error cancels the search.
 pub fn depth_map(
     target: &PyramidLevel,
     neighbours: &[&PyramidLevel],
@@ -81,6 +84,8 @@ pub fn depth_map(
         values.clear();
         values.resize(w * h, 0.0);
     }
+    map.compared.clear();
+    map.compared.resize(w * h, 0);
     if neighbours.is_empty() {
         return Ok(());
     }
@@ -161,10 +166,17 @@ fn sweep_tile(tile: TileSweep) {
         flat.resize(w * h, nearest);
         flat
     };
-    let Some(hypotheses) = hypotheses(target, neighbours, range, guide, params, searched.clone()) else { return };
+    let Some(middle) = middle(target, guide, searched.clone()) else { return };
+    let shown = neighbours.iter().filter(|n| n.camera.shows(middle)).copied();
+    let neighbours = shown.take(params.neighbours as usize);
+    let Some(hypotheses) = hypotheses(target, neighbours.clone(), middle, range, guide, params, searched.clone()) else {
+        return;
+    };
     tile.load(target, guide, x0, y0, params.window_radius as usize);
     curves.reset(hypotheses.count);
+    let mut compared = 0u8;
     for neighbour in neighbours {
+        compared += 1;
         tile.face(target, neighbour, x0, y0);
         for (i, scores) in curves.scores_mut().iter_mut().enumerate() {
             tile.score(neighbour, hypotheses.shift(i as f32), scores);
@@ -178,7 +190,7 @@ fn sweep_tile(tile: TileSweep) {
         }
         curves.agree(radius as usize, &own);
     }
-    let independent = params.independent_peaks(neighbours.len());
+    let independent = params.independent_peaks(usize::from(compared));
     for (x, y) in searched {
         let pixel = y * w + x;
         let guide = guide[pixel];
@@ -195,17 +207,35 @@ fn sweep_tile(tile: TileSweep) {
         if best.1 > 0.0 {
             map.depth[pixel] = 1.0 / (1.0 / guide - hypotheses.shift(best.0));
             map.fidelity[pixel] = best.1;
+            map.compared[pixel] = compared;
             // The derivative of the depth by the hypothesis is depth² step.
-            let sigma = deviation(best.1 / neighbours.len() as f32, independent, params.vote.support);
+            let sigma = deviation(best.1 / f32::from(compared), independent, params.vote.support);
             map.sigma[pixel] = sigma * map.depth[pixel] * map.depth[pixel] * hypotheses.step;
         }
     }
 }
 
-/// Chooses the hypotheses of a tile so that they cover the intervals of its pixels, with one more at either end.
-fn hypotheses(
+/// The mean of the points on the guide surface that a tile's pixels see.
+fn middle(
     target: &PyramidLevel,
-    neighbours: &[&PyramidLevel],
+    guide: &[f32],
+    pixels: impl Iterator<Item = (usize, usize)>,
+) -> Option<Vec3> {
+    let w = target.camera.width as usize;
+    let (mut sum, mut count) = (Vec3::ZERO, 0.0f32);
+    for (x, y) in pixels {
+        sum += target.camera.unproject(x as f32, y as f32, guide[y * w + x]);
+        count += 1.0;
+    }
+    (count > 0.0).then(|| sum / count)
+}
+
+/// Chooses the hypotheses of a tile so that they cover the intervals of its pixels, with one more at either end. `middle`
+/// is the middle of the tile.
+fn hypotheses<'a>(
+    target: &PyramidLevel,
+    neighbours: impl Iterator<Item = &'a PyramidLevel<'a>>,
+    middle: Vec3,
     range: &SearchRange,
     guide: &[f32],
     params: &SearchParams,
@@ -213,27 +243,21 @@ fn hypotheses(
 ) -> Option<Hypotheses> {
     let w = target.camera.width as usize;
     let (mut nearest, mut farthest) = (f32::INFINITY, f32::NEG_INFINITY);
-    let (mut middle, mut count) = (Vec3::ZERO, 0.0f32);
     for (x, y) in pixels {
         let (guide, intervals) = (guide[y * w + x], range.of(y * w + x));
         nearest = nearest.min(1.0 / guide - 1.0 / intervals[0].near);
         farthest = farthest.max(1.0 / guide - 1.0 / intervals[intervals.len() - 1].far);
-        middle += target.camera.unproject(x as f32, y as f32, guide);
-        count += 1.0;
     }
-    if count == 0.0 {
-        return None;
-    }
-    // Displacement in the neighbouring pictures per unit of inverse depth, at the centre of the tile, as the mean over
+    // Displacement in the neighbouring pictures per unit of inverse depth, at the middle of the tile, as the mean over
     // the neighbours.
-    let middle = middle / count;
     let ray = middle - target.camera.centre;
     let nudged = target.camera.centre + ray * (1.0 + 1e-3);
-    let speed = neighbours
-        .iter()
-        .fold(0.0, |s: f32, n| s + (n.camera.project(middle) - n.camera.project(nudged)).truncate().length())
-        * target.camera.depth(middle)
-        / (1e-3 * neighbours.len() as f32);
+    let (mut displacement, mut count) = (0.0, 0.0f32);
+    for n in neighbours {
+        displacement += (n.camera.project(middle) - n.camera.project(nudged)).truncate().length();
+        count += 1.0;
+    }
+    let speed = displacement * target.camera.depth(middle) / (1e-3 * count);
     if !(speed > 0.0) {
         return None;
     }

@@ -76,7 +76,7 @@ pub fn detect_view<'l>(
     let Context { rig, views, hull, progress } = context;
     let DetectionScratch { raster, crossings, range, depth, map, rank, clean } = scratch;
     let compared = rig.neighbours(view).iter().map(|&j| j as usize).filter(|&j| views[j].is_used());
-    let neighbours: Vec<PyramidLevel> = compared.take(params.search.neighbours as usize).map(level).collect();
+    let neighbours: Vec<PyramidLevel> = compared.map(level).collect();
     let neighbours: Vec<&PyramidLevel> = neighbours.iter().collect();
     let level = &level(view);
     match guide {
@@ -93,9 +93,7 @@ pub fn detect_view<'l>(
     depth::depth_map(level, &neighbours, range, &params.search, depth, map, tick)?;
 
     let mut counts = Counts::default();
-    // In a sparse ring fewer views than wanted see the same surface.
-    let compared = neighbours.len() as u32;
-    substitute(map, &range.guide, compared, params.substitution.as_ref(), rank, &mut counts);
+    substitute(map, &range.guide, params.substitution.as_ref(), rank, &mut counts);
     let cloud = clean::clean(level, map, rank, view as u16, &params.clean, hull.footprint(), clean, &mut counts);
     Ok((cloud, counts))
 }

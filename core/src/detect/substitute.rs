@@ -17,24 +17,23 @@ pub struct SubstitutionParams {
 
 /// Replaces failed depths by those of the guide surface, and sets the rank of every pixel's point.
 ///
-/// `guide` is the depth of the guide surface per pixel, or 0 where nothing was searched. `neighbours` is J, the number of
-/// views that were compared. Without parameters failed pixels get no point.
+/// `guide` is the depth of the guide surface per pixel, or 0 where nothing was searched. Without parameters failed pixels
+/// get no point.
 pub fn substitute(
     map: &mut DepthMap,
     guide: &[f32],
-    neighbours: u32,
     params: Option<&SubstitutionParams>,
     rank: &mut Vec<Rank>,
     counts: &mut Counts,
 ) {
-    let threshold = params.map_or(0.0, |params| params.below * neighbours as f32);
+    let below = params.map_or(0.0, |params| params.below);
     rank.clear();
     rank.resize(map.depth.len(), Rank::Detected);
     for i in 0..map.depth.len() {
         if guide[i] <= 0.0 {
             continue;
         }
-        if map.depth[i] > 0.0 && map.fidelity[i] >= threshold {
+        if map.depth[i] > 0.0 && map.fidelity[i] >= below * f32::from(map.compared[i]) {
             counts.detected += 1;
         } else if params.is_some() {
             counts.substituted += 1;
