@@ -160,12 +160,14 @@ impl Pinhole {
         Vec3::new((self.rows[0].dot(p) + self.offset.x) / z, (self.rows[1].dot(p) + self.offset.y) / z, z)
     }
 
-    /// Whether a point is before the camera and inside its picture.
+    /// Index of the pixel that shows a point, row after row, and the point's depth. `None` if the point is not before the
+    /// camera or beside its picture.
     #[inline]
-    pub fn shows(&self, p: Vec3) -> bool {
-        let pixel = self.project(p);
-        let (right, bottom) = (self.width as f32 - 0.5, self.height as f32 - 0.5);
-        pixel.z > 0.0 && pixel.x > -0.5 && pixel.y > -0.5 && pixel.x < right && pixel.y < bottom
+    pub fn pixel(&self, p: Vec3) -> Option<(usize, f32)> {
+        let Vec3 { x, y, z } = self.project(p);
+        let (x, y) = (libm::floorf(x + 0.5), libm::floorf(y + 0.5));
+        let shown = z > 0.0 && x >= 0.0 && y >= 0.0 && x < self.width as f32 && y < self.height as f32;
+        shown.then(|| (y as usize * self.width as usize + x as usize, z))
     }
 
     /// Direction of a pixel's ray, scaled so that the point `centre + depth * ray` has that depth.

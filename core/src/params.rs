@@ -6,7 +6,7 @@
 //! pixel at the object, which is depth / focal length. No length is in scene units.
 
 use crate::{
-    coarse::CoarseParams,
+    coarse::{CoarseParams, GapParams, SeenThroughParams},
     colour::{ColourParams, GainParams},
     contours::{Certainty, FrontierParams, ImplicitParams},
     detect::{CleanParams, DetectionParams, SearchParams, SubstitutionParams, Support, VoteParams, Windows},
@@ -108,6 +108,8 @@ impl Params {
                 ..detection
             },
             voxel_pixels: 4.0,
+            seen_through: Some(SeenThroughParams { views: 2, distance_pixels: 6.0 }),
+            gaps: Some(GapParams { smallest_pixels: 20, inside_pixels: 4 }),
         };
         let weights = WeightParams { frontier: 58.0, substituted: 0.2, implicit: 0.1 };
         let default = Self {

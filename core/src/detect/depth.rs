@@ -167,9 +167,10 @@ fn sweep_tile(tile: TileSweep) {
         flat
     };
     let Some(middle) = middle(target, guide, searched.clone()) else { return };
-    let shown = neighbours.iter().filter(|n| n.camera.shows(middle)).copied();
+    let shown = neighbours.iter().filter(|n| n.camera.pixel(middle).is_some()).copied();
     let neighbours = shown.take(params.neighbours as usize);
-    let Some(hypotheses) = hypotheses(target, neighbours.clone(), middle, range, guide, params, searched.clone()) else {
+    let Some(hypotheses) = hypotheses(target, neighbours.clone(), middle, range, guide, params, searched.clone())
+    else {
         return;
     };
     tile.load(target, guide, x0, y0, params.window_radius as usize);
@@ -216,11 +217,7 @@ fn sweep_tile(tile: TileSweep) {
 }
 
 /// The mean of the points on the guide surface that a tile's pixels see.
-fn middle(
-    target: &PyramidLevel,
-    guide: &[f32],
-    pixels: impl Iterator<Item = (usize, usize)>,
-) -> Option<Vec3> {
+fn middle(target: &PyramidLevel, guide: &[f32], pixels: impl Iterator<Item = (usize, usize)>) -> Option<Vec3> {
     let w = target.camera.width as usize;
     let (mut sum, mut count) = (Vec3::ZERO, 0.0f32);
     for (x, y) in pixels {

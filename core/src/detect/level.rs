@@ -37,10 +37,13 @@ impl<'a> PyramidLevel<'a> {
 
     /// The view at an octave: the result of [`Self::made`], or the view itself if that was `None`.
     pub fn new(view: &'a View, made: Option<&'a PyramidLevel<'static>>) -> Self {
-        made.map_or_else(
-            || Self::full(view),
-            |made| Self { camera: made.camera, luma: Cow::Borrowed(&made.luma), inside: Cow::Borrowed(&made.inside) },
-        )
+        made.map_or_else(|| Self::full(view), |made| made.borrowed())
+    }
+
+    /// The same, borrowed.
+    pub fn borrowed(&self) -> PyramidLevel<'_> {
+        let (luma, inside) = (Cow::Borrowed(&*self.luma), Cow::Borrowed(&*self.inside));
+        PyramidLevel { camera: self.camera, luma, inside }
     }
 
     /// The next level at half the resolution, by averaging 2 x 2 pixels.

@@ -1,0 +1,249 @@
+//! The coarse pass: detection (§4) and meshing (§6) at a lower resolution. Its mesh guides the detection that follows.
+//!
+//! The paper has no coarse pass: it searches the whole hull at full resolution.
+//!
+//! `seen_through` drops points of the hull that other views see through, and `gaps` closes gaps that silhouettes exclude.
+
+mod gaps;
+mod seen_through;
+
+pub use gaps::GapParams;
+pub use seen_through::SeenThroughParams;
+
+use crate::{
+    camera::Pinhole,
+    context::Context,
+    detect::{DetectionParams, DetectionScratch, Guide, PyramidLevel, detect_view},
+    error::Result,
+    executor::Executor,
+    mesh::{self, MeshingParams, weigh},
+    point_cloud::{Mesh, Point, PointCloud, concat},
+    progress::Part,
+    silhouette::Silhouette,
+    stage::Stage,
+    view::View,
+    workspace::Workspace,
+};
+use alloc::vec::Vec;
+use core::{iter::once, mem::replace};
+use seen_through::drop_seen_through;
+
+/// Parameters of the coarse pass.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
+pub struct CoarseParams {
+    /// Detection in this pass.
+    pub detection: DetectionParams,
+    /// Spacing of the meshing grid's nodes, in pixels of footprint.
+    pub voxel_pixels: f32,
+    /// Drops points of the hull that other views see through. Without it all substituted points stay.
+    pub seen_through: Option<SeenThroughParams>,
+    /// Closes gaps of the mesh in front of which silhouettes show the object. Without it they stay open.
+    pub gaps: Option<GapParams>,
+}
+
+/// The search of the whole hull begins at the highest octave at which the object still covers this many pixels of the median
+/// picture. A window there shows as much of the object as a window of a smaller picture does.
+const SEARCHED: usize = 60_000;
+/// Search range around a surface that was itself found around another one, relative to [`DetectionParams::band_pixels`].
+const NARROW: f32 = 0.5;
+
+/// Number of octaves by which the coarse pass begins above that of its parameters, because the pictures are large.
+pub(crate) fn further_octaves(views: &[View]) -> u32 {
+    let inside = |view: &View| {
+        let silhouette = view.shown().filter(|_| view.is_used())?;
+        Some(silhouette.distances().iter().filter(|&&d| d > 0 && d != Silhouette::UNKNOWN).count())
+    };
+    octaves_of(views.iter().filter_map(inside).collect())
+}
+
+/// The number of octaves for the numbers of the object's pixels in the pictures.
+fn octaves_of(mut areas: Vec<usize>) -> u32 {
+    areas.sort_unstable();
+    let mut area = areas.get(areas.len() / 2).copied().unwrap_or(0);
+    let mut octaves = 0;
+    while area / 4 >= SEARCHED {
+        area /= 4;
+        octaves += 1;
+    }
+    octaves
+}
+
+/// The search range around the surface that the coarse pass has found, in pixels of footprint.
+pub(crate) fn band(detection: &DetectionParams, further: u32) -> f32 {
+    detection.band_pixels * if further > 0 { NARROW } else { 1.0 }
+}
+
+/// Runs the coarse pass and returns its mesh.
+///
+/// In large pictures the pass begins `further` octaves above that of its parameters. Each octave below is searched around the
+/// surface of the one before, by the parameters `detection` of the search that follows the pass.
+///
+/// `hull_mesh` is the hull's own mesh and `frontier` the weighted frontier points. `scratch` holds one buffer per job
+/// that runs at the same time; the executor adds more if there are too few.
+///
+/// # Errors
+/// [`crate::Error::NoSurface`] and [`crate::Error::Cancelled`].
+pub fn coarse(
+    context: Context,
+    hull_mesh: &Mesh,
+    frontier: &[Point],
+    (params, detection, meshing): (&CoarseParams, &DetectionParams, &MeshingParams),
+    further: u32,
+    executor: &dyn Executor,
+    scratch: &mut Vec<DetectionScratch>,
+    workspace: &mut Workspace,
+) -> Result<Mesh> {
+    let parts = FIRST_PARTS + LATER_PARTS * further;
+    let mut pass = Pass { context, frontier, meshing, executor, scratch, workspace, part: 0, parts };
+    let first = params.detection.octave + further;
+    let scale = |octave: u32| (1u32 << (octave - params.detection.octave)) as f32;
+    let mut surface = pass.first(hull_mesh, params, first, params.voxel_pixels * scale(first))?;
+    for octave in (params.detection.octave..first).rev() {
+        let band_pixels = band(detection, first - octave - 1) * scale(octave);
+        let detection = DetectionParams { octave, band_pixels, ..*detection };
+        let better = pass.later(&surface, &detection, params.voxel_pixels * scale(octave))?;
+        surface.recycle_into(pass.workspace);
+        surface = better;
+    }
+    Ok(surface)
+}
+
+/// Steps of the first octave that report their progress: detection, points seen through, meshing, gaps, and meshing again.
+const FIRST_PARTS: u32 = 5;
+/// Steps of each later octave: detection and meshing.
+const LATER_PARTS: u32 = 2;
+
+/// What the octaves of the pass share.
+struct Pass<'a> {
+    context: Context<'a>,
+    frontier: &'a [Point],
+    meshing: &'a MeshingParams,
+    executor: &'a dyn Executor,
+    scratch: &'a mut Vec<DetectionScratch>,
+    workspace: &'a mut Workspace,
+    /// The step that comes next, of all `parts`.
+    part: u32,
+    parts: u32,
+}
+
+impl<'a> Pass<'a> {
+    /// The surface of the first octave, which is searched in the whole hull.
+    fn first(&mut self, hull_mesh: &Mesh, params: &CoarseParams, octave: u32, voxel_pixels: f32) -> Result<Mesh> {
+        let made = self.made(octave);
+        let levels = levels(self.context.views, &made);
+        let cameras: Vec<Pinhole> = levels.iter().map(|level| level.camera).collect();
+        let detection = DetectionParams { octave, ..params.detection };
+        let mut clouds = self.detect(Guide::Hull(hull_mesh), &detection, &levels)?;
+        let mut shown = match &params.gaps {
+            Some(_) => gaps::pixels_with_points(&clouds, &cameras, self.executor),
+            None => Vec::new(),
+        };
+        let footprint = self.context.hull.footprint();
+        let progress = self.next();
+        if let Some(params) = &params.seen_through {
+            let distance = params.distance_pixels * footprint * (1u32 << octave) as f32;
+            clouds = drop_seen_through(clouds, &cameras, params, distance, self.executor, &progress)?;
+        }
+        let mut cloud = self.merged(&clouds);
+        drop(clouds);
+        let mut surface = self.mesh(&cloud, voxel_pixels)?;
+        let progress = self.next();
+        if let Some(params) = &params.gaps {
+            // A view without a silhouette does not tell where the object is.
+            let views = self.context.views.iter().zip(&mut shown);
+            views.filter(|(view, _)| view.shown().is_none()).for_each(|(_, shown)| shown.fill(false));
+            let thickness = voxel_pixels * footprint;
+            let filling = gaps::filling(shown, &levels, &surface, params, thickness, self.executor, &progress)?;
+            if !filling.is_empty() {
+                cloud.extend(filling);
+                let closed = self.mesh(&cloud, voxel_pixels)?;
+                replace(&mut surface, closed).recycle_into(self.workspace);
+            }
+        }
+        self.workspace.recycle(cloud);
+        Ok(surface)
+    }
+
+    /// The surface of a later octave, which is searched around that of the one before.
+    fn later(&mut self, surface: &Mesh, detection: &DetectionParams, voxel_pixels: f32) -> Result<Mesh> {
+        let made = self.made(detection.octave);
+        let clouds = self.detect(Guide::Surface(surface), detection, &levels(self.context.views, &made))?;
+        let cloud = self.merged(&clouds);
+        drop(clouds);
+        let better = self.mesh(&cloud, voxel_pixels)?;
+        self.workspace.recycle(cloud);
+        Ok(better)
+    }
+
+    /// The views that are used, at an octave.
+    fn made(&self, octave: u32) -> Vec<Option<PyramidLevel<'static>>> {
+        let views = self.context.views;
+        let made = |i: usize| if views[i].is_used() { PyramidLevel::made(&views[i], octave) } else { None };
+        self.executor.map(views.len(), made)
+    }
+
+    /// The weighted points of each view around a guide.
+    fn detect(
+        &mut self,
+        guide: Guide,
+        detection: &DetectionParams,
+        levels: &[PyramidLevel],
+    ) -> Result<Vec<PointCloud>> {
+        let progress = self.next();
+        let context = self.context.reporting_to(&progress);
+        let level = |i: usize| levels[i].borrowed();
+        let weights = self.meshing.weights.as_ref();
+        let found = self.executor.map_with(self.scratch, levels.len(), |scratch, i| {
+            let (mut cloud, _) = detect_view(context, i, &level, guide, detection, scratch)?;
+            weigh(&mut cloud, weights);
+            Ok(cloud)
+        });
+        found.into_iter().collect()
+    }
+
+    /// The points of all views, and the frontier points.
+    fn merged(&mut self, clouds: &[PointCloud]) -> PointCloud {
+        concat(once(self.frontier).chain(clouds.iter().map(|cloud| &cloud[..])), self.workspace)
+    }
+
+    /// The mesh of a cloud. Its voxels are so many pixels of footprint wide.
+    fn mesh(&mut self, cloud: &[Point], voxel_pixels: f32) -> Result<Mesh> {
+        let progress = self.next();
+        let hull = self.context.hull;
+        let voxel = voxel_pixels * hull.footprint();
+        let meshed = mesh::mesh(cloud, hull, voxel, self.meshing, self.workspace, self.executor, &progress)?;
+        Ok(meshed.mesh)
+    }
+
+    /// Receives the progress of the next step.
+    fn next(&mut self) -> Part<'a> {
+        let part = self.part;
+        self.part += 1;
+        Part { of: self.context.progress, stage: Stage::Coarse, part, parts: self.parts }
+    }
+}
+
+/// All views at an octave: those that were made, and others as they are.
+fn levels<'a>(views: &'a [View], made: &'a [Option<PyramidLevel<'static>>]) -> Vec<PyramidLevel<'a>> {
+    views.iter().zip(made).map(|(view, made)| PyramidLevel::new(view, made.as_ref())).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{Params, params::Preset};
+
+    #[test]
+    fn larger_objects_are_searched_from_higher_octaves() {
+        let of = |inside: [usize; 3]| octaves_of(inside.to_vec());
+        // The median decides, because the object may leave single pictures or be near to single cameras.
+        assert_eq!(of([0, 4 * SEARCHED - 1, 64 * SEARCHED]), 0);
+        assert_eq!(of([0, 4 * SEARCHED, 64 * SEARCHED]), 1);
+        assert_eq!(of([0, 16 * SEARCHED, 64 * SEARCHED]), 2);
+        assert_eq!(octaves_of(Vec::new()), 0);
+        let detection = Params::preset(Preset::Default).detection;
+        assert_eq!(band(&detection, 0), detection.band_pixels);
+        assert!(band(&detection, 1) < detection.band_pixels);
+    }
+}
