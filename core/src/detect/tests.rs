@@ -167,7 +167,7 @@ fn neighbourhoods_are_the_same_with_vector_code() {
         for odd in odd {
             let pixels = 0..WIDTH * HEIGHT;
             let depth = |_| if random.next().is_multiple_of(5) { odd } else { 1.8 + roughness * random.unit() };
-            let map = DepthMap { depth: pixels.map(depth).collect(), fidelity: Vec::new(), sigma: Vec::new() };
+            let map = DepthMap { depth: pixels.map(depth).collect(), ..DepthMap::default() };
             for radius_pixels in [1.0, 2.5, 4.0, 5.0] {
                 let params = CleanParams { radius_pixels, density: None, flatness: None, facing: None };
                 let mut planes = <[Vec<f32>; 4]>::default();

@@ -35,7 +35,7 @@ fn map(depth: impl Fn(usize, usize) -> Option<f32>) -> DepthMap {
     let depth: Vec<f32> = (0..SIZE * SIZE).map(|i| depth(i % SIZE, i / SIZE).unwrap_or(0.0)).collect();
     let fidelity = depth.iter().map(|&d| if d > 0.0 { 1.0 } else { 0.0 }).collect();
     let sigma = vec![0.0; SIZE * SIZE];
-    DepthMap { depth, fidelity, sigma }
+    DepthMap { depth, fidelity, sigma, ..DepthMap::default() }
 }
 
 fn run(map: &DepthMap, params: &CleanParams) -> (PointCloud, Counts) {

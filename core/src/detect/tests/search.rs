@@ -1,4 +1,4 @@
-//! §4.1: a pixel is searched in its own interval only.
+//! §4.1: a pixel is searched in its own interval only, and compared with views that show it.
 
 use super::{
     super::{
@@ -8,13 +8,28 @@ use super::{
     },
     substitute::{SCENE, SIZE, SURFACE, VIEW, params},
 };
-use crate::raster::Raster;
+use crate::{
+    raster::Raster,
+    testing::{pinhole, sphere},
+};
 use alloc::vec::Vec;
 
 /// Half the length of an interval.
 const BAND: f32 = 0.1;
 /// By how much an interval misses the surface.
 const MISS: f32 = 0.25;
+
+/// The views nearest to the target's, nearest first.
+fn nearest() -> Vec<&'static PyramidLevel<'static>> {
+    SCENE.rig.neighbours(VIEW).iter().map(|&j| &SCENE.levels[j as usize]).collect()
+}
+
+fn depths(neighbours: &[&PyramidLevel], range: &SearchRange, search: &SearchParams) -> DepthMap {
+    let mut map = DepthMap::default();
+    depth_map(&SCENE.levels[VIEW], neighbours, range, search, &mut SweepScratch::default(), &mut map, |_, _| Ok(()))
+        .expect("nothing cancels");
+    map
+}
 
 /// Of three neighbouring pixels one has its interval around the surface, one before it and one behind it. All three are
 /// in the same tile, so that their hypotheses are the same.
@@ -37,11 +52,7 @@ fn depths_lie_in_the_intervals_of_their_pixels() {
     range.set_around_surface(target, &guide, BAND);
     // Upright windows take nothing from the guide but the interval.
     let search: SearchParams = params().search;
-    let neighbours = SCENE.rig.neighbours(VIEW).iter().take(search.neighbours as usize);
-    let neighbours: Vec<&PyramidLevel> = neighbours.map(|&j| &SCENE.levels[j as usize]).collect();
-    let mut map = DepthMap::default();
-    depth_map(target, &neighbours, &range, &search, &mut SweepScratch::default(), &mut map, |_, _| Ok(()))
-        .expect("nothing cancels");
+    let map = depths(&nearest(), &range, &search);
     let (mut on, mut around) = (0, 0);
     for i in 0..SIZE * SIZE {
         let depth = map.depth[i as usize];
@@ -57,4 +68,36 @@ fn depths_lie_in_the_intervals_of_their_pixels() {
     }
     // The surface is found where it can be: the intervals are not empty.
     assert!(around > 300 && on > around / 2, "{on} of {around}");
+}
+
+#[test]
+fn pixels_are_compared_with_the_nearest_views_that_show_them() {
+    let target = &SCENE.levels[VIEW];
+    let mut guide = Raster::default();
+    guide.render(&sphere(-SCENE.rig.origin().as_vec3(), SURFACE), &target.camera);
+    let mut range = SearchRange::default();
+    range.set_around_surface(target, &guide, BAND);
+    let search = params().search;
+    let expected = depths(&nearest(), &range, &search);
+    let found = expected.depth.iter().filter(|&&depth| depth > 0.0).count();
+    assert!(found > 2000, "{found}");
+    let wanted = search.neighbours as u8;
+    assert!(
+        expected.compared.iter().zip(&expected.depth).all(|(&n, &depth)| n == if depth > 0.0 { wanted } else { 0 })
+    );
+
+    // The same pictures, taken by cameras at the same places that look away.
+    let away: Vec<PyramidLevel> = nearest()
+        .iter()
+        .map(|level| {
+            let centre = level.camera.centre;
+            PyramidLevel { camera: pinhole(centre, centre * 2.0, SIZE, 170.0), ..(*level).clone() }
+        })
+        .collect();
+    let mut neighbours: Vec<&PyramidLevel> = away.iter().collect();
+    let map = depths(&neighbours, &range, &search);
+    assert!(map.depth.iter().all(|&depth| depth == 0.0), "no view shows the surface");
+    neighbours.extend(nearest());
+    let map = depths(&neighbours, &range, &search);
+    assert!(map.depth == expected.depth && map.fidelity == expected.fidelity && map.sigma == expected.sigma);
 }

@@ -156,17 +156,19 @@ fn without_substitution_failed_pixels_have_no_point() {
     assert!(counts.detected == 0 && cloud.iter().all(|p| p.rank == Rank::Substituted));
 }
 
-/// The rule itself, pixel by pixel: J is 4, so that a fidelity of 1 is enough.
+/// The rule itself, pixel by pixel: of four views that were compared a fidelity of 1 is enough, and of two 0.5.
 #[test]
 fn the_threshold_is_a_quarter_of_the_views() {
-    // Not searched, not found, below, at and above the threshold.
-    let (guide, depth) = ([0.0, 2.0, 2.0, 2.0, 2.0], vec![0.0, 0.0, 2.5, 2.5, 2.5]);
-    let mut map = DepthMap { depth, fidelity: vec![0.0, 0.0, 0.99, 1.0, 3.0], sigma: vec![0.1; 5] };
+    // Not searched, not found, below, at and above the threshold of four views, and above that of two.
+    let (guide, depth) = ([0.0, 2.0, 2.0, 2.0, 2.0, 2.0], vec![0.0, 0.0, 2.5, 2.5, 2.5, 2.5]);
+    let (fidelity, compared) = (vec![0.0, 0.0, 0.99, 1.0, 3.0, 0.6], vec![0, 4, 4, 4, 4, 2]);
+    let mut map = DepthMap { depth, fidelity, sigma: vec![0.1; 6], compared };
     let (mut rank, mut counts) = (Vec::new(), Counts::default());
-    substitute(&mut map, &guide, 4, Some(&SubstitutionParams { below: 0.25 }), &mut rank, &mut counts);
-    assert_eq!(map.depth, [0.0, 2.0, 2.0, 2.5, 2.5]);
-    assert_eq!(map.fidelity, [0.0, 0.0, 0.0, 1.0, 3.0]);
-    assert_eq!(rank[1..], [Rank::Substituted, Rank::Substituted, Rank::Detected, Rank::Detected]);
-    assert_eq!((counts.substituted, counts.detected), (2, 2));
+    substitute(&mut map, &guide, Some(&SubstitutionParams { below: 0.25 }), &mut rank, &mut counts);
+    assert_eq!(map.depth, [0.0, 2.0, 2.0, 2.5, 2.5, 2.5]);
+    assert_eq!(map.fidelity, [0.0, 0.0, 0.0, 1.0, 3.0, 0.6]);
+    assert_eq!(rank[1..3], [Rank::Substituted; 2]);
+    assert_eq!(rank[3..], [Rank::Detected; 3]);
+    assert_eq!((counts.substituted, counts.detected), (2, 3));
     assert_eq!(Params::preset(Preset::Paper).detection.substitution, Some(SubstitutionParams { below: 0.25 }));
 }
