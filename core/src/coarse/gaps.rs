@@ -145,8 +145,8 @@ mod tests {
     /// A wall of triangles in the plane z = 0, from -1 to 1, with a square hole of half width `hole` in its middle.
     fn wall(hole: f32) -> Mesh {
         let steps = [-1.0, -hole, hole, 1.0];
-        let mut mesh = Mesh::default();
-        mesh.positions = steps.iter().flat_map(|&y| steps.iter().map(move |&x| Vec3::new(x, y, 0.0))).collect();
+        let positions = steps.iter().flat_map(|&y| steps.iter().map(move |&x| Vec3::new(x, y, 0.0))).collect();
+        let mut mesh = Mesh { positions, ..Mesh::default() };
         for (x, y) in (0..3).flat_map(|y| (0..3).map(move |x| (x, y))).filter(|&cell| cell != (1, 1)) {
             let first = 4 * y + x;
             mesh.triangles.push([first, first + 1, first + 5]);
