@@ -30,6 +30,14 @@ pub(crate) fn matrix(rows: &[[f64; 3]; 3]) -> DMat3 {
     DMat3::from_cols_array_2d(rows).transpose()
 }
 
+/// The factor of a rotation that was scaled: its rows have the same length and are perpendicular.
+fn scale_of(r: &DMat3) -> Option<f64> {
+    // Rounded for people.
+    let scale = libm::round(libm::cbrt(r.determinant()) * 1e6) / 1e6;
+    let off = *r * r.transpose() * (1.0 / (scale * scale)) - DMat3::IDENTITY;
+    off.to_cols_array().into_iter().all(|v| v.abs() < 1e-3).then_some(scale)
+}
+
 impl Camera {
     /// Checks the calibration. The error states what is wrong and how to correct it.
     pub fn check(&self) -> Result<(), String> {
@@ -61,6 +69,11 @@ impl Camera {
         let off =
             (r * r.transpose() - DMat3::IDENTITY).to_cols_array().into_iter().fold(0.0, |a: f64, v| a.max(v.abs()));
         if off > 1e-3 {
+            if let Some(scale) = scale_of(&r) {
+                return Err(format!(
+                    "R is {scale} times a rotation: divide R by that, and t, too, if both were scaled together"
+                ));
+            }
             return Err(format!("R is not a rotation (R Rᵀ is off by {off:.1e}): export it with more digits"));
         }
         if self.lens.is_distorted() && !self.lens.reaches(self.nearest_edge()) {

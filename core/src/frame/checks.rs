@@ -22,11 +22,13 @@ use core::{mem::take, ops::Deref};
 /// A silhouette that touches more than this share of its picture's border is that of an inverted mask, or of an object
 /// that leaves the picture on most sides.
 const INVERTED_BORDER: f32 = 0.6;
-/// If the median overlap of silhouettes and hull is smaller than this, the poses may be given in another convention.
-/// Captures with a wrong matte or a camera that was moved have more.
-const DOUBTFUL_OVERLAP: f32 = 0.5;
-/// Poses are in another convention if the median overlap with them exceeds this.
+/// If the median overlap of silhouettes and hull is smaller than this, the poses may be given in another convention. Captures
+/// with a wrong matte or a camera that was moved have more, but so have few cameras, whatever their poses.
+const DOUBTFUL_OVERLAP: f32 = 0.9;
+/// Poses are in another convention if the median overlap with them exceeds this, and what does not overlap is less than this
+/// share of what it was.
 const CONVINCING_OVERLAP: f32 = 0.75;
+const CONVINCING_REST: f32 = 0.6;
 /// Spacing of the hull's grid for another convention, in pixels of footprint.
 const TRIAL_VOXEL_PIXELS: f32 = 4.0;
 
@@ -65,10 +67,12 @@ impl<R: Deref<Target = Rig> + Sync> Frame<R> {
             self.carve_and_compare(executor, progress)?;
         }
         let overlaps = self.views.iter().zip(&self.compared).filter(|(view, _)| is_evidence(view));
-        if median(overlaps.filter_map(|(_, found)| found.overlap)).is_some_and(|overlap| overlap < DOUBTFUL_OVERLAP)
-            && let Some(error) = self.other_convention(executor, progress)?
-        {
-            return Err(error);
+        let overlap = median(overlaps.filter_map(|(_, found)| found.overlap)).unwrap_or(1.0);
+        if overlap < DOUBTFUL_OVERLAP {
+            let convincing = CONVINCING_OVERLAP.max(1.0 - CONVINCING_REST * (1.0 - overlap));
+            if let Some(error) = self.other_convention(convincing, executor, progress)? {
+                return Err(error);
+            }
         }
         Ok(())
     }
@@ -76,7 +80,8 @@ impl<R: Deref<Target = Rig> + Sync> Frame<R> {
     fn carve_and_compare(&mut self, executor: &dyn Executor, progress: &dyn Progress) -> Result<()> {
         match self.carve_agreeing(executor, progress) {
             Err(Error::EmptyHull) => {
-                return Err(self.other_convention(executor, progress)?.unwrap_or(Error::EmptyHull));
+                let error = self.other_convention(CONVINCING_OVERLAP, executor, progress)?;
+                return Err(error.unwrap_or(Error::EmptyHull));
             }
             result => result?,
         }
@@ -84,11 +89,17 @@ impl<R: Deref<Target = Rig> + Sync> Frame<R> {
         Ok(())
     }
 
-    /// An error that names the convention of the poses, if the silhouettes agree in another one than the given.
+    /// An error that names the convention of the poses, if the silhouettes agree in another one than the given: their median
+    /// overlap exceeds `convincing`.
     ///
     /// # Errors
     /// [`Error::Cancelled`].
-    fn other_convention(&mut self, executor: &dyn Executor, progress: &dyn Progress) -> Result<Option<Error>> {
+    fn other_convention(
+        &mut self,
+        convincing: f32,
+        executor: &dyn Executor,
+        progress: &dyn Progress,
+    ) -> Result<Option<Error>> {
         let mut workspace = take(&mut self.memory.workspace);
         let mut best: Option<(f32, Convention)> = None;
         for convention in Convention::others() {
@@ -109,7 +120,7 @@ impl<R: Deref<Target = Rig> + Sync> Frame<R> {
                     return Err(cancelled);
                 }
             };
-            if overlap > best.map_or(CONVINCING_OVERLAP, |(best, _)| best) {
+            if overlap > best.map_or(convincing, |(best, _)| best) {
                 best = Some((overlap, convention));
             }
         }
@@ -124,9 +135,10 @@ impl<R: Deref<Target = Rig> + Sync> Frame<R> {
     }
 }
 
-/// Whether a view's silhouette says something about the poses: with wrong poses views contradict each other.
+/// Whether a view's silhouette says something about the poses: with wrong poses views contradict each other, or look past what
+/// the others see.
 fn is_evidence(view: &View) -> bool {
-    matches!(view.left_out, None | Some(LeftOut::Contradicts))
+    matches!(view.left_out, None | Some(LeftOut::Contradicts | LeftOut::BesidePicture))
 }
 
 /// Median overlap of the silhouettes with their hull, or `None` if they have no hull. Components of the hull smaller than the

@@ -34,19 +34,41 @@ enum Pose {
     Transposed,
 }
 
+/// How the axes of a camera may be meant.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Turn {
+    /// x right, y down, z forward.
+    None,
+    /// Those of OpenGL: x right, y up, z backward.
+    OpenGl,
+    /// Those of PyTorch3D: x left, y up, z forward.
+    UpsideDown,
+}
+
+impl Turn {
+    fn signs(self) -> DVec3 {
+        match self {
+            Self::None => DVec3::ONE,
+            Self::OpenGl => DVec3::new(1.0, -1.0, -1.0),
+            Self::UpsideDown => DVec3::new(-1.0, -1.0, 1.0),
+        }
+    }
+}
+
 /// A convention for poses.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct Convention {
     pose: Pose,
-    /// Whether the camera's axes are those of OpenGL: y up and z backward.
-    opengl: bool,
+    turn: Turn,
 }
 
 impl Convention {
     /// All conventions except that of [`Camera`], the most common ones first.
     pub fn others() -> impl Iterator<Item = Self> {
         let poses = [Pose::WorldToCamera, Pose::CameraToWorld, Pose::Centre, Pose::Transposed];
-        poses.into_iter().flat_map(|pose| [false, true].map(|opengl| Self { pose, opengl })).skip(1)
+        let others =
+            poses.into_iter().flat_map(|pose| [Turn::None, Turn::OpenGl].map(|turn| Self { pose, turn })).skip(1);
+        others.chain([Self { pose: Pose::WorldToCamera, turn: Turn::UpsideDown }])
     }
 
     /// A camera whose pose is given in this convention, in that of [`Camera`].
@@ -54,8 +76,8 @@ impl Convention {
         // The rows of the array are the columns of the matrix.
         let transposed = DMat3::from_cols_array_2d(&camera.r);
         let (given, t) = (transposed.transpose(), DVec3::from_array(camera.t));
-        // OpenGL's axes are those of the camera: of the rows of world to camera, of the columns of camera to world.
-        let turn = DMat3::from_diagonal(if self.opengl { DVec3::new(1.0, -1.0, -1.0) } else { DVec3::ONE });
+        // The axes are those of the camera: of the rows of world to camera, of the columns of camera to world.
+        let turn = DMat3::from_diagonal(self.turn.signs());
         let (r, t) = match self.pose {
             Pose::WorldToCamera => (turn * given, turn * t),
             Pose::CameraToWorld => (turn * transposed, -(turn * transposed * t)),
@@ -67,8 +89,13 @@ impl Convention {
 
     /// What to do about poses in this convention.
     pub fn remedy(self) -> &'static str {
-        match (self.pose, self.opengl) {
-            (Pose::WorldToCamera, _) => {
+        let opengl = self.turn == Turn::OpenGl;
+        match (self.pose, opengl) {
+            // The axes are not those of `Camera`.
+            (Pose::WorldToCamera, false) => {
+                "the axes look like x left, y up, z forward (PyTorch3D): negate the first and second row of R and of t"
+            }
+            (Pose::WorldToCamera, true) => {
                 "the axes look like OpenGL (y up, z backward): negate the second and third row of R and of t"
             }
             (Pose::CameraToWorld, false) => {
@@ -185,7 +212,7 @@ mod tests {
     /// A pose in a convention, from that of [`Camera`].
     fn write(convention: Convention, camera: &Camera) -> Camera {
         let r = DMat3::from_cols_array_2d(&camera.r).transpose();
-        let turn = DMat3::from_diagonal(if convention.opengl { DVec3::new(1.0, -1.0, -1.0) } else { DVec3::ONE });
+        let turn = DMat3::from_diagonal(convention.turn.signs());
         let (own, t, centre) = (turn * r, turn * DVec3::from_array(camera.t), camera.centre());
         let (r, t) = match convention.pose {
             Pose::WorldToCamera => (own, t),
@@ -213,7 +240,7 @@ mod tests {
 
     #[test]
     fn a_ring_whose_axes_are_those_of_opengl_looks_away() {
-        let opengl = Convention { pose: Pose::WorldToCamera, opengl: true };
+        let opengl = Convention { pose: Pose::WorldToCamera, turn: Turn::OpenGl };
         let cameras: Vec<Camera> = dome(Vec3::ZERO).iter().map(|c| write(opengl, c)).collect();
         let error = check(&cameras, meeting_point(cameras.iter())).unwrap_err();
         let Error::Cameras { problem } = &error else { panic!("{error}") };
@@ -223,8 +250,8 @@ mod tests {
     /// Around the origin, camera to world read as world to camera is one place from which all look in one direction.
     #[test]
     fn a_ring_around_the_origin_given_camera_to_world_is_named() {
-        for (opengl, word) in [(false, "camera to world"), (true, "camera to world with OpenGL")] {
-            let inverse = Convention { pose: Pose::CameraToWorld, opengl };
+        for (turn, word) in [(Turn::None, "camera to world"), (Turn::OpenGl, "camera to world with OpenGL")] {
+            let inverse = Convention { pose: Pose::CameraToWorld, turn };
             let cameras: Vec<Camera> = dome(Vec3::ZERO).iter().map(|c| write(inverse, c)).collect();
             let error = check(&cameras, meeting_point(cameras.iter())).unwrap_err();
             assert!(alloc::string::ToString::to_string(&error).contains(word), "{error}");

@@ -69,8 +69,8 @@ fn masks_that_are_white_on_the_background() {
 type Convention = fn(&Camera) -> Camera;
 
 /// Poses in another convention, from that of the library, each with the words that only its own remedy has: OpenGL's
-/// axes, the inverse, and the centre in place of t.
-fn conventions() -> [(&'static str, Convention); 3] {
+/// axes, the inverse, the centre in place of t, and pictures upside down.
+fn conventions() -> [(&'static str, Convention); 4] {
     [
         ("the axes look like OpenGL", |c| Camera {
             r: [c.r[0], c.r[1].map(|v| -v), c.r[2].map(|v| -v)],
@@ -83,16 +83,34 @@ fn conventions() -> [(&'static str, Convention); 3] {
             ..*c
         }),
         ("t looks like the camera's centre: ", |c| Camera { t: c.centre().to_array(), ..*c }),
+        ("the axes look like x left, y up, z forward", |c| Camera {
+            r: [c.r[0].map(|v| -v), c.r[1].map(|v| -v), c.r[2]],
+            t: [-c.t[0], -c.t[1], c.t[2]],
+            ..*c
+        }),
     ]
 }
 
 #[test]
 fn poses_in_another_convention_are_named() {
-    for (what, change) in conventions() {
-        let error = refusal(|shot| shot.cameras.iter_mut().for_each(|camera| *camera = change(camera)));
-        let Error::Cameras { problem } = &error else { panic!("{what}: {error}") };
-        assert!(problem.contains(what), "{what}: {problem}");
+    for cameras in [5, 7, 12] {
+        let figure = Shot::small(Subject::Figure, cameras);
+        for (what, change) in conventions() {
+            let error = refusal(|shot| {
+                *shot = figure.clone();
+                shot.cameras.iter_mut().for_each(|camera| *camera = change(camera));
+            });
+            let Error::Cameras { problem } = &error else { panic!("{what}: {error}") };
+            assert!(problem.contains(what), "{cameras} cameras: {what}: {problem}");
+        }
     }
+}
+
+#[test]
+fn a_scaled_rotation_is_named_with_its_factor() {
+    let error = refusal(|shot| shot.cameras[1].r.iter_mut().flatten().for_each(|v| *v *= 2.5));
+    let Error::Camera { camera: 1, problem } = &error else { panic!("{error}") };
+    assert!(problem.contains("2.5 times a rotation: divide R"), "{problem}");
 }
 
 /// Silhouettes whose cones do not intersect in space.
