@@ -31,7 +31,7 @@ const FARTHEST: f64 = 1e15;
 /// there still is a number in single precision.
 const DISTANCE: [f64; 2] = [1e-6, 1e9];
 /// A camera is not this many times nearer or farther than the median camera.
-const DISPROPORTION: f64 = 100.0;
+pub(super) const DISPROPORTION: f64 = 100.0;
 /// Largest distance of the scene from its zero, in distances of the cameras from where they look. Up to there, double precision
 /// moves a projection by less than a ten-thousandth of a pixel.
 const OFFSET: f64 = 1e8;

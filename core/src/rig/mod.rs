@@ -4,6 +4,7 @@ mod convention;
 mod limits;
 mod meeting;
 mod neighbours;
+mod strangers;
 
 use crate::{
     camera::{Camera, Pinhole},
@@ -43,18 +44,7 @@ impl Rig {
     /// # Errors
     /// [`Error::TooFewViews`], [`Error::Camera`] and [`Error::Cameras`].
     pub fn new(cameras: &[Camera]) -> Result<Self> {
-        if (cameras.len() as u32) < MIN_VIEWS {
-            return Err(Error::TooFewViews { given: cameras.len() as u32, needed: MIN_VIEWS });
-        }
-        for (i, camera) in cameras.iter().enumerate() {
-            let fail = |problem| Error::Camera { camera: i as u32, problem };
-            camera.check().and_then(|()| limits::check(camera)).map_err(fail)?;
-        }
-        limits::check_pictures(cameras)?;
-        let order = canonical_order(cameras);
-        let origin = meeting_point(order.iter().map(|&i| &cameras[i as usize]));
-        convention::check(cameras, origin)?;
-        limits::check_distances(cameras, origin)?;
+        let (order, origin) = Self::checked(cameras)?;
         let radius = cameras.iter().map(|c| (c.centre() - origin).length()).fold(0.0, f64::max);
         let same_place = same_place(cameras, SAME_PLACE * radius);
         let pinholes: Vec<_> = cameras.iter().map(|c| Pinhole::new(c, origin)).collect();
@@ -73,6 +63,33 @@ impl Rig {
             gains: None,
             origin,
         })
+    }
+
+    /// Checks the cameras as [`Self::new`] does, without its work: only how much of a distorted picture shows something stays
+    /// unknown.
+    ///
+    /// # Errors
+    /// Those of [`Self::new`].
+    pub fn check(cameras: &[Camera]) -> Result<()> {
+        Self::checked(cameras).map(drop)
+    }
+
+    /// The order and the origin of cameras that can make a rig.
+    fn checked(cameras: &[Camera]) -> Result<(Vec<u32>, DVec3)> {
+        if (cameras.len() as u32) < MIN_VIEWS {
+            return Err(Error::TooFewViews { given: cameras.len() as u32, needed: MIN_VIEWS });
+        }
+        for (i, camera) in cameras.iter().enumerate() {
+            let fail = |problem| Error::Camera { camera: i as u32, problem };
+            camera.check().and_then(|()| limits::check(camera)).map_err(fail)?;
+        }
+        limits::check_pictures(cameras)?;
+        strangers::check(cameras)?;
+        let order = canonical_order(cameras);
+        let origin = meeting_point(order.iter().map(|&i| &cameras[i as usize]));
+        convention::check(cameras, origin)?;
+        limits::check_distances(cameras, origin)?;
+        Ok((order, origin))
     }
 
     /// The cameras as given.
