@@ -58,10 +58,8 @@ fn a_mask_of_another_size() {
 #[test]
 fn a_file_that_is_no_picture() {
     let capture = Capture::new(4, 1);
-    for (bytes, what) in [(&b"this is text"[..], "neither JPEG nor PNG"), (b"", "empty")] {
-        fs::write(capture.path("images/cam02_0.png"), bytes).unwrap();
-        assert_refused(&capture, &capture.run(&[]), &["frame 0", "cam02", "images/cam02_0.png", what]);
-    }
+    fs::write(capture.path("images/cam02_0.png"), "this is text").unwrap();
+    assert_refused(&capture, &capture.run(&[]), &["frame 0", "cam02", "images/cam02_0.png", "neither JPEG nor PNG"]);
 }
 
 #[test]

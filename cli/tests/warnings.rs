@@ -2,9 +2,9 @@
 //! `--strict`.
 
 use crate::common::{Capture, HEIGHT, WIDTH, stderr};
-use image::{GrayAlphaImage, LumaA, Rgba, RgbaImage};
+use image::{GrayAlphaImage, GrayImage, ImageBuffer, Luma, LumaA, Rgb, RgbImage, Rgba, RgbaImage};
 use serde_json::{Value, json};
-use std::fs;
+use std::{fs, path::Path};
 
 fn report(capture: &Capture) -> Value {
     serde_json::from_slice(&fs::read(capture.path("out/report.json")).unwrap()).unwrap()
@@ -74,6 +74,58 @@ fn a_missing_picture() {
     fs::remove_file(capture.path("images/cam02_0.png")).unwrap();
     let words = ["frame 0", "cam02", "images/cam02_0.png", "does not exist", "check the path"];
     assert_eq!(used(&assert_warns(&capture, &["missing-picture"], &words)), ALL_BUT_CAM02);
+}
+
+/// Capture programs write empty files, and databases empty paths, for pictures that were dropped.
+#[test]
+fn an_empty_picture_and_an_empty_path() {
+    let capture = Capture::new(5, 1);
+    fs::write(capture.path("images/cam02_0.png"), []).unwrap();
+    let words = ["frame 0", "cam02", "images/cam02_0.png", "the file is empty", "contributes nothing"];
+    assert_eq!(used(&assert_warns(&capture, &["missing-picture"], &words)), ALL_BUT_CAM02);
+    let mut capture = Capture::new(5, 1);
+    capture.scene["frames"][0]["images"][2] = json!("");
+    assert_eq!(used(&assert_warns(&capture, &["missing-picture"], &["the path is empty"])), ALL_BUT_CAM02);
+}
+
+/// Masks of 0 and 1, of a palette's dark colour, and of 12 bits in 16 are those of black and white.
+#[test]
+fn masks_whose_white_is_dark_give_the_same_mesh() {
+    let capture = Capture::new(5, 1);
+    assert_eq!(capture.run(&[]).status.code(), Some(0));
+    // Without contours between pixels.
+    let sharp = |camera: usize| {
+        let mask = image::open(capture.path(&format!("masks/cam0{camera}_0.png"))).unwrap().into_luma8();
+        ImageBuffer::from_fn(WIDTH, HEIGHT, |x, y| Luma([u8::from(mask.get_pixel(x, y)[0] >= 128)]))
+    };
+    let ones: Vec<GrayImage> = (0..5).map(sharp).collect();
+    let run = |write: &dyn Fn(&GrayImage, &Path)| {
+        for (camera, ones) in ones.iter().enumerate() {
+            write(ones, &capture.path(&format!("masks/cam0{camera}_0.png")));
+        }
+        fs::remove_dir_all(capture.path("out")).unwrap();
+        assert_warns(&capture, &[], &[]);
+        fs::read(capture.path("out/frame_0000.glb")).unwrap()
+    };
+    let white = |ones: &GrayImage, path: &Path| {
+        ImageBuffer::from_fn(WIDTH, HEIGHT, |x, y| Luma([255 * ones.get_pixel(x, y)[0]])).save(path).unwrap();
+    };
+    let usual = run(&white);
+    assert!(run(&|ones, path| ones.save(path).unwrap()) == usual, "0 and 1");
+    assert!(
+        run(&|ones, path| {
+            let red = |x, y| Rgb([128 * ones.get_pixel(x, y)[0], 0, 0]);
+            RgbImage::from_fn(WIDTH, HEIGHT, red).save(path).unwrap();
+        }) == usual,
+        "dark red"
+    );
+    assert!(
+        run(&|ones, path| {
+            let twelve = |x, y| Luma([4095 * u16::from(ones.get_pixel(x, y)[0])]);
+            ImageBuffer::from_fn(WIDTH, HEIGHT, twelve).save(path).unwrap();
+        }) == usual,
+        "12 bits"
+    );
 }
 
 #[test]

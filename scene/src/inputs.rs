@@ -285,7 +285,13 @@ impl<'a> Reading<'a> {
         }
         for camera in cameras {
             let Some(path) = path(camera) else { continue };
+            if path.as_os_str().is_empty() {
+                contents[camera] = Some(Content::Missing(String::from("the path is empty")));
+                continue;
+            }
             contents[camera] = Some(match self.files.read(&self.scene.resolve(path)) {
+                // Capture programs write it for a picture that was dropped.
+                Ok(bytes) if bytes.is_empty() => Content::Missing(String::from("the file is empty")),
                 Ok(bytes) => Content::File(bytes),
                 Err(e) if e.kind() == io::ErrorKind::NotFound => {
                     Content::Missing(String::from("the file does not exist"))

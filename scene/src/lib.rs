@@ -10,6 +10,7 @@ mod files;
 mod import;
 mod inputs;
 mod lens;
+mod levels;
 mod load;
 mod open;
 pub mod output;

@@ -3,6 +3,7 @@
 //! The JPEG standard leaves the rounding of the inverse transform to the decoder. Therefore the same decoder, without its
 //! SIMD paths, is used everywhere.
 
+use crate::levels;
 use image::{DynamicImage, ImageDecoder, ImageFormat, codecs::png::PngDecoder, metadata::Orientation};
 use pcmvs_core::{ImageRef, PixelFormat};
 use std::io::Cursor;
@@ -18,12 +19,14 @@ pub struct Picture {
     height: u32,
     format: PixelFormat,
     pixels: Vec<u8>,
+    /// Whether the levels are exactly those that a program wrote.
+    exact: bool,
 }
 
 impl Picture {
     /// A picture from pixels without padding.
     pub fn new(pixels: Vec<u8>, width: u32, height: u32, format: PixelFormat) -> Self {
-        Self { width, height, format, pixels }
+        Self { width, height, format, pixels, exact: false }
     }
 
     /// The picture as the core borrows it.
@@ -43,12 +46,19 @@ impl Picture {
             return None;
         }
         let pixels = self.pixels.iter().skip(3).step_by(4).copied().collect();
-        Some(Self { format: PixelFormat::Gray8, pixels, ..*self })
+        Some(Self::new(pixels, self.width, self.height, PixelFormat::Gray8))
     }
 
-    /// The mask that a file holds: its alpha channel if it is a cut-out of the object, otherwise its brightness.
-    pub fn into_mask(self) -> Self {
-        self.alpha().unwrap_or(self)
+    /// The mask that a picture holds: its alpha channel if it is a cut-out of the object, otherwise its brightness. If it has
+    /// only two colours, black and a dark one, as PNG files with masks of 0 and 1 have, the dark one is the object.
+    pub fn into_mask(mut self) -> Self {
+        if let Some(alpha) = self.alpha() {
+            return alpha;
+        }
+        if self.exact {
+            levels::stretch_mask(&mut self.pixels, self.format);
+        }
+        self
     }
 
     /// Decodes the bytes of a file. Pixels stay as they are stored: where EXIF asks to turn them, the calibration must be of the
@@ -132,7 +142,7 @@ fn jpeg_header(file: &[u8]) -> Result<(Jpeg<'_>, [u32; 2]), String> {
 fn decode_jpeg(file: &[u8]) -> Result<Picture, String> {
     let (mut decoder, [width, height]) = jpeg_header(file)?;
     let pixels = decoder.decode().map_err(|e| damaged(e.to_string().trim()))?;
-    Ok(Picture { width, height, format: PixelFormat::Rgb8, pixels })
+    Ok(Picture::new(pixels, width, height, PixelFormat::Rgb8))
 }
 
 /// Whether the chunks of a PNG file lead to the one that ends it. A chunk has four bytes of length, four of type, its data and
@@ -160,29 +170,30 @@ fn decode_png(file: &[u8]) -> Result<Picture, String> {
     png_header(file)?;
     let decoded = image::load_from_memory_with_format(file, ImageFormat::Png).map_err(damaged)?;
     let (width, height) = (decoded.width(), decoded.height());
+    let brightest = levels::brightest(&decoded);
+    let colour = |v: u16| levels::to_byte(v, brightest);
+    let alpha = |v: u16| levels::to_byte(v, u16::MAX);
     let (format, pixels) = match decoded {
         DynamicImage::ImageLuma8(gray) => (PixelFormat::Gray8, gray.into_raw()),
         DynamicImage::ImageRgba8(rgba) => (PixelFormat::Rgba8, rgba.into_raw()),
-        DynamicImage::ImageLumaA8(gray) => (PixelFormat::Rgba8, with_alpha(gray.as_raw(), |v| v)),
-        DynamicImage::ImageLumaA16(gray) => (PixelFormat::Rgba8, with_alpha(gray.as_raw(), rounded)),
-        DynamicImage::ImageRgba16(rgba) => (PixelFormat::Rgba8, rgba.as_raw().iter().map(|&v| rounded(v)).collect()),
+        DynamicImage::ImageLumaA8(gray) => (PixelFormat::Rgba8, rgba_of(gray.as_raw(), 2, |v| v, |v| v)),
+        DynamicImage::ImageLumaA16(gray) => (PixelFormat::Rgba8, rgba_of(gray.as_raw(), 2, colour, alpha)),
+        DynamicImage::ImageRgba16(rgba) => (PixelFormat::Rgba8, rgba_of(rgba.as_raw(), 4, colour, alpha)),
+        DynamicImage::ImageLuma16(gray) => {
+            (PixelFormat::Rgb8, gray.as_raw().iter().flat_map(|&v| [colour(v); 3]).collect())
+        }
+        DynamicImage::ImageRgb16(rgb) => (PixelFormat::Rgb8, rgb.as_raw().iter().map(|&v| colour(v)).collect()),
         other => (PixelFormat::Rgb8, other.into_rgb8().into_raw()),
     };
-    Ok(Picture { width, height, format, pixels })
+    Ok(Picture { width, height, format, pixels, exact: true })
 }
 
-/// The nearest of 256 levels, as `into_rgb8` rounds.
-fn rounded(v: u16) -> u8 {
-    ((u32::from(v) + 128) / 257) as u8
-}
-
-/// RGBA from pairs of grey and alpha.
-fn with_alpha<T: Copy>(pairs: &[T], byte: impl Fn(T) -> u8) -> Vec<u8> {
-    let rgba = |pair: &[T]| {
-        let [gray, alpha] = [0, 1].map(|i| byte(pair[i]));
-        [gray, gray, gray, alpha]
+/// RGBA from pixels of one or three colours and alpha, which are 2 or 4 channels.
+fn rgba_of<T: Copy>(samples: &[T], channels: usize, colour: impl Fn(T) -> u8, alpha: impl Fn(T) -> u8) -> Vec<u8> {
+    let rgba = |pixel: &[T]| {
+        [colour(pixel[0]), colour(pixel[channels / 4]), colour(pixel[channels - 2]), alpha(pixel[channels - 1])]
     };
-    pairs.chunks_exact(2).flat_map(rgba).collect()
+    samples.chunks_exact(channels).flat_map(rgba).collect()
 }
 
 #[cfg(test)]

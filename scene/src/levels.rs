@@ -1,0 +1,98 @@
+//! Grey levels that do not fill the range of their file: cameras write 10 or 12 bits into 16, and programs write masks of 0
+//! and 1.
+
+use image::DynamicImage;
+use pcmvs_core::PixelFormat;
+
+/// What the brightest level of a file of 16 bits tells of the bits that are used: 8, 10 or 12. A photograph that uses all 16
+/// has brighter pixels.
+const FEWER_BITS: [u16; 3] = [(1 << 8) - 1, (1 << 10) - 1, (1 << 12) - 1];
+
+/// The brightest level that the colours of a file of 16 bits can have. Without one of 16 bits, or for a black one, it is that of
+/// all bits.
+pub fn brightest(picture: &DynamicImage) -> u16 {
+    let max = |samples: &[u16]| samples.iter().copied().max();
+    let without_alpha = |samples: &[u16], channels: usize| {
+        samples.chunks_exact(channels).flat_map(|pixel| &pixel[..channels - 1]).copied().max()
+    };
+    let found = match picture {
+        DynamicImage::ImageLuma16(gray) => max(gray.as_raw()),
+        DynamicImage::ImageRgb16(rgb) => max(rgb.as_raw()),
+        DynamicImage::ImageLumaA16(gray) => without_alpha(gray.as_raw(), 2),
+        DynamicImage::ImageRgba16(rgba) => without_alpha(rgba.as_raw(), 4),
+        _ => None,
+    };
+    let used = found.filter(|&found| found > 0).unwrap_or(u16::MAX);
+    FEWER_BITS.into_iter().find(|&bits| used <= bits).unwrap_or(u16::MAX)
+}
+
+/// The nearest of 256 levels for one of `brightest` levels. With all 16 bits it is rounded as `into_rgb8` does.
+pub fn to_byte(level: u16, brightest: u16) -> u8 {
+    let brightest = u32::from(brightest);
+    ((u32::from(level) * 255 + brightest / 2) / brightest) as u8
+}
+
+/// Makes a mask of two colours, black and a dark one, one of black and white. Programs number what they segment, and colour the
+/// numbers by a palette.
+pub fn stretch_mask(pixels: &mut [u8], format: PixelFormat) {
+    let channels = match format {
+        PixelFormat::Gray8 => 1,
+        PixelFormat::Rgb8 => 3,
+        _ => return,
+    };
+    let is_black = |pixel: &[u8]| pixel.iter().all(|&v| v == 0);
+    let Some(other) = pixels.chunks_exact(channels).find(|pixel| !is_black(pixel)).map(<[u8]>::to_vec) else { return };
+    // Darker than half, by the mean of its channels.
+    let dark = other.iter().map(|&v| usize::from(v)).sum::<usize>() < 128 * channels;
+    let two = pixels.chunks_exact(channels).all(|pixel| is_black(pixel) || *pixel == *other);
+    if dark && two {
+        pixels.chunks_exact_mut(channels).filter(|pixel| !is_black(pixel)).for_each(|pixel| pixel.fill(255));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use image::ImageBuffer;
+
+    fn gray(levels: &[u16]) -> DynamicImage {
+        DynamicImage::ImageLuma16(ImageBuffer::from_raw(levels.len() as u32, 1, levels.to_vec()).unwrap())
+    }
+
+    #[test]
+    fn fewer_bits_are_recognised_by_the_brightest_level() {
+        let cases = [
+            (1, 255),
+            (255, 255),
+            (256, 1023),
+            (1023, 1023),
+            (1024, 4095),
+            (4095, 4095),
+            (4096, 65535),
+            (65535, 65535),
+        ];
+        for (level, expected) in cases {
+            assert_eq!(brightest(&gray(&[0, level])), expected, "{level}");
+        }
+        assert_eq!(brightest(&gray(&[0, 0])), u16::MAX);
+        let alpha = ImageBuffer::from_raw(1, 1, vec![1000u16, 500, 3, u16::MAX]).unwrap();
+        assert_eq!(brightest(&DynamicImage::ImageRgba16(alpha)), 1023);
+        for brightest in [255, 1023, 4095, u16::MAX] {
+            assert_eq!([to_byte(0, brightest), to_byte(brightest, brightest)], [0, 255]);
+        }
+        assert_eq!(to_byte(2048, 4095), 128);
+    }
+
+    #[test]
+    fn masks_of_numbers_become_black_and_white_and_others_stay() {
+        let stretched = |mut pixels: Vec<u8>, format| {
+            stretch_mask(&mut pixels, format);
+            pixels
+        };
+        assert_eq!(stretched(vec![0, 1, 1, 0], PixelFormat::Gray8), [0, 255, 255, 0]);
+        assert_eq!(stretched(vec![0, 0, 0, 128, 0, 0], PixelFormat::Rgb8), [0, 0, 0, 255, 255, 255]);
+        for mask in [vec![0, 0], vec![0, 1, 2], vec![0, 200], vec![7, 9], vec![0, 255, 128]] {
+            assert_eq!(stretched(mask.clone(), PixelFormat::Gray8), mask);
+        }
+    }
+}
