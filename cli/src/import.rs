@@ -2,7 +2,7 @@
 //! that the scene does not depend on its source.
 
 use crate::{arguments::Import, output, video::Videos};
-use pcmvs_scene::{Disk, FILE_NAME, Failure, Imported, Scene, import, is_picture, is_video, recognise};
+use pcmvs_scene::{Disk, FILE_NAME, Failure, Imported, Picture, Scene, import, is_picture, is_video, recognise};
 use serde_json::{Value, json};
 use std::{
     fs::{self, File},
@@ -60,6 +60,9 @@ pub fn run(options: &Import) -> Result<(), Failure> {
         Some(length) => output::write_json(&target, &of_videos(&scene, length.frames)?)?,
         None => output::write_json(&target, &scene)?,
     }
+    if masks == 0 && !scene.videos {
+        notes.push(without_masks(&options.output, &scene)?);
+    }
     for note in notes {
         eprintln!("note: {note}");
     }
@@ -71,6 +74,27 @@ pub fn run(options: &Import) -> Result<(), Failure> {
     let what = if several { "masks" } else { "with masks" };
     println!("{} cameras, {frames}{masks} {what}, in {}", scene.cameras.len(), options.output.display());
     Ok(())
+}
+
+/// Where the silhouettes of a scene without masks can come from.
+fn without_masks(folder: &Path, scene: &Scene) -> Result<String, Failure> {
+    let mut cut_out = 0;
+    for image in scene.frames[0].images.iter().flatten() {
+        let path = folder.join(image);
+        let picture = Picture::decode(&fs::read(&path).map_err(|e| Failure::unreadable(&path, &e))?);
+        // A damaged picture is told of when its frame is made.
+        cut_out += usize::from(picture.is_ok_and(|picture| picture.alpha().is_some()));
+    }
+    Ok(if cut_out > 0 {
+        format!(
+            "there are no masks, but {cut_out} pictures of the first frame are cut out: their alpha channels are the masks"
+        )
+    } else {
+        String::from(
+            "there are no masks: put them in `masks` beside the pictures and import again, or name the backdrop in scene.json \
+             and use --masks chroma",
+        )
+    })
 }
 
 /// scene.json of a scene whose one frame has the paths of videos: a range of frames, and the paths as patterns.

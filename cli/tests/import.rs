@@ -8,6 +8,7 @@ mod lenses;
 mod masks;
 mod names;
 mod pictures;
+mod spellings;
 mod text;
 mod transforms;
 

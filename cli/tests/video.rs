@@ -247,6 +247,28 @@ fn videos_beside_a_rig_become_those_of_the_scene() {
         fs::remove_dir_all(capture.path("in")).unwrap();
     }
 
+    // Names that contain those of the cameras.
+    fs::write(capture.path("rig.toml"), rig(&capture, "")).unwrap();
+    let name = |camera: usize| format!("videos/calib-cam{camera:02}.mp4");
+    let own = |camera: usize| format!("videos/cam{camera:02}.mp4");
+    for camera in 0..4 {
+        fs::rename(capture.path(&own(camera)), capture.path(&name(camera))).unwrap();
+    }
+    let output = import(&capture);
+    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    assert!(stderr(&output).contains("calib-cam02.mp4 is taken, because only its name contains `cam02`"));
+    let scene: Value = serde_json::from_slice(&fs::read(capture.path("in/scene.json")).unwrap()).unwrap();
+    assert_eq!(scene["videos"][2], "videos/cam02.mp4");
+    assert!(fs::read(capture.path(&name(2))).unwrap() == fs::read(capture.path("in/videos/cam02.mp4")).unwrap());
+    fs::remove_dir_all(capture.path("in")).unwrap();
+    fs::copy(capture.path(&name(1)), capture.path("videos/take_cam01.mp4")).unwrap();
+    let words = ["cam01", "calib-cam01.mp4", "take_cam01.mp4", "give the right one the name", "as `videos = ["];
+    common::assert_refused(&import(&capture), &words);
+    fs::remove_file(capture.path("videos/take_cam01.mp4")).unwrap();
+    for camera in 0..4 {
+        fs::rename(capture.path(&name(camera)), capture.path(&own(camera))).unwrap();
+    }
+
     // A video of another size, and cameras with pictures beside those with videos.
     let text = rig(&capture, "");
     fs::write(capture.path("rig.toml"), text.replacen("size = [64, 48]", "size = [80, 60]", 1)).unwrap();

@@ -13,7 +13,8 @@ pub trait Files {
     fn is_file(&self, path: &Path) -> bool;
     /// Whether the path is a folder.
     fn is_folder(&self, path: &Path) -> bool;
-    /// Paths of the files and folders in a folder, sorted by name.
+    /// Paths of the files and folders in a folder, sorted by name, without the companions `._NAME` that macOS writes on other
+    /// systems' disks.
     fn list(&self, folder: &Path) -> io::Result<Vec<PathBuf>>;
 }
 
@@ -37,6 +38,7 @@ impl Files for Disk {
     fn list(&self, folder: &Path) -> io::Result<Vec<PathBuf>> {
         let mut paths: Vec<PathBuf> =
             fs::read_dir(folder)?.map(|entry| Ok(entry?.path())).collect::<io::Result<_>>()?;
+        paths.retain(|path| !path.file_name().is_some_and(|name| name.to_string_lossy().starts_with("._")));
         paths.sort();
         Ok(paths)
     }

@@ -15,10 +15,13 @@ use super::{
 };
 use crate::{failure::Failure, files::Files};
 use serde_json::{Map, Value};
-use std::path::Path;
+use std::{
+    collections::BTreeSet,
+    path::{Path, PathBuf},
+};
 
 /// The two files.
-pub const FILES: [&str; 2] = ["intri.yml", "extri.yml"];
+const FILES: [&str; 2] = ["intri.yml", "extri.yml"];
 const DISTORTION: &[&str] = &["dist", "D"];
 const KEYS: &[&str] = &["K", "dist", "D", "H", "W", "R", "Rot", "T"];
 /// Bounds of the subject, a colour matrix and a time, which do not change the geometry.
@@ -29,26 +32,53 @@ type Object = Map<String, Value>;
 /// Reads a folder with both files, or one of them.
 pub fn read(files: &dyn Files, path: &Path, notes: &mut Notes) -> Result<Vec<ImportedView>, Failure> {
     let folder = if files.is_folder(path) { path } else { path.parent().unwrap_or(Path::new("")) };
-    let [intri, extri] = FILES.map(|name| folder.join(name));
+    let [intri, extri] = files_of(files, folder);
     let mut cameras: Vec<(String, Object)> = Vec::new();
     let both = [(&intri, opencv_storage::read(files, &intri)?), (&extri, opencv_storage::read(files, &extri)?)];
     for (file, value) in &both {
         names(value).and_then(|names| add_names(&mut cameras, names)).map_err(|problem| wrong(file, &problem))?;
     }
+    let mut shared = Object::new();
     for (file, value) in &both {
-        let rest = sort(value, &mut cameras).map_err(|problem| wrong(file, &problem))?;
+        let mut rest = sort(value, &mut cameras).map_err(|problem| wrong(file, &problem))?;
+        let others = take_others(&mut rest);
+        if !others.is_empty() {
+            notes.add(format!(
+                "{}: cameras are left out, because `names` does not have them: {}",
+                file.display(),
+                listed(others.iter().map(String::as_str))
+            ));
+        }
+        lens::model(&rest).map_err(|problem| wrong(file, &problem))?;
         let ignored = unread(&rest, &[&["names"]], &[]).map_err(|problem| wrong(file, &problem))?;
         if !ignored.is_empty() {
             notes.add(format!("{}: ignored: {}", file.display(), listed(ignored)));
         }
+        shared.extend(rest);
     }
     let folders = [folder.to_path_buf(), folder.join("images")];
     let mut views = Vec::new();
     for (name, keys) in &cameras {
-        let found = camera(name, keys, &intri, notes).map_err(|problem| failure(&intri, name, &problem))?;
+        let levels = Levels(vec![keys, &shared]);
+        let found = camera(name, &levels, &intri, notes).map_err(|problem| failure(&intri, name, &problem))?;
         views.extend(found.views(files, &intri, &folders, notes)?);
     }
     Ok(views)
+}
+
+/// The two files of a folder, in any letter case, and with the longer extension, too.
+fn files_of(files: &dyn Files, folder: &Path) -> [PathBuf; 2] {
+    let entries = files.list(folder).unwrap_or_default();
+    FILES.map(|name| {
+        let found = entries.iter().find(|path| part_of(path) == Some(name));
+        found.cloned().unwrap_or_else(|| folder.join(name))
+    })
+}
+
+/// Which of the two files a path names, if it does.
+pub fn part_of(path: &Path) -> Option<&'static str> {
+    let name = path.file_name()?.to_str()?.to_lowercase();
+    FILES.into_iter().find(|file| name == *file || name.strip_suffix(".yaml") == file.strip_suffix(".yml"))
 }
 
 fn wrong(file: &Path, problem: &str) -> Failure {
@@ -103,7 +133,17 @@ fn sort(value: &Value, cameras: &mut [(String, Object)]) -> Result<Object, Strin
     Ok(rest)
 }
 
-fn camera(name: &str, keys: &Object, file: &Path, notes: &mut Notes) -> Result<Found, String> {
+/// Takes away the keys of cameras that are not in the list of names, and returns their names.
+fn take_others(rest: &mut Object) -> BTreeSet<String> {
+    let name = |key: &String| Some(key.strip_prefix("K_").or(key.strip_prefix("T_"))?.to_owned());
+    let others: BTreeSet<String> = rest.keys().filter_map(name).collect();
+    rest.retain(|key, _| key.split_once('_').is_none_or(|(_, name)| !others.contains(name)));
+    others
+}
+
+/// A camera from its own keys, and those of all cameras.
+fn camera(name: &str, levels: &Levels, file: &Path, notes: &mut Notes) -> Result<Found, String> {
+    let keys = levels.0[0];
     let ignored = unread(keys, &[KEYS], HARMLESS)?;
     if !ignored.is_empty() {
         notes.add(format!("{}: ignored of every camera: {}", file.display(), listed(ignored)));
@@ -112,8 +152,7 @@ fn camera(name: &str, keys: &Object, file: &Path, notes: &mut Notes) -> Result<F
         let value = keys.get(key).ok_or_else(|| format!("`{key}_{name}` is missing in {}: add it", FILES[place]))?;
         numbers(value).map_err(|problem| format!("{key}_{name}: {problem}"))
     };
-    let levels = Levels(vec![keys]);
-    let model = lens::of_levels(&levels)?;
+    let model = lens::of_levels(levels)?;
     let lens = match find(keys, DISTORTION) {
         Some((key, value)) => lens::from_list(&key, &numbers(value)?, model)?,
         None => lens::plainest(model),

@@ -3,7 +3,8 @@
 use super::{
     instants::{frame_folders, numbered},
     notes::Notes,
-    source::{failure, find_picture, find_video, picture_size, without_extension},
+    source::{failure, find_picture, picture_size, without_extension},
+    video_names::{self, Video},
     view::ImportedView,
 };
 use crate::{failure::Failure, files::Files};
@@ -39,11 +40,14 @@ impl Found {
             None => first_size(files, file, folders, [&name, &picture])?,
         };
         let mut pictures = pictures(files, folders, &picture)?;
-        let video = find_video(files, folders, without_extension(&picture));
+        let video = || video_names::find(files, folders, &[without_extension(&picture)]);
         if pictures.is_empty() {
-            let video = video.ok_or_else(|| missing(files, file, folders, [&name, &picture]))?;
-            pictures.push((video, None));
-        } else if let Some(other) = passed_over(files, folders, &picture, &pictures).or(video)
+            let video = video().map_err(|problem| failure(file, &name, &problem))?;
+            let video = video.ok_or_else(|| missing(file, [&name, &picture]))?;
+            video.note(&name, notes);
+            pictures.push((video.path, None));
+        } else if let Some(other) = passed_over(files, folders, &picture, &pictures)
+            .or_else(|| video().ok()?.filter(Video::is_exact).map(|v| v.path))
             && !pictures.iter().any(|(taken, _)| *taken == other)
         {
             notes.add(format!(
@@ -74,22 +78,27 @@ pub fn first_size(
 ) -> Result<[u32; 2], Failure> {
     match pictures(files, folders, picture)?.first() {
         Some((first, _)) => picture_size(files, first, name),
-        None => Err(missing(files, file, folders, [name, picture])),
+        None => {
+            let stem = without_extension(picture);
+            let video = video_names::find(files, folders, &[stem]).map_err(|problem| failure(file, name, &problem))?;
+            Err(match video {
+                Some(Video { path, .. }) => {
+                    let problem = format!(
+                        "has a video, {}, and no pictures, and the file does not tell their size: write the frames of the \
+                         video to pictures `images/{stem}/000000.png` and so on, for example with ffmpeg",
+                        path.display()
+                    );
+                    failure(file, name, &problem)
+                }
+                None => missing(file, [name, picture]),
+            })
+        }
     }
 }
 
-fn missing(files: &dyn Files, file: &Path, folders: &[PathBuf], [name, picture]: [&str; 2]) -> Failure {
-    let stem = without_extension(picture);
-    let problem = match find_video(files, folders, stem) {
-        Some(video) => format!(
-            "has a video, {}, and no pictures, and the file does not tell their size: write the frames of the video to pictures \
-             `images/{stem}/000000.png` and so on, for example with ffmpeg",
-            video.display()
-        ),
-        None => {
-            format!("its picture `{picture}` is missing: put it, or a folder of this name with pictures, in `images`")
-        }
-    };
+fn missing(file: &Path, [name, picture]: [&str; 2]) -> Failure {
+    let problem =
+        format!("its picture `{picture}` is missing: put it, or a folder of this name with pictures, in `images`");
     failure(file, name, &problem)
 }
 

@@ -1,7 +1,8 @@
 //! Recognises the formats of the feature `formats`.
 
 use super::{
-    bundler, formats::Source, json, kalibr, mvsnet, neus, panoptic, qualisys, realitycapture, source::read_text, zju,
+    bundler, formats::Source, json, kalibr, mvsnet, neus, panoptic, projects, qualisys, realitycapture,
+    source::read_text, zju,
 };
 use crate::{failure::Failure, files::Files};
 use std::path::{Path, PathBuf};
@@ -10,6 +11,7 @@ use std::path::{Path, PathBuf};
 pub fn of_file(files: &dyn Files, path: &Path, name: &str) -> Result<Option<Source>, Failure> {
     let has = |words: &[&str]| read_text(files, path).map(|text| words.iter().all(|word| text.contains(word)));
     let ends = |end: &str| name.ends_with(end);
+    projects::refuse(path)?;
     Ok(if ends(".out") {
         Some(Source::Bundler)
     } else if ends(".npz") {
@@ -22,8 +24,6 @@ pub fn of_file(files: &dyn Files, path: &Path, name: &str) -> Result<Option<Sour
         has(&["matrix", "distortions"])?.then_some(Source::Anipose)
     } else if ends(".csv") {
         realitycapture::is_csv(&read_text(files, path)?).then_some(Source::Realitycapture)
-    } else if ends(".psx") {
-        Some(Source::Metashape)
     } else if ends(".xml") || ends(qualisys::END) {
         qualisys::refuse(path, &read_text(files, path)?)?;
         has(&["<document", "<chunk", "<sensors"])?.then_some(Source::Metashape)
@@ -70,13 +70,6 @@ pub fn of_folder(files: &dyn Files, folder: &Path, entries: &[PathBuf]) -> Vec<(
     found
 }
 
-/// Refuses a folder that contains a format which is known and not read.
-pub fn refuse(files: &dyn Files, entries: &[PathBuf]) -> Result<(), Failure> {
-    let name = |path: &Path| path.file_name().unwrap_or_default().to_string_lossy().to_lowercase();
-    let may_be = |path: &&PathBuf| [".xml", qualisys::END].iter().any(|end| name(path).ends_with(end));
-    entries.iter().filter(may_be).try_for_each(|path| qualisys::refuse(path, &read_text(files, path)?))
-}
-
 /// The file that a path stands for, for a format that is one file: itself, or the only one of a folder.
 pub fn only_file(files: &dyn Files, source: Source, path: &Path) -> Result<PathBuf, Failure> {
     let is_one_file = matches!(source, Source::Metashape | Source::Anipose | Source::Panoptic | Source::Kalibr);
@@ -86,6 +79,9 @@ pub fn only_file(files: &dyn Files, source: Source, path: &Path) -> Result<PathB
     let entries = files.list(path).map_err(|e| Failure::unreadable(path, &e))?;
     let found: Vec<PathBuf> =
         of_folder(files, path, &entries).into_iter().filter(|(of, _)| *of == source).map(|(_, file)| file).collect();
+    if found.is_empty() {
+        projects::refuse_folder(files, &entries)?;
+    }
     match &found[..] {
         [file] => Ok(file.clone()),
         _ => Err(Failure::Input(format!(

@@ -53,6 +53,10 @@ const GEOMETRY: &[&str] = &[
     "tvec",
     "convention",
     "coordinatesystem",
+    "coordsystem",
+    "coordinateframe",
+    "isopencv",
+    "isopengl",
     "pixelcentre",
     "pixelcenter",
     "pixelaspect",
@@ -60,6 +64,10 @@ const GEOMETRY: &[&str] = &[
 /// Whole keys that describe the projection, the lens or the pose.
 const WHOLE: &[&str] =
     &["r", "t", "rt", "k", "p", "c", "q", "d", "fx", "fy", "cx", "cy", "f", "rot", "trans", "crop", "dist"];
+/// Parts of keys that tell of a convention if their value names one, and such values.
+const OF_CONVENTIONS: &[&str] = &["axes", "axis", "coord", "orient", "system", "space"];
+const CONVENTIONS: &[&str] =
+    &["opencv", "opengl", "blender", "pytorch3d", "c2w", "w2c", "cam2world", "world2cam", "camtoworld", "worldtocam"];
 /// Parts of keys that only resemble those above.
 const OTHERS: &[&str] = &["exposure", "expose", "purpose"];
 
@@ -85,7 +93,9 @@ fn looks_like_calibration(key: &str, value: &Value) -> bool {
         value.as_object().is_some_and(|map| map.iter().any(|(key, value)| is_of_lens(key) && !is_neutral(value)));
     let name = words(key);
     let geometry = GEOMETRY.iter().any(|part| name.contains(part)) || WHOLE.contains(&name.as_str());
-    inner || geometry && !value.is_null()
+    let convention = value.as_str().is_some_and(|text| CONVENTIONS.contains(&plain(text).as_str()))
+        && OF_CONVENTIONS.iter().any(|part| name.contains(part));
+    inner || convention || geometry && !value.is_null()
 }
 
 /// The keys of an object that are neither understood nor harmless and do not look like calibration. A key that does look

@@ -180,11 +180,15 @@ pub fn named_by(key: &str, value: &Value) -> Result<Option<LensModel>, String> {
     let is_model_key = MODEL_KEYS.contains(&key);
     let vague = ["type", "cameratype"].contains(&name.as_str())
         || ["model", "lens", "projection"].iter().any(|p| name.contains(p));
+    // Flags of OpenCV's functions name the model by their namespace: fisheye::CALIB_FIX_SKEW.
+    let flags_of = |space: &str| value.as_str().is_some_and(|text| text.contains(space));
     let found = match words.as_deref() {
+        Some(_) if flags_of("fisheye::") => Some(Ok(LensModel::Fisheye)),
         Some(words) if FISHEYES.contains(&words) && !NAMES_OF_FILES.contains(&key) => Some(Ok(LensModel::Fisheye)),
         Some(words) if is_model_key => Some(MODELS.contains(&words).then_some(LensModel::OpenCv).ok_or(())),
         Some(words) => {
             let other = OTHER_NAMES.contains(&words) && !NAMES_OF_FILES.contains(&key)
+                || flags_of("omnidir::")
                 || vague && OTHER_MODELS.iter().any(|part| words.contains(part));
             other.then_some(Err(()))
         }

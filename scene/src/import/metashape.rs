@@ -8,6 +8,7 @@ use super::{
     found::Found,
     names::name_of,
     notes::Notes,
+    projects,
     source::{failure, read_text},
     values::{self, to_array},
     view::ImportedView,
@@ -26,14 +27,10 @@ const COEFFICIENTS: [&str; 12] = ["f", "cx", "cy", "b1", "b2", "k1", "k2", "k3",
 
 /// Reads the file.
 pub fn read(files: &dyn Files, path: &Path, notes: &mut Notes) -> Result<Vec<ImportedView>, Failure> {
-    let text = read_text(files, path)?;
     let wrong = |problem: String| Failure::Input(format!("{}: {problem}", path.display()));
+    projects::refuse(path)?;
+    let text = read_text(files, path)?;
     let document = Document::parse(&text).map_err(|e| wrong(format!("{e}: correct that line")))?;
-    if path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("psx")) {
-        return Err(wrong(String::from(
-            "is a project: export its cameras as XML (File, Export, Export Cameras) and name that file",
-        )));
-    }
     let chunks: Vec<Node> = document.root_element().children().filter(|node| node.has_tag_name("chunk")).collect();
     let [chunk] = chunks[..] else {
         return Err(wrong(format!("has {} chunks: export the cameras of one chunk", chunks.len())));
@@ -43,13 +40,20 @@ pub fn read(files: &dyn Files, path: &Path, notes: &mut Notes) -> Result<Vec<Imp
     let (count, photos) = frames(chunk).map_err(wrong)?;
     let mut views = Vec::new();
     let (mut without, mut disabled) = (Vec::new(), Vec::new());
-    let labelled = |node: &Node| node.has_tag_name("camera") && node.attribute("label").is_some();
+    // The frames of a chunk have cameras, too, which only name their photos.
+    let list = child(chunk, "cameras").into_iter().flat_map(|list| list.descendants());
+    let cameras: Vec<Node> = list.filter(|node| node.has_tag_name("camera")).collect();
     let mut repeated = BTreeMap::new();
-    for label in chunk.descendants().filter(labelled).filter_map(|camera| camera.attribute("label")) {
+    for label in cameras.iter().filter_map(|camera| camera.attribute("label")) {
         *repeated.entry(label).or_insert(0) += 1;
     }
-    for camera in chunk.descendants().filter(labelled) {
-        let label = camera.attribute("label").unwrap_or_default();
+    for camera in cameras {
+        let label = camera.attribute("label").filter(|label| !label.is_empty()).ok_or_else(|| {
+            let id = camera.attribute("id").unwrap_or_default();
+            wrong(format!(
+                "the camera with the id `{id}` has no label: give it the name of its picture, and export again"
+            ))
+        })?;
         let group = group(camera);
         let name = if repeated[label] > 1 { name_of(&format!("{group}/{label}")) } else { name_of(label) };
         let folders = in_group(&usual, &group);
@@ -57,11 +61,17 @@ pub fn read(files: &dyn Files, path: &Path, notes: &mut Notes) -> Result<Vec<Imp
             disabled.push(name);
             continue;
         }
+        let of_camera = |problem: String| failure(path, &name, &problem);
         let Some(transform) = child(camera, "transform") else {
+            if camera.attribute("master_id").is_some() {
+                return Err(of_camera(String::from(
+                    "has its pose in a multi-camera system, which is not read: add the photos as single cameras, align them \
+                     again and export",
+                )));
+            }
             without.push(name);
             continue;
         };
-        let of_camera = |problem: String| failure(path, &name, &problem);
         let found = view(chunk, camera, transform, label, &name, notes).map_err(of_camera)?;
         let Some(photos) = camera.attribute("id").and_then(|id| photos.get(id)) else {
             views.extend(found.views(files, path, &folders, notes)?);
@@ -151,6 +161,11 @@ fn view<'a>(
 ) -> Result<Found, String> {
     if child(camera, "orientation").is_some_and(|node| node.text().is_some_and(|text| text.trim() != "1")) {
         return Err(String::from("its picture is turned (`orientation`): export the cameras with turned pictures"));
+    }
+    if child(camera, "rolling_shutter").is_some() {
+        return Err(String::from(
+            "is corrected for a rolling shutter, which a scene cannot hold: align without that correction and export again",
+        ));
     }
     let sensor = sensor(chunk, camera)?;
     let m: [f64; 16] = numbers(transform)?;

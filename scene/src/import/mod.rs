@@ -30,7 +30,11 @@ mod notes;
 mod opencv;
 mod opencv_storage;
 #[cfg(feature = "formats")]
+mod opencv_xml;
+#[cfg(feature = "formats")]
 mod panoptic;
+#[cfg(feature = "formats")]
+mod projects;
 #[cfg(feature = "formats")]
 mod qualisys;
 #[cfg(feature = "formats")]
@@ -41,6 +45,7 @@ mod rig_toml;
 mod source;
 mod transforms;
 mod values;
+mod video_names;
 mod view;
 #[cfg(feature = "formats")]
 mod zju;
@@ -53,7 +58,7 @@ use crate::{
 use clip::Clip;
 pub use formats::Source;
 use notes::Notes;
-use pcmvs_core::Camera;
+use pcmvs_core::{Camera, Error, Rig};
 pub use recognise::{KNOWN, of_folder, recognise};
 use source::{failure, picture_size, usual_mask};
 pub use source::{is_picture, is_video};
@@ -105,10 +110,14 @@ pub fn import(files: &dyn Files, source: Source, path: &Path) -> Result<Imported
         Source::Zju => zju::import(files, path, &mut notes)?,
     };
     if views.is_empty() {
-        return Err(Failure::Input(format!("{}: contains no camera", path.display())));
+        let why: String = notes.into_list().into_iter().map(|note| format!("; {note}")).collect();
+        return Err(Failure::Input(format!("{}: contains no camera that can be used{why}", path.display())));
     }
     let capture = if files.is_folder(path) { path } else { path.parent().unwrap_or(Path::new("")) };
     let of_videos = are_videos(&views)?;
+    if of_videos {
+        check_videos(&views)?;
+    }
     let mut views = if of_videos { views } else { instants::find(files, capture, views) };
     let mut found = BTreeMap::new();
     for view in &mut views {
@@ -142,6 +151,7 @@ pub fn import(files: &dyn Files, source: Source, path: &Path) -> Result<Imported
     let names = camera_names(&views, &clip, &mut notes)?;
     clip.note(&views, &mut notes);
     note_equal_cameras(&views, &clip, &mut notes);
+    note_refusal(&views, &clip, path, &mut notes);
     let scene = scene(&views, &clip, names);
     let mask_videos = of_videos && views.iter().any(|view| view.mask.is_some());
     Ok(Imported { scene: Scene { videos: of_videos, mask_videos, ..scene }, notes: notes.into_list() })
@@ -159,6 +169,18 @@ fn are_videos(views: &[ImportedView]) -> Result<bool, Failure> {
         )),
         _ => Ok(video.is_some()),
     }
+}
+
+/// Refuses a video that two cameras would have.
+fn check_videos(views: &[ImportedView]) -> Result<(), Failure> {
+    let mut cameras = BTreeMap::new();
+    for view in views {
+        if let Some(other) = cameras.insert(&view.image, &view.name) {
+            let problem = format!("is the video of camera `{other}`, too: name videos after their cameras");
+            return Err(failure(&view.image, &view.name, &problem));
+        }
+    }
+    Ok(())
 }
 
 fn check_size(files: &dyn Files, file: &Path, camera: &str, what: &str, calibrated: [u32; 2]) -> Result<(), Failure> {
@@ -203,6 +225,19 @@ fn note_equal_cameras(views: &[ImportedView], clip: &Clip, notes: &mut Notes) {
              every instant by itself"
         ));
     }
+}
+
+/// Tells of cameras that no frame can be made of, such as those of poses in another convention. Too few are left to the user.
+fn note_refusal(views: &[ImportedView], clip: &Clip, path: &Path, notes: &mut Notes) {
+    let cameras: Vec<Camera> = clip.cameras.iter().map(|&first| views[first].camera).collect();
+    let problem = match Rig::check(&cameras) {
+        Err(Error::Cameras { problem }) => problem,
+        Err(Error::Camera { camera, problem }) => {
+            format!("camera `{}`: {problem}", views[clip.cameras[camera as usize]].name)
+        }
+        _ => return,
+    };
+    notes.add(format!("{}: these cameras will be refused when a frame is made: {problem}", path.display()));
 }
 
 fn scene(views: &[ImportedView], clip: &Clip, names: Vec<String>) -> Scene {

@@ -22,7 +22,7 @@ use zip::{ZipArchive, result::ZipError};
 pub const FILES: [&str; 2] = ["cameras_sphere.npz", "cameras.npz"];
 const PROJECTION: &str = "world_mat_";
 /// Scales of the subject, inverses, and a copy of the projection.
-const HARMLESS: [&str; 4] = ["scale_mat_", "scale_mat_inv_", "world_mat_inv_", "camera_mat_"];
+const HARMLESS: [&str; 5] = ["scale_mat_", "scale_mat_inv_", "world_mat_inv_", "camera_mat_", "camera_mat_inv_"];
 
 /// Reads the file, or a folder with it.
 pub fn import(files: &dyn Files, path: &Path, notes: &mut Notes) -> Result<Vec<ImportedView>, Failure> {
@@ -149,7 +149,28 @@ fn pictures(files: &dyn Files, folder: &Path) -> Result<Vec<PathBuf>, Failure> {
     let (pictures, others): (Vec<PathBuf>, Vec<PathBuf>) =
         entries.into_iter().partition(|path| files.is_file(path) && is_picture(path));
     let folders = || others.into_iter().filter(|path| files.is_folder(path)).collect();
-    Ok(if pictures.is_empty() { folders() } else { pictures })
+    let found: Vec<PathBuf> = if pictures.is_empty() { folders() } else { pictures };
+    let falls =
+        |pair: &&[PathBuf]| number(&pair[0]).zip(number(&pair[1])).is_some_and(|(first, second)| second < first);
+    match found.windows(2).find(falls) {
+        Some(pair) => Err(Failure::Input(format!(
+            "{}: {} comes after {} by its number and before it by its name, so that it is not certain which camera it belongs \
+             to: write all numbers with equally many digits",
+            images.display(),
+            name(&pair[0]),
+            name(&pair[1])
+        ))),
+        None => Ok(found),
+    }
+}
+
+fn name(path: &Path) -> std::borrow::Cow<'_, str> {
+    path.file_name().unwrap_or_default().to_string_lossy()
+}
+
+/// The number that the name of a picture or folder is.
+fn number(path: &Path) -> Option<u64> {
+    without_extension(&name(path)).parse().ok()
 }
 
 /// The mask of a picture, in `mask` under the picture's name or its number with three digits.

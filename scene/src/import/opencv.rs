@@ -1,8 +1,9 @@
-//! OpenCV calibrations in YAML or JSON, as FileStorage writes them. World to camera and the centre of the first pixel
+//! OpenCV calibrations in YAML, JSON or XML, as FileStorage writes them. World to camera and the centre of the first pixel
 //! follow the convention of a scene.
 //!
 //! A file contains one camera, or several as a list or map `cameras` or as named maps. Keys beside the cameras apply to
-//! all of them. A folder contains one file per camera. Of the keys below, the first that exists is used:
+//! all of them. A folder contains one file per camera. Of the keys below, the first that exists is used. Letter case and
+//! underscores do not matter in those with more than two letters.
 //! - K: `camera_matrix`, `cameraMatrix`, `K`, `intrinsic_matrix`, `mtx`
 //! - distortion k1 k2 p1 p2 k3 k4 k5 k6 s1 s2 s3 s4, or k1 k2 k3 k4 if a key says that the lens is a fisheye:
 //!   `distortion_coefficients`, `distCoeffs`, `dist_coeffs`, `D`, `distortion`, or each by its name; default: zero
@@ -22,7 +23,7 @@ use super::{
     notes::Notes,
     opencv_storage,
     source::{failure, find_picture},
-    values::{self, Levels, find, numbers, text, to_array},
+    values::{self, Levels, find, number, numbers, text, to_array},
     view::{ImportedView, rotation, rows},
 };
 use crate::{failure::Failure, files::Files};
@@ -52,19 +53,24 @@ const HARMLESS: &[&str] = &[
 
 type Object = Map<String, Value>;
 
-/// Reads a file, or all YAML and JSON files of a folder that contain a camera.
+/// Reads a file, or all YAML, JSON and XML files of a folder that contain a camera.
 pub fn read(files: &dyn Files, path: &Path, notes: &mut Notes) -> Result<Vec<ImportedView>, Failure> {
     let mut views = Vec::new();
     for file in calibrations(files, path)? {
-        let value = opencv_storage::read(files, &file)?;
+        let value = spelled(opencv_storage::read(files, &file)?);
         let stem = file.file_stem().unwrap_or_default().to_string_lossy().into_owned();
         let wrong = |problem: String| Failure::Input(format!("{}: {problem}", file.display()));
         let contents = Contents::new(&value, stem).map_err(wrong)?;
         if contents.cameras.is_empty() {
+            let top = value.as_object();
+            check_pair(top).map_err(wrong)?;
             let parts = [DISTORTION, ROTATION, TRANSLATION];
-            let part = value.as_object().and_then(|top| parts.iter().find_map(|keys| find(top, keys)));
-            if let Some((key, _)) = part {
+            if let Some((key, _)) = top.and_then(|top| parts.iter().find_map(|keys| find(top, keys))) {
                 return Err(wrong(format!("has `{key}`, but none of the keys {K:?}: add K, or move the file away")));
+            }
+            for keys in top.into_iter().chain(top.into_iter().flat_map(Map::values).filter_map(as_map)) {
+                unread(keys, &[], HARMLESS).map_err(wrong)?;
+                check_matrices(keys).map_err(wrong)?;
             }
             notes.add(format!("{}: contains no camera and is ignored", file.display()));
             continue;
@@ -84,11 +90,82 @@ fn calibrations(files: &dyn Files, path: &Path) -> Result<Vec<PathBuf>, Failure>
     if !files.is_folder(path) {
         return Ok(vec![path.to_path_buf()]);
     }
+    let has = |file: &Path, ends: &[&str]| {
+        file.extension().is_some_and(|e| ends.iter().any(|known| e.eq_ignore_ascii_case(known)))
+    };
     let known = |file: &PathBuf| {
-        file.extension().is_some_and(|e| ["yml", "yaml", "json"].iter().any(|known| e.eq_ignore_ascii_case(known)))
+        has(file, &["yml", "yaml", "json"]) || has(file, &["xml"]) && opencv_storage::is_xml(files, file)
     };
     let entries = files.list(path).map_err(|e| Failure::unreadable(path, &e))?;
     Ok(entries.into_iter().filter(known).collect())
+}
+
+/// Whether a file has a camera, and nothing else is known of it.
+pub fn is_camera_file(files: &dyn Files, file: &Path) -> bool {
+    let Ok(value) = opencv_storage::read(files, file) else { return false };
+    Contents::new(&spelled(value), String::new()).is_ok_and(|contents| !contents.cameras.is_empty())
+}
+
+/// The same values, where keys of the file and of its maps that are known in another letter case or with other underscores,
+/// such as `Camera_Matrix`, have the known spelling. Short keys differ by their case (`t` and `T`), and those of maps may be
+/// names of cameras. Where a key has two spellings, one stays and is refused later.
+fn spelled(value: Value) -> Value {
+    let map = match value {
+        Value::Array(list) => return list.into_iter().map(spelled).collect(),
+        Value::Object(map) => map,
+        other => return other,
+    };
+    let known = || [K, DISTORTION, ROTATION, TRANSLATION, SIZE, SIZE_PARTS, NAME, IMAGE, MASK].into_iter().flatten();
+    let usual = |key: &str| {
+        let name = lens::plain(key);
+        known().find(|known| name.len() > 2 && lens::plain(known) == name).filter(|usual| !map.contains_key(**usual))
+    };
+    let mut result = Map::new();
+    for (key, value) in &map {
+        let usual = usual(key).filter(|usual| as_map(value).is_none() && !result.contains_key(**usual));
+        result.insert(usual.map_or_else(|| key.clone(), |usual| String::from(*usual)), spelled(value.clone()));
+    }
+    result.into()
+}
+
+/// Refuses the files of a stereo pair, which have one pose for two cameras.
+fn check_pair(top: Option<&Object>) -> Result<(), String> {
+    let numbered = ["M", "K", "cameraMatrix", "camera_matrix", "CM"].map(|key| [format!("{key}1"), format!("{key}2")]);
+    match top.and_then(|top| numbered.iter().find(|pair| pair.iter().all(|key| top.contains_key(key)))) {
+        Some([first, second]) => Err(format!(
+            "has two cameras, `{first}` and `{second}`, of a stereo pair, whose R and t lead from one to the other: write one \
+             camera per file or per map, each with its own pose, world to camera"
+        )),
+        None => Ok(()),
+    }
+}
+
+/// A map that is not a matrix.
+fn as_map(value: &Value) -> Option<&Object> {
+    value.as_object().filter(|map| !map.contains_key("data"))
+}
+
+/// Refuses keys that hold a matrix with 3 or 4 rows and columns: what is not understood may be a camera.
+fn check_matrices(keys: &Object) -> Result<(), String> {
+    let of_camera = |count: usize| (3..=4).contains(&count);
+    let is_matrix = |value: &Value| match value {
+        Value::Array(rows) => {
+            let row = |row: &Value| row.as_array().is_some_and(|row| of_camera(row.len()));
+            of_camera(rows.len()) && rows.iter().all(row) && numbers(value).is_ok()
+        }
+        Value::Object(matrix) => {
+            let count = |key: &str| matrix.get(key).and_then(|count| number(key, count).ok());
+            matrix.contains_key("data") && ["rows", "cols"].iter().all(|key| matches!(count(key), Some(3.0 | 4.0)))
+        }
+        _ => false,
+    };
+    match keys.iter().find(|(key, value)| !HARMLESS.contains(&key.as_str()) && is_matrix(value)) {
+        Some((key, _)) => Err(format!(
+            "`{key}` is a matrix that is not understood: if it is that of a camera, use the keys {K:?}, {ROTATION:?} and \
+             {TRANSLATION:?}, or else move it away"
+        )),
+        None => Ok(()),
+    }
 }
 
 /// The cameras of a file, with their names, and the keys beside them.
@@ -151,6 +228,11 @@ impl<'a> Contents<'a> {
                     "`{key}` stands beside the cameras: give every camera its own pose, world to camera"
                 ));
             }
+        }
+        for (name, keys) in self.shared.iter().filter_map(|(name, value)| Some((name, as_map(value)?))) {
+            let of_map = |problem| format!("{name}: {problem}");
+            unread(keys, &[], HARMLESS).map_err(of_map)?;
+            check_matrices(keys).map_err(of_map)?;
         }
         note_unread(&self.shared, file, notes)
     }

@@ -1,4 +1,4 @@
-//! OpenCV's FileStorage, as YAML or JSON, read into JSON values.
+//! OpenCV's FileStorage, as YAML, JSON or XML, read into JSON values.
 
 use super::{json, source::read_text};
 use crate::{failure::Failure, files::Files};
@@ -15,12 +15,28 @@ const MOST_VALUES: usize = 1_000_000;
 /// Reads a file. Its extension decides the format.
 pub fn read(files: &dyn Files, path: &Path) -> Result<Value, Failure> {
     let text = read_text(files, path)?;
-    let value = if path.extension().is_some_and(|e| e.eq_ignore_ascii_case("json")) {
+    let has = |extension: &str| path.extension().is_some_and(|e| e.eq_ignore_ascii_case(extension));
+    let value = if has("json") {
         json::parse(&text)
+    } else if has("xml") {
+        from_xml(&text)
     } else {
         from_yaml(&text)
     };
     value.map_err(|problem| Failure::Input(format!("{}: {problem}", path.display())))
+}
+
+/// Whether a file is XML of FileStorage. Other programs write XML, too.
+pub fn is_xml(files: &dyn Files, path: &Path) -> bool {
+    read_text(files, path).is_ok_and(|text| text.contains("<opencv_storage"))
+}
+
+#[cfg(feature = "formats")]
+use super::opencv_xml::from_xml;
+
+#[cfg(not(feature = "formats"))]
+fn from_xml(_: &str) -> Result<Value, String> {
+    Err(String::from("XML is not read here: save the calibration as YAML or JSON, or use the command line"))
 }
 
 /// YAML as JSON. All scalars are text, as they are written, so that a name such as `007` keeps its zeros.

@@ -1,21 +1,28 @@
 //! Recognises the program that wrote a calibration.
 
+use super::{colmap, easymocap, formats::Source, json, opencv, opencv_storage, source, transforms};
 #[cfg(feature = "formats")]
-use super::further;
-use super::{colmap, easymocap, formats::Source, json, source, transforms};
+use super::{further, projects};
 use crate::{failure::Failure, files::Files};
-use std::path::{Path, PathBuf};
+use std::{
+    collections::BTreeSet,
+    path::{Path, PathBuf},
+};
 
 /// What is recognised, for messages.
 #[cfg(feature = "formats")]
 pub const KNOWN: &str = "Middlebury's *_par.txt, a COLMAP model (cameras and images, .txt or .bin), transforms.json, \
                          EasyMocap's intri.yml and extri.yml, bundle.out, Metashape's .xml, cameras_sphere.npz, \
                          anipose's .toml, Panoptic's calibration_*.json, MVSNet's *_cam.txt, Kalibr's camchain.yaml, \
-                         RealityCapture's .csv or .xmp, ZJU-MoCap's annots.npy, or OpenCV calibrations (.yml, .yaml, .json)";
+                         RealityCapture's .csv or .xmp, ZJU-MoCap's annots.npy, or OpenCV calibrations (.yml, .yaml, .json, \
+                         .xml)";
 /// What is recognised, for messages.
 #[cfg(not(feature = "formats"))]
 pub const KNOWN: &str = "Middlebury's *_par.txt, a COLMAP model (cameras and images, .txt or .bin), transforms.json, \
                          EasyMocap's intri.yml and extri.yml, or OpenCV calibrations (.yml, .yaml, .json)";
+
+/// Most JSON files that are looked into. Folders of poses or keypoints have one per frame.
+const MOST_JSON: usize = 100;
 
 /// The program whose calibration a path names. A folder with calibrations of several programs is an error.
 pub fn recognise(files: &dyn Files, path: &Path) -> Result<Source, Failure> {
@@ -28,7 +35,7 @@ pub fn recognise(files: &dyn Files, path: &Path) -> Result<Source, Failure> {
     let wrong = |problem: String| Failure::Input(format!("{}: {problem}", path.display()));
     #[cfg(feature = "formats")]
     if found.is_empty() {
-        further::refuse(files, &entries)?;
+        projects::refuse_folder(files, &entries)?;
     }
     match (found.pop(), &found[..]) {
         (None, _) => Err(wrong(format!("no calibration was recognised: name {KNOWN}, or give its format with --from"))),
@@ -51,9 +58,9 @@ fn of_file(files: &dyn Files, path: &Path) -> Result<Source, Failure> {
         Ok(Source::Middlebury)
     } else if ["cameras.txt", "cameras.bin", "images.txt", "images.bin"].contains(&name.as_str()) {
         Ok(Source::Colmap)
-    } else if easymocap::FILES.contains(&name.as_str()) {
+    } else if easymocap::part_of(path).is_some() {
         Ok(Source::Easymocap)
-    } else if ends(&[".yml", ".yaml"]) {
+    } else if ends(&[".yml", ".yaml"]) || ends(&[".xml"]) && opencv_storage::is_xml(files, path) {
         Ok(Source::Opencv)
     } else if ends(&[".json"]) {
         let text = source::read_text(files, path)?;
@@ -83,17 +90,25 @@ pub fn of_folder(files: &dyn Files, folder: &Path, entries: &[PathBuf]) -> Vec<(
     }
     #[cfg(feature = "formats")]
     found.extend(further::of_folder(files, folder, entries));
-    if easymocap::FILES.iter().all(|file| any(&|name| name == *file).is_some()) {
+    let parts: BTreeSet<&str> = entries.iter().filter_map(|path| easymocap::part_of(path)).collect();
+    if parts.len() == 2 {
         found.push((Source::Easymocap, folder.to_path_buf()));
     }
     // Other programs' files have the same extensions.
     let others: Vec<&PathBuf> = found.iter().map(|(_, path)| path).collect();
     let is_opencv = |path: &&PathBuf| {
         let name = name(path);
-        let yaml = name.ends_with(".yml") || name.ends_with(".yaml");
-        yaml && !others.contains(path) && !easymocap::FILES.contains(&name.as_str())
+        let ends = |end: &str| name.ends_with(end);
+        let own = ends(".yml") || ends(".yaml") || ends(".xml") && opencv_storage::is_xml(files, path);
+        own && !others.contains(path) && easymocap::part_of(path).is_none()
     };
     if entries.iter().any(|path| is_opencv(&path)) {
+        found.push((Source::Opencv, folder.to_path_buf()));
+    }
+    // Many programs write JSON, so that only what it contains tells.
+    let is_json = |path: &&PathBuf| name(path).ends_with(".json") && files.is_file(path);
+    let mut json = entries.iter().filter(is_json).take(MOST_JSON);
+    if found.is_empty() && json.any(|path| opencv::is_camera_file(files, path)) {
         found.push((Source::Opencv, folder.to_path_buf()));
     }
     found

@@ -7,7 +7,7 @@ use pcmvs_fuzz::Tree;
 use pcmvs_scene::{Source, import, recognise};
 use std::path::Path;
 
-const NAMES: [(&[&str], Source); 17] = [
+const NAMES: [(&[&str], Source); 18] = [
     (&["ring_par.txt"], Source::Middlebury),
     (&["cameras.txt", "images.txt", "points3D.txt"], Source::Colmap),
     (&["cameras.bin", "images.bin"], Source::Colmap),
@@ -25,6 +25,7 @@ const NAMES: [(&[&str], Source); 17] = [
     (&["images/c0.xmp"], Source::Realitycapture),
     (&["cameras.csv"], Source::Realitycapture),
     (&["annots.npy"], Source::Zju),
+    (&["cameras.xml"], Source::Opencv),
 ];
 
 /// Separates files. Binary models have single zero bytes everywhere.

@@ -44,6 +44,20 @@ fn anipose_is_opencv_in_toml() {
             refused("anipose", of(&text.replacen("fisheye = true", &format!("fisheye = true\n{change}"), 1)).path());
         assert!(message.contains(problem) && message.contains("calibration.toml"), "{message}");
     }
+    // For all cameras, above the tables or in that of the calibration itself.
+    let apart = text.replace("fisheye = true\n", "");
+    for all in [format!("fisheye = true\n{apart}"), apart.replace("[metadata]", "[metadata]\nfisheye = true")] {
+        check("anipose", of(&all).path(), &["calibration.toml"], |pose, point| {
+            opencv(pose, point, |p| fisheye(p, FISHEYE))
+        });
+    }
+    // A table that may be a camera is not dropped.
+    let misspelt =
+        text.replacen("matrix", "mat", 1).replacen("rotation", "rot", 1).replacen("distortions", "distort", 1);
+    assert!(refused("anipose", of(&misspelt).path()).contains("looks like calibration"));
+    let table = format!("{text}\n[cam_9]\nintrinsics = [1, 2, 3]\n");
+    assert!(refused("anipose", of(&table).path()).contains("table `cam_9`"));
+    import_with_notes("anipose", of(&format!("{text}\n[charuco]\ncolumns = 4\n")).path());
     let ignored = text.replacen("fisheye = true", "fisheye = true\nignore = true", 1);
     let (scene, notes) = import_with_notes("anipose", of(&ignored).path());
     assert_eq!(scene["cameras"].as_array().unwrap().len(), COUNT - 1);

@@ -1,7 +1,7 @@
 //! EasyMocap's intri.yml and extri.yml.
 
-use super::super::{HEIGHT, WIDTH, import, refused};
-use super::{BROWN, COUNT, brown, by_rows, check, folder, images, k, list, opencv, poses, rodrigues};
+use super::super::{HEIGHT, WIDTH, import, import_with_notes, refused};
+use super::{BROWN, COUNT, FISHEYE, brown, by_rows, check, fisheye, folder, images, k, list, opencv, poses, rodrigues};
 use image::GrayImage;
 use std::{fmt::Write as _, fs};
 
@@ -46,6 +46,17 @@ fn easymocap_is_opencv_in_two_files() {
     assert_eq!(scene["cameras"][1]["name"], "01");
     assert_eq!(scene["frames"].as_array().unwrap().len(), 2);
     assert_eq!(scene["frames"][1]["masks"], serde_json::json!([null, "masks/01_0001.png", null, null]));
+
+    // A lens that is named for all cameras.
+    let fish = intri.replace(&list(BROWN), &list(FISHEYE)).replace("names:", "fisheye: 1\nnames:");
+    let capture = of(&images(|i| format!("0{i}")), &[("Intri.yaml", &fish), ("EXTRI.yml", &extri)]);
+    check("easymocap", capture.path(), &["Intri.yaml", "EXTRI.yml"], |pose, point| {
+        opencv(pose, point, |p| fisheye(p, FISHEYE))
+    });
+    let few = [("intri.yml", &*intri.replace("  - \"03\"\n", "")), ("extri.yml", &*extri.replace("  - \"03\"\n", ""))];
+    let (scene, notes) = import_with_notes("easymocap", of(&images(|i| format!("0{i}")), &few).path());
+    assert_eq!(scene["cameras"].as_array().unwrap().len(), COUNT - 1);
+    assert!(notes.contains("are left out, because `names` does not have them: `03`"), "{notes}");
 
     for (file, from, to, problem) in [
         ("intri.yml", "K_02", "X_02", "`K_02` is missing"),

@@ -85,6 +85,9 @@ fn metashape_counts_from_the_middle_and_has_tangential_coefficients_exchanged() 
         (text.replace("<orientation>1", "<orientation>6"), "turned"),
         (text.replace("</chunk>", "</chunk><chunk></chunk>"), "2 chunks"),
         (text.replace("</sensors>", ""), "correct that line"),
+        (text.replace("label=\"IMG_1\"", ""), "id `1` has no label"),
+        (text.replace("id=\"8\"", "id=\"8\" master_id=\"0\""), "multi-camera system"),
+        (text.replace("<orientation>1</orientation>", "<rolling_shutter>1</rolling_shutter>"), "rolling shutter"),
     ] {
         let message = refused("metashape", of(&text).path());
         assert!(message.contains(problem) && message.contains("cameras.xml"), "{message}");
@@ -123,7 +126,7 @@ fn frames_of_a_chunk_become_a_clip() {
 }
 
 #[test]
-fn frames_without_pictures_and_projects_are_named() {
+fn frames_without_pictures_and_cameras_without_poses_are_named() {
     let text = of_frames(|_, _| String::new());
     let capture = folder(&images(|i| format!("IMG_{i}")), &[("cameras.xml", &text)]);
     let (scene, notes) = import_with_notes("metashape", capture.path());
@@ -134,8 +137,37 @@ fn frames_without_pictures_and_projects_are_named() {
     let capture = folder(&(0..8).map(numbered).collect::<Vec<_>>(), &[("cameras.xml", &text)]);
     assert_eq!(import("metashape", capture.path())["frames"].as_array().unwrap().len(), 2);
 
-    let capture = folder(&[], &[("a.psx", "<document version=\"1.2.0\" path=\"{projectname}.files/project.zip\"/>")]);
-    assert!(refused("auto", &capture.path().join("a.psx")).contains("is a project: export its cameras as XML"));
+    let nowhere = text.replace("<transform>", "<other>").replace("</transform>", "</other>");
+    let capture = folder(&images(|i| format!("IMG_{i}")), &[("cameras.xml", &nowhere)]);
+    let message = refused("metashape", capture.path());
+    assert!(message.contains("no camera that can be used") && message.contains("left out: IMG_0, IMG_1"), "{message}");
+}
+
+#[test]
+fn projects_are_refused_with_what_to_export() {
+    let document = "<document version=\"1.2.0\" path=\"{projectname}.files/project.zip\"/>";
+    for (name, text, remedy) in [
+        ("a.psx", document, "is a project of Metashape: export its cameras as XML"),
+        ("A.PSX", "not even XML", "is a project of Metashape: export its cameras as XML"),
+        ("a.psz", "PK\x03\x04", "is a project of Metashape: export its cameras as XML"),
+        ("a.rcproj", "<project/>", "is a project of RealityCapture: export the registration"),
+        ("database.db", "SQLite format 3", "has no poses: name the folder of the model"),
+        ("poses_bounds.npy", "", "import the COLMAP model"),
+    ] {
+        let capture = folder(&[], &[(name, text)]);
+        for path in [capture.path().to_path_buf(), capture.path().join(name)] {
+            let message = refused("auto", &path);
+            assert!(message.contains(name) && message.contains(remedy), "{message}");
+        }
+        if name.to_lowercase().contains(".ps") {
+            assert!(refused("metashape", capture.path()).contains(remedy));
+            assert!(refused("metashape", &capture.path().join(name)).contains(remedy));
+        }
+    }
+    // Beside an export, a project does not matter.
+    let capture =
+        folder(&images(|i| format!("IMG_{i}")), &[("a.psx", document), ("c.xml", &metashape("frame", PROJECTION))]);
+    import("auto", capture.path());
 }
 
 #[test]

@@ -68,6 +68,20 @@ fn neus_is_a_projection_matrix_in_npz() {
     GrayImage::new(WIDTH, HEIGHT).save(capture.path().join("mask/002.png")).unwrap();
     let notes = check("neus", capture.path(), &["cameras_sphere.npz"], |pose, point| opencv(pose, point, |p| p));
     assert!(notes.contains("scale_mat is ignored"), "{notes}");
+    // Names whose order is not that of their numbers.
+    for i in 0..COUNT {
+        fs::rename(capture.path().join(&pictures[i]), capture.path().join(format!("image/{}.png", 8 + i))).unwrap();
+    }
+    let message = refused("neus", capture.path());
+    assert!(
+        message.contains("11.png comes after 8.png by its number") && message.contains("equally many digits"),
+        "{message}"
+    );
+    for i in 0..COUNT {
+        fs::rename(capture.path().join(format!("image/{}.png", 8 + i)), capture.path().join(&pictures[i])).unwrap();
+    }
+    // What macOS writes beside files.
+    fs::write(capture.path().join("image/._000000.png"), "x").unwrap();
     let scene = import("neus", capture.path());
     assert_eq!(scene["frames"][0]["masks"], serde_json::json!([null, null, "masks/000002.png", null]));
 

@@ -25,4 +25,11 @@ fn panoptic_is_opencv_in_a_list() {
     let odd = text.replacen("\"panel\"", "\"skew\": 3, \"panel\"", 1);
     fs::write(capture.path().join("calibration_160422.json"), odd).unwrap();
     assert!(refused("panoptic", capture.path()).contains("`skew` looks like calibration"));
+    // What holds for all cameras is not overlooked.
+    for (key, problem) in [("\"fisheye\": true", "a fisheye has 4"), ("\"skew\": 2", "`skew` looks like calibration")] {
+        let all = text.replacen("\"calibDataSource\"", &format!("{key}, \"calibDataSource\""), 1);
+        fs::write(capture.path().join("calibration_160422.json"), all).unwrap();
+        let message = refused("panoptic", capture.path());
+        assert!(message.contains(problem), "{message}");
+    }
 }
