@@ -86,8 +86,11 @@ pub(super) fn filling(
         };
         Ok(filled.into_iter().map(point).collect())
     });
-    let found = found.into_iter().collect::<Result<Vec<PointCloud>>>()?;
-    Ok(found.concat())
+    let mut all = PointCloud::new();
+    for cloud in found {
+        all.append(&mut cloud?);
+    }
+    Ok(all)
 }
 
 /// Keeps the pixels of those gaps that are to be filled.
@@ -123,14 +126,16 @@ fn fill(pixels: &[bool], raster: &mut Raster) -> Vec<usize> {
         if ring.is_empty() {
             return filled;
         }
-        for &(i, inverse) in &ring {
-            raster.inverse[i] = inverse;
-            filled.push(i);
+        let first = filled.len();
+        for (i, inverse) in ring {
+            // A pixel may be next to several of the ring before.
+            if raster.inverse[i] == 0.0 {
+                raster.inverse[i] = inverse;
+                filled.push(i);
+            }
         }
         let open = |&j: &usize| pixels[j] && raster.inverse[j] == 0.0;
-        next = ring.iter().flat_map(|&(i, _)| around(i)).filter(open).collect();
-        next.sort_unstable();
-        next.dedup();
+        next = filled[first..].iter().flat_map(|&i| around(i)).filter(open).collect();
     }
 }
 
