@@ -82,7 +82,7 @@ fn without_masks(folder: &Path, scene: &Scene) -> Result<String, Failure> {
     for image in scene.frames[0].images.iter().flatten() {
         let path = folder.join(image);
         let picture = Picture::decode(&fs::read(&path).map_err(|e| Failure::unreadable(&path, &e))?);
-        // A damaged picture is told of when its frame is made.
+        // A damaged picture is reported when its frame is made.
         cut_out += usize::from(picture.is_ok_and(|picture| picture.alpha().is_some()));
     }
     Ok(if cut_out > 0 {

@@ -4,8 +4,8 @@
 use image::DynamicImage;
 use pcmvs_core::PixelFormat;
 
-/// What the brightest level of a file of 16 bits tells of the bits that are used: 8, 10 or 12. A photograph that uses all 16
-/// has brighter pixels.
+/// The largest levels of 8, 10 and 12 bits. If no pixel of a file of 16 bits is brighter, only so many bits are used: a
+/// photograph that uses all 16 has brighter pixels.
 const FEWER_BITS: [u16; 3] = [(1 << 8) - 1, (1 << 10) - 1, (1 << 12) - 1];
 
 /// The brightest level that the colours of a file of 16 bits can have. Without one of 16 bits, or for a black one, it is that of

@@ -188,11 +188,10 @@ fn decode_png(file: &[u8]) -> Result<Picture, String> {
     Ok(Picture { width, height, format, pixels, exact: true })
 }
 
-/// RGBA from pixels of one or three colours and alpha, which are 2 or 4 channels.
+/// RGBA from pixels with 2 channels, grey and alpha, or 4, which are RGBA. Grey is red, green and blue at once.
 fn rgba_of<T: Copy>(samples: &[T], channels: usize, colour: impl Fn(T) -> u8, alpha: impl Fn(T) -> u8) -> Vec<u8> {
-    let rgba = |pixel: &[T]| {
-        [colour(pixel[0]), colour(pixel[channels / 4]), colour(pixel[channels - 2]), alpha(pixel[channels - 1])]
-    };
+    let [green, blue] = if channels == 4 { [1, 2] } else { [0, 0] };
+    let rgba = |pixel: &[T]| [colour(pixel[0]), colour(pixel[green]), colour(pixel[blue]), alpha(pixel[channels - 1])];
     samples.chunks_exact(channels).flat_map(rgba).collect()
 }
 

@@ -15,6 +15,7 @@ use crate::{
     raster::Raster,
     silhouette::{Connected, Parts, Silhouette},
     stage::Stage,
+    view::View,
 };
 use alloc::{vec, vec::Vec};
 
@@ -34,13 +35,18 @@ const WEIGHT: f32 = 20.0;
 /// Standard deviation of these points in pixels of footprint.
 const SIGMA: f32 = 1.0;
 
-/// The pixels in which each view has points, row after row.
+/// The pixels in which each view has points, row after row: there its silhouette shows the object, and the ray meets the hull.
+/// Empty for views without a silhouette, which do not tell where the object is.
 pub(super) fn pixels_with_points(
+    views: &[View],
     clouds: &[PointCloud],
     cameras: &[Pinhole],
     executor: &dyn Executor,
 ) -> Vec<Vec<bool>> {
-    executor.map(clouds.len(), |view| {
+    executor.map(views.len(), |view| {
+        if views[view].shown().is_none() {
+            return Vec::new();
+        }
         let camera = &cameras[view];
         let mut pixels = vec![false; camera.width as usize * camera.height as usize];
         clouds[view]
@@ -51,9 +57,9 @@ pub(super) fn pixels_with_points(
     })
 }
 
-/// Points that fill the gaps of a mesh. `pixels` are those of each view in which there must be a surface, because the ray
-/// meets the hull. They lie `thickness` scene units before the surface that is missing, so that a sheet becomes so thick
-/// on either side.
+/// Points that fill the gaps of a mesh. `pixels` are those of each view in which there must be a surface
+/// ([`pixels_with_points`]). The points lie `thickness` scene units before the missing surface, as seen from their view, so
+/// that views on both sides make a sheet of twice this thickness.
 ///
 /// # Errors
 /// [`crate::Error::Cancelled`].

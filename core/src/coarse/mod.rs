@@ -2,7 +2,7 @@
 //!
 //! The paper has no coarse pass: it searches the whole hull at full resolution.
 //!
-//! `seen_through` drops points of the hull that other views see through, and `gaps` closes gaps that silhouettes exclude.
+//! `seen_through` drops points of the hull that other views see through, and `gaps` closes gaps of the mesh where silhouettes show the object.
 
 mod gaps;
 mod seen_through;
@@ -135,8 +135,8 @@ impl<'a> Pass<'a> {
         let cameras: Vec<Pinhole> = levels.iter().map(|level| level.camera).collect();
         let detection = DetectionParams { octave, ..params.detection };
         let mut clouds = self.detect(Guide::Hull(hull_mesh), &detection, &levels)?;
-        let mut shown = match &params.gaps {
-            Some(_) => gaps::pixels_with_points(&clouds, &cameras, self.executor),
+        let shown = match &params.gaps {
+            Some(_) => gaps::pixels_with_points(self.context.views, &clouds, &cameras, self.executor),
             None => Vec::new(),
         };
         let footprint = self.context.hull.footprint();
@@ -150,9 +150,6 @@ impl<'a> Pass<'a> {
         let mut surface = self.mesh(&cloud, voxel_pixels)?;
         let progress = self.next();
         if let Some(params) = &params.gaps {
-            // A view without a silhouette does not tell where the object is.
-            let views = self.context.views.iter().zip(&mut shown);
-            views.filter(|(view, _)| view.shown().is_none()).for_each(|(_, shown)| shown.fill(false));
             let thickness = voxel_pixels * footprint;
             let filling = gaps::filling(shown, &levels, &surface, params, thickness, self.executor, &progress)?;
             if !filling.is_empty() {

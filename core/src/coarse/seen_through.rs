@@ -17,10 +17,10 @@ use alloc::{vec, vec::Vec};
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
 pub struct SeenThroughParams {
-    /// So many more views have detected a surface behind the point than at it.
+    /// A point is dropped if at least this many more views have detected a surface behind it than at it.
     pub views: u32,
-    /// A surface that is at least this far behind the point is behind it, one that is less far from it is at it. In
-    /// pixels of footprint of the resolution that is searched.
+    /// A detected surface is at the point if it is within this distance of it, before or behind. In pixels of footprint of
+    /// the resolution that is searched.
     pub distance_pixels: f32,
 }
 
@@ -74,6 +74,7 @@ impl<'a> Detected<'a> {
     /// tell of its own substituted points, because it has detected nothing in their pixels.
     fn evidence(&self, point: &Point, distance: f32) -> i32 {
         let Some((pixel, z)) = self.camera.pixel(point.position).filter(|_| !self.depth.is_empty()) else { return 0 };
+        // Where nothing was detected, the depth 0 is far before the point.
         let behind = self.depth[pixel] - z;
         i32::from(behind > distance) - i32::from(behind.abs() <= distance)
     }

@@ -62,7 +62,7 @@ pub struct DepthMap {
     /// Standard deviation of the depth, in scene units. Means nothing where the depth was substituted.
     pub sigma: Vec<f32>,
     /// Number of neighbouring views that were compared.
-    pub compared: Vec<u8>,
+    pub compared: Vec<u16>,
 }
 
 /// Largest number of depth hypotheses per tile. Tiles with a deeper range use larger steps.
@@ -175,7 +175,7 @@ fn sweep_tile(tile: TileSweep) {
     };
     tile.load(target, guide, x0, y0, params.window_radius as usize);
     curves.reset(hypotheses.count);
-    let mut compared = 0u8;
+    let mut compared = 0u16;
     for neighbour in neighbours {
         compared += 1;
         tile.face(target, neighbour, x0, y0);

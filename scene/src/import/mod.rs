@@ -227,7 +227,8 @@ fn note_equal_cameras(views: &[ImportedView], clip: &Clip, notes: &mut Notes) {
     }
 }
 
-/// Tells of cameras that no frame can be made of, such as those of poses in another convention. Too few are left to the user.
+/// Notes that frames of these cameras will fail, for example because poses are in another convention. Too few cameras are no
+/// reason: the user may import more later.
 fn note_refusal(views: &[ImportedView], clip: &Clip, path: &Path, notes: &mut Notes) {
     let cameras: Vec<Camera> = clip.cameras.iter().map(|&first| views[first].camera).collect();
     let problem = match Rig::check(&cameras) {

@@ -25,7 +25,7 @@ impl Video {
         self.part.is_none()
     }
 
-    /// Tells of a video that has another name than its camera.
+    /// Notes a video that has another name than its camera.
     pub fn note(&self, camera: &str, notes: &mut Notes) {
         if let Some(part) = &self.part {
             notes.add(format!(

@@ -81,7 +81,7 @@ fn pixels_are_compared_with_the_nearest_views_that_show_them() {
     let expected = depths(&nearest(), &range, &search);
     let found = expected.depth.iter().filter(|&&depth| depth > 0.0).count();
     assert!(found > 2000, "{found}");
-    let wanted = search.neighbours as u8;
+    let wanted = search.neighbours as u16;
     assert!(
         expected.compared.iter().zip(&expected.depth).all(|(&n, &depth)| n == if depth > 0.0 { wanted } else { 0 })
     );
