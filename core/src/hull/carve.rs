@@ -1,8 +1,9 @@
 //! Carving (§0): finds the blocks that the hull's surface may pass, and evaluates the signed distance at their nodes.
 
 use super::{
+    block_distances::BlockDistances,
     blocks::{Judged, Judging},
-    carver::{Carver, carvers, smallest_distance},
+    carver::{Carver, carvers},
     memory::check_grid,
     search::Search,
     visual_hull::VisualHull,
@@ -13,6 +14,7 @@ use crate::{
     grid::{BLOCK, BLOCK_NODES, BLOCKS_PER_JOB, SparseGrid},
     progress::{self, Progress},
     rig::MIN_VIEWS,
+    simd::Simd,
     stage::Stage,
     view::View,
     workspace::Workspace,
@@ -116,15 +118,15 @@ impl VisualHull {
     /// Evaluates the signed distance at the nodes of the stored blocks from slot `first` on, for as many as `values` has.
     /// Returns the bounds of the nodes inside.
     fn evaluate(&self, first: usize, values: &mut [f32]) -> (Vec3, Vec3) {
+        let simd = Simd::detect();
         let voxel = self.grid.voxel;
         let (mut lower, mut upper) = (Vec3::INFINITY, Vec3::NEG_INFINITY);
-        for (slot, values) in (first..).zip(values.chunks_exact_mut(BLOCK_NODES)) {
+        for (slot, values) in (first..).zip(values.as_chunks_mut().0) {
+            simd.run(BlockDistances { hull: self, slot, values });
             for (local, value) in values.iter_mut().enumerate() {
-                let p = block_node(&self.grid, slot, local);
-                let list = self.block_carvers(slot).iter().map(|&c| &self.carvers[c as usize]);
-                let (d, _) = smallest_distance(list, p, u16::MAX, voxel, self.needed[slot]);
-                *value = d.clamp(-4.0 * voxel, 4.0 * voxel);
+                *value = value.clamp(-4.0 * voxel, 4.0 * voxel);
                 if *value > 0.0 {
+                    let p = block_node(&self.grid, slot, local);
                     (lower, upper) = (lower.min(p), upper.max(p));
                 }
             }

@@ -5,7 +5,7 @@ use alloc::{sync::Arc, vec::Vec};
 use glam::Vec3;
 
 /// Signed distances are at most this many voxels. Beyond that only the sign matters.
-const FAR: f32 = 64.0;
+pub(super) const FAR: f32 = 64.0;
 
 /// Width of the margin along a picture's edge in which a silhouette is not believed, in pixels. Keyers and filters see only
 /// one side of a contour there.

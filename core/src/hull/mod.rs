@@ -6,6 +6,7 @@
 //! as the contours. A sparse grid of its values around the surface is used to find the surface and to mesh it.
 
 mod agreement;
+mod block_distances;
 mod blocks;
 mod carve;
 mod carver;

@@ -1,0 +1,148 @@
+//! The signed distance at the nodes of a block (§0), in rows of nodes that fit into vectors.
+
+use super::{
+    carver::{Carver, EDGE, FAR},
+    visual_hull::VisualHull,
+};
+use crate::{
+    grid::{BLOCK, BLOCK_NODES},
+    math::min,
+    silhouette::Silhouette,
+    simd::Work,
+};
+use glam::Vec3;
+
+/// One value per node of a row along x.
+type Row<T = f32> = [T; BLOCK];
+
+/// Evaluates [`VisualHull::signed_distance`] at all nodes of a stored block. It goes through the block view by view, so that
+/// a silhouette is read in one small place after the other.
+pub(super) struct BlockDistances<'a> {
+    pub hull: &'a VisualHull,
+    pub slot: usize,
+    /// Receives the distances, x fastest.
+    pub values: &'a mut [f32; BLOCK_NODES],
+}
+
+impl Work for BlockDistances<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let (hull, grid) = (self.hull, &self.hull.grid);
+        let [x, y, z] = grid.blocks[self.slot].map(|v| i32::from(v) * BLOCK as i32);
+        let mut xs = Row::default();
+        for (i, px) in xs.iter_mut().enumerate() {
+            *px = grid.node(x + i as i32, y, z).x;
+        }
+        let mut seen = [Row::<u32>::default(); BLOCK * BLOCK];
+        self.values.fill(FAR * grid.voxel);
+        let rows = self.values.as_chunks_mut::<BLOCK>().0;
+        for &c in hull.block_carvers(self.slot) {
+            let carver = &hull.carvers[c as usize];
+            for (i, (nearest, seen)) in rows.iter_mut().zip(&mut seen).enumerate() {
+                let first = grid.node(x, y + (i % BLOCK) as i32, z + (i / BLOCK) as i32);
+                add_view(carver, &xs, first, nearest, seen);
+            }
+        }
+        let needed = hull.needed[self.slot];
+        for (nearest, seen) in rows.iter_mut().zip(&seen) {
+            for i in 0..BLOCK {
+                nearest[i] = if seen[i] < needed { min(nearest[i], -grid.voxel) } else { nearest[i] };
+            }
+        }
+    }
+}
+
+/// Takes the minimum with a view's distance at a row of nodes and counts the view where it sees the node
+/// ([`Carver::distance`]). The row's first node is at `first`, and `xs` are the coordinates of all along x.
+#[inline(always)]
+fn add_view(carver: &Carver, xs: &Row, first: Vec3, nearest: &mut Row, seen: &mut Row<u32>) {
+    let (camera, silhouette) = (&carver.camera, &*carver.silhouette);
+    let ([across, down, ahead], offset) = camera.projection();
+    let width = silhouette.width as usize;
+    let (right, bottom) = (camera.width as f32 - 1.0 - EDGE, camera.height as f32 - 1.0 - EDGE);
+    let (mut fx, mut fy, mut depth) = (Row::default(), Row::default(), Row::default());
+    let (mut within, mut pixel) = (Row::<u32>::default(), Row::<u32>::default());
+    let mut any = 0;
+    for i in 0..BLOCK {
+        let p = Vec3::new(xs[i], first.y, first.z);
+        depth[i] = ahead.dot(p) + offset.z;
+        let (u, v) = ((across.dot(p) + offset.x) / depth[i], (down.dot(p) + offset.y) / depth[i]);
+        let is_within = (depth[i] > 0.0) & (u >= EDGE) & (v >= EDGE) & (u <= right) & (v <= bottom);
+        within[i] = u32::from(is_within);
+        any |= within[i];
+        // Positions elsewhere are replaced by one that can be read.
+        let (u, v) = (if is_within { u } else { EDGE }, if is_within { v } else { EDGE });
+        let (x, y) = (u as i32, v as i32);
+        (fx[i], fy[i]) = (u - x as f32, v - y as f32);
+        pixel[i] = y as u32 * width as u32 + x as u32;
+    }
+    if any == 0 {
+        return;
+    }
+    // Reads the four pixels around each position, two per word. Only this loop cannot be vectorised.
+    let (mut upper, mut lower) = (Row::<u32>::default(), Row::<u32>::default());
+    let word = |a: i16, b: i16| u32::from(a as u16) | u32::from(b as u16) << 16;
+    for i in 0..BLOCK {
+        let d = &silhouette.distances()[pixel[i] as usize..][..width + 2];
+        (upper[i], lower[i]) = (word(d[0], d[1]), word(d[width], d[width + 1]));
+    }
+    for i in 0..BLOCK {
+        let [a, b] = halves(upper[i]);
+        let [c, d] = halves(lower[i]);
+        let unknown = i32::from(Silhouette::UNKNOWN);
+        let is_known = (a != unknown) & (b != unknown) & (c != unknown) & (d != unknown) & (within[i] != 0);
+        let (a, b, c, d) = (a as f32, b as f32, c as f32, d as f32);
+        let (top, bottom) = (a + (b - a) * fx[i], c + (d - c) * fx[i]);
+        let pixels = (top + (bottom - top) * fy[i]) * (1.0 / Silhouette::UNITS);
+        let distance = pixels * camera.footprint(depth[i]);
+        nearest[i] = if is_known & (distance < nearest[i]) { distance } else { nearest[i] };
+        seen[i] += u32::from(is_known);
+    }
+}
+
+/// The two signed halves of a word, the lower one first.
+#[inline(always)]
+fn halves(word: u32) -> [i32; 2] {
+    [(word << 16) as i32 >> 16, word as i32 >> 16]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{
+        hull::{HullParams, carver::smallest_distance},
+        progress::Silent,
+        simd::Simd,
+        testing::{pinhole, ring, silhouette_of},
+    };
+    use alloc::vec::Vec;
+
+    #[test]
+    fn a_block_has_the_distances_of_its_single_nodes() {
+        // The pictures of the longer lenses cut the ball off, so that parts of blocks lie beside them.
+        let views: Vec<_> = (ring(7, 4.0, 1.0).enumerate())
+            .map(|(i, from)| {
+                let camera = pinhole(from, Vec3::ZERO, 96, [150.0, 260.0][i % 2]);
+                silhouette_of(&[(Vec3::ZERO, 0.9)], &camera, i as u16)
+            })
+            .collect();
+        let hull = VisualHull::new(&views, &HullParams { voxel_pixels: 1.5 }, &Silent).expect("a hull");
+        let (mut values, mut cut) = ([0.0; BLOCK_NODES], 0);
+        for slot in 0..hull.grid.blocks.len() {
+            let [x, y, z] = hull.grid.blocks[slot].map(|v| i32::from(v) * BLOCK as i32);
+            let list = || hull.block_carvers(slot).iter().map(|&c| &hull.carvers[c as usize]);
+            for simd in [Simd::Baseline, Simd::detect()] {
+                simd.run(BlockDistances { hull: &hull, slot, values: &mut values });
+                for (i, value) in (0..).zip(values) {
+                    let p = hull.grid.node(x + i % 8, y + i / 8 % 8, z + i / 64);
+                    let (single, _) = smallest_distance(list(), p, u16::MAX, hull.grid.voxel, hull.needed[slot]);
+                    assert_eq!(value.to_bits(), single.to_bits(), "node {i} of block {slot}");
+                    cut += u32::from(list().any(|carver| carver.distance(p).is_none()));
+                }
+            }
+        }
+        assert!(cut > 1000, "{cut} nodes lie beside a picture");
+    }
+}
