@@ -5,6 +5,7 @@ use super::{
     blocks::{Judged, Judging},
     carver::{Carver, carvers},
     memory::check_grid,
+    point_distance::Group,
     search::Search,
     visual_hull::VisualHull,
 };
@@ -87,6 +88,8 @@ impl VisualHull {
 
         let mut values = workspace.filled(0.0, grid.blocks.len() * BLOCK_NODES);
         let hull = VisualHull {
+            groups: Group::all(&carvers),
+            simd: Simd::detect(),
             carvers,
             grid,
             values: Vec::new(),
@@ -118,11 +121,10 @@ impl VisualHull {
     /// Evaluates the signed distance at the nodes of the stored blocks from slot `first` on, for as many as `values` has.
     /// Returns the bounds of the nodes inside.
     fn evaluate(&self, first: usize, values: &mut [f32]) -> (Vec3, Vec3) {
-        let simd = Simd::detect();
         let voxel = self.grid.voxel;
         let (mut lower, mut upper) = (Vec3::INFINITY, Vec3::NEG_INFINITY);
         for (slot, values) in (first..).zip(values.as_chunks_mut().0) {
-            simd.run(BlockDistances { hull: self, slot, values });
+            self.simd.run(BlockDistances { hull: self, slot, values });
             for (local, value) in values.iter_mut().enumerate() {
                 *value = value.clamp(-4.0 * voxel, 4.0 * voxel);
                 if *value > 0.0 {

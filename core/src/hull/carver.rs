@@ -1,6 +1,6 @@
 //! A view with a silhouette, which carves the hull (§0).
 
-use crate::{camera::Pinhole, math::min, silhouette::Silhouette, view::View};
+use crate::{camera::Pinhole, silhouette::Silhouette, view::View};
 use alloc::{sync::Arc, vec::Vec};
 use glam::Vec3;
 
@@ -68,34 +68,17 @@ impl Carver {
         self.sample(self.camera.project(p))
     }
 
+    /// The last column and the last row in which the silhouette is believed.
+    #[inline]
+    pub(super) fn believed(&self) -> (f32, f32) {
+        (self.camera.width as f32 - 1.0 - EDGE, self.camera.height as f32 - 1.0 - EDGE)
+    }
+
     /// The silhouette's distance at a projected point.
     #[inline]
     fn sample(&self, q: Vec3) -> Option<f32> {
-        let (right, bottom) = (self.camera.width as f32 - 1.0 - EDGE, self.camera.height as f32 - 1.0 - EDGE);
+        let (right, bottom) = self.believed();
         let is_within = q.z > 0.0 && q.x >= EDGE && q.y >= EDGE && q.x <= right && q.y <= bottom;
         if is_within { self.silhouette.sample(q.x, q.y) } else { None }
     }
-}
-
-/// The smallest distance over some views, and the view that it comes from. A point that fewer than `needed` of these
-/// views see is outside. Views at the station `without` are excluded.
-pub(super) fn smallest_distance<'c>(
-    carvers: impl Iterator<Item = &'c Carver>,
-    p: Vec3,
-    without: u16,
-    voxel: f32,
-    needed: u32,
-) -> (f32, Option<&'c Carver>) {
-    let (mut nearest, mut from, mut seen) = (FAR * voxel, None, 0);
-    for carver in carvers {
-        if carver.station != without
-            && let Some(d) = carver.distance(p)
-        {
-            if d < nearest {
-                (nearest, from) = (d, Some(carver));
-            }
-            seen += 1;
-        }
-    }
-    (if seen < needed { min(nearest, -voxel) } else { nearest }, from)
 }

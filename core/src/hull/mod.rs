@@ -14,6 +14,7 @@ mod comparison;
 mod exchanged;
 mod judge;
 pub(crate) mod memory;
+mod point_distance;
 mod ray;
 mod search;
 mod space;

@@ -1,11 +1,15 @@
 //! The visual hull (§0) and its signed distance.
 
-use super::carver::{Carver, smallest_distance};
+use super::{
+    carver::Carver,
+    point_distance::{Group, PointDistance},
+};
 use crate::{
     executor::Executor,
     grid::{BLOCK, SparseGrid},
     math::{floor, max, min},
     point_cloud::Mesh,
+    simd::Simd,
     surface::{Envelope, Unstored, marching_cubes},
     workspace::Workspace,
 };
@@ -15,6 +19,9 @@ use glam::Vec3;
 /// The visual hull of one frame.
 pub struct VisualHull {
     pub(super) carvers: Vec<Carver>,
+    /// The same views, in groups.
+    pub(super) groups: Vec<Group>,
+    pub(super) simd: Simd,
     pub(super) grid: SparseGrid,
     pub(super) values: Vec<f32>,
     /// For each stored block, the start of its list in `carver_lists`; then the total length.
@@ -55,21 +62,14 @@ impl VisualHull {
 
     /// Signed distance over all views except those at a station, and the view that it comes from.
     pub(super) fn nearest_contour(&self, p: Vec3, without: u16) -> (f32, Option<&Carver>) {
-        let slot = self.slot(p);
+        let (slot, voxel) = (self.slot(p), self.grid.voxel);
+        let distance = |list, needed| self.simd.run(PointDistance { hull: self, list, p, without, needed });
         if slot < SparseGrid::INSIDE {
-            let list = self.block_carvers(slot as usize);
-            smallest_distance(
-                list.iter().map(|&c| &self.carvers[c as usize]),
-                p,
-                without,
-                self.grid.voxel,
-                self.needed[slot as usize],
-            )
-        } else {
-            // The block as a whole was classified as inside or outside, so that the sign is known.
-            let (d, from) = smallest_distance(self.carvers.iter(), p, without, self.grid.voxel, 0);
-            (if slot == SparseGrid::INSIDE { max(d, self.grid.voxel) } else { min(d, -self.grid.voxel) }, from)
+            return distance(Some(self.block_carvers(slot as usize)), self.needed[slot as usize]);
         }
+        // The block as a whole was classified as inside or outside, so that the sign is known.
+        let (d, from) = distance(None, 0);
+        (if slot == SparseGrid::INSIDE { max(d, voxel) } else { min(d, -voxel) }, from)
     }
 
     /// Outward unit normal of the hull's surface near a point.

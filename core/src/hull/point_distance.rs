@@ -1,0 +1,163 @@
+//! The signed distance at one point (§0), from eight views at a time.
+
+use super::{
+    carver::{Carver, EDGE, FAR},
+    visual_hull::VisualHull,
+};
+use crate::{math::min, silhouette::Silhouette, simd::Work};
+use alloc::vec::Vec;
+use glam::Vec3;
+
+/// Views in a group, which vectors hold.
+const LANES: usize = 8;
+/// One value per view of a group.
+type Lanes<T = f32> = [T; LANES];
+
+/// What projecting into eight views needs, one value per view. A group that is not full sees nothing in its other lanes.
+#[derive(Clone, Default)]
+pub(super) struct Group {
+    /// Rows of K·R, and K·(R·origin + t) ([`crate::camera::Pinhole::projection`]).
+    rows: [[Lanes; 3]; 3],
+    offset: [Lanes; 3],
+    focal: Lanes,
+    /// The last column and row in which a silhouette is believed.
+    right: Lanes,
+    bottom: Lanes,
+    /// Width of the silhouette in pixels.
+    width: Lanes<u32>,
+    station: Lanes<u32>,
+}
+
+impl Group {
+    /// The views in groups, in their order.
+    pub fn all(carvers: &[Carver]) -> Vec<Self> {
+        let group = |carvers: &[Carver]| {
+            let mut group = Self::default();
+            for (i, carver) in carvers.iter().enumerate() {
+                let camera = &carver.camera;
+                let (rows, offset) = camera.projection();
+                for axis in 0..3 {
+                    group.offset[axis][i] = offset[axis];
+                    for column in 0..3 {
+                        group.rows[axis][column][i] = rows[axis][column];
+                    }
+                }
+                group.focal[i] = camera.focal;
+                (group.right[i], group.bottom[i]) = carver.believed();
+                (group.width[i], group.station[i]) = (carver.silhouette.width, u32::from(carver.station));
+            }
+            group
+        };
+        carvers.chunks(LANES).map(group).collect()
+    }
+}
+
+/// Finds the smallest of some views' distances at a point, and the view that it comes from. A point that fewer than `needed`
+/// of these views see is outside.
+pub(super) struct PointDistance<'a> {
+    pub hull: &'a VisualHull,
+    /// Indices of the views in the hull's `carvers`, ascending. `None` for all.
+    pub list: Option<&'a [u16]>,
+    pub p: Vec3,
+    /// Views at this station are excluded.
+    pub without: u16,
+    pub needed: u32,
+}
+
+impl<'a> Work for PointDistance<'a> {
+    type Output = (f32, Option<&'a Carver>);
+
+    #[inline(always)]
+    fn run(self) -> Self::Output {
+        let voxel = self.hull.grid.voxel;
+        let mut nearest = Nearest { distance: FAR * voxel, from: None, seen: 0 };
+        match self.list {
+            None => {
+                for group in 0..self.hull.groups.len() {
+                    self.add(group, u32::MAX, &mut nearest);
+                }
+            }
+            Some(mut list) => {
+                while let Some(&first) = list.first() {
+                    let (group, mut chosen) = (usize::from(first) / LANES, 0);
+                    while let Some((&c, rest)) = list.split_first() {
+                        if usize::from(c) / LANES != group {
+                            break;
+                        }
+                        (chosen, list) = (chosen | 1 << (usize::from(c) % LANES), rest);
+                    }
+                    self.add(group, chosen, &mut nearest);
+                }
+            }
+        }
+        let Nearest { distance, from, seen } = nearest;
+        (if seen < self.needed { min(distance, -voxel) } else { distance }, from)
+    }
+}
+
+/// The smallest distance so far.
+struct Nearest<'a> {
+    distance: f32,
+    from: Option<&'a Carver>,
+    /// Number of views that see the point.
+    seen: u32,
+}
+
+impl<'a> PointDistance<'a> {
+    /// Takes the minimum with the distances ([`Carver::distance`]) of those views of a group whose bits are set in `chosen`.
+    #[inline(always)]
+    fn add(&self, group: usize, chosen: u32, nearest: &mut Nearest<'a>) {
+        let carvers = &self.hull.carvers[group * LANES..];
+        let Group { rows, offset, focal, right, bottom, width, station } = &self.hull.groups[group];
+        let mut q = [Lanes::default(); 3];
+        let mut within = Lanes::<u32>::default();
+        for i in 0..LANES {
+            for axis in 0..3 {
+                let [x, y, z] = &rows[axis];
+                q[axis][i] = Vec3::new(x[i], y[i], z[i]).dot(self.p) + offset[axis][i];
+            }
+            let [x, y, depth] = &mut q;
+            (x[i], y[i]) = (x[i] / depth[i], y[i] / depth[i]);
+            let is_within =
+                (depth[i] > 0.0) & (x[i] >= EDGE) & (y[i] >= EDGE) & (x[i] <= right[i]) & (y[i] <= bottom[i]);
+            let is_chosen = (chosen >> i & 1 != 0) & (station[i] != u32::from(self.without));
+            within[i] = u32::from(is_within & is_chosen);
+        }
+        let [x, y, depth] = q;
+        // Reads the four pixels around each position, two per word. Only this loop cannot be vectorised.
+        let (mut upper, mut lower) = (Lanes::<u32>::default(), Lanes::<u32>::default());
+        let word = |a: i16, b: i16| u32::from(a as u16) | u32::from(b as u16) << 16;
+        for i in 0..LANES {
+            if within[i] != 0 {
+                let first = y[i] as i32 as u32 * width[i] + x[i] as i32 as u32;
+                let w = width[i] as usize;
+                let d = &carvers[i].silhouette.distances()[first as usize..][..w + 2];
+                (upper[i], lower[i]) = (word(d[0], d[1]), word(d[w], d[w + 1]));
+            }
+        }
+        let (mut distance, mut seen) = (Lanes::default(), Lanes::<u32>::default());
+        for i in 0..LANES {
+            let (fx, fy) = (x[i] - (x[i] as i32) as f32, y[i] - (y[i] as i32) as f32);
+            let [a, b] = halves(upper[i]);
+            let [c, d] = halves(lower[i]);
+            let unknown = i32::from(Silhouette::UNKNOWN);
+            seen[i] = u32::from((a != unknown) & (b != unknown) & (c != unknown) & (d != unknown)) & within[i];
+            let (a, b, c, d) = (a as f32, b as f32, c as f32, d as f32);
+            let (top, bottom) = (a + (b - a) * fx, c + (d - c) * fx);
+            let pixels = (top + (bottom - top) * fy) * (1.0 / Silhouette::UNITS);
+            distance[i] = pixels * (depth[i] / focal[i]);
+        }
+        for i in 0..LANES {
+            nearest.seen += seen[i];
+            if (seen[i] != 0) & (distance[i] < nearest.distance) {
+                (nearest.distance, nearest.from) = (distance[i], Some(&carvers[i]));
+            }
+        }
+    }
+}
+
+/// The two signed halves of a word, the lower one first.
+#[inline(always)]
+fn halves(word: u32) -> [i32; 2] {
+    [(word << 16) as i32 >> 16, word as i32 >> 16]
+}
