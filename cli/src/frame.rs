@@ -217,6 +217,7 @@ impl Job<'_> {
         let memory = self.max_memory.map_or_else(Memory::default, Memory::limited);
         let mut made = Frame::new(self.rig, *self.params, memory);
         made.keep_intermediates(self.stages);
+        made.keep_views(false);
         // Pictures are decoded one after the other, as their views are read, because all of them together take two thirds of
         // the memory of their views.
         let files = files.into_views();

@@ -1,7 +1,7 @@
 //! Calibrated cameras: the form that the host passes in ([`Camera`]) and the undistorted form that the stages use
 //! ([`Pinhole`]).
 
-use crate::lens::Lens;
+use crate::{lens::Lens, window::Window};
 use alloc::{format, string::String};
 use glam::{DMat3, DVec2, DVec3, Vec3};
 
@@ -205,6 +205,21 @@ impl Pinhole {
     #[inline]
     pub fn footprint(&self, depth: f32) -> f32 {
         depth / self.focal
+    }
+
+    /// The camera of a window of the picture.
+    pub(crate) fn window(&self, window: &Window) -> Self {
+        let (x, y) = (window.x as f32, window.y as f32);
+        let [across, down, ahead] = self.rows;
+        let offset = Vec3::new(self.offset.x - self.offset.z * x, self.offset.y - self.offset.z * y, self.offset.z);
+        Self {
+            width: window.width,
+            height: window.height,
+            rows: [across - ahead * x, down - ahead * y, ahead],
+            offset,
+            columns: [self.columns[0], self.columns[1], self.ray(x, y)],
+            ..*self
+        }
     }
 
     /// The camera of the picture at half the resolution, in which each pixel is the mean of 2 x 2 pixels.

@@ -140,6 +140,7 @@ mod testing;
 pub mod texture;
 mod undistort;
 pub mod view;
+mod window;
 pub mod workspace;
 
 pub use camera::{Camera, Pinhole};
@@ -175,6 +176,7 @@ pub fn reconstruct<'i>(
     progress: &dyn Progress,
 ) -> Result<Reconstruction> {
     let mut frame = Frame::new(rig, *params, Memory::default());
+    frame.keep_views(false);
     frame.run_all(inputs, executor, progress)?;
     Ok(frame.into_reconstruction())
 }

@@ -2,19 +2,20 @@
 //!
 //! On one thread, and not counting the pictures that the host passes in, a frame needs at most
 //!
-//! `6 P + max(16 MiB, 96 L, 12 T, 9000 B, level P + point S + 640 V + 10 M)` bytes
+//! `max(6 P + max(16 MiB, 96 L, 12 T, 9000 B, 6 W), 6 K + 6 W + level W + point S + 640 V + 10 M)` bytes
 //!
-//! where P is the number of pixels of all views, L that of the largest view, T the number of blocks in the bounding box of
-//! the hull's grid, B the number of blocks in the hull's grid that its surface may pass, S the number of pixels inside the
-//! silhouettes, V the number of vertices in the final mesh, and M the number of blocks in the bounding box of the grid of
-//! the Poisson solver. `level` is 3 for detection at full resolution and 3/4 at half resolution, where S counts a quarter
+//! where P is the number of pixels of all views, W the number of those in windows around the hull, K the number of those that
+//! are kept although no later stage needs them: P if the frame keeps whole views, otherwise 0. L is the number of
+//! pixels of the largest view, T the number of blocks in the bounding box of the hull's grid, B the number of blocks in the
+//! hull's grid that its surface may pass, S the number of pixels inside the silhouettes, V the number of vertices in the final
+//! mesh, and M the number of blocks in the bounding box of the grid of the Poisson solver. `level` is 3 for detection at full resolution and 3/4 at half resolution, where S counts a quarter
 //! as well. `point` is 140, or 200 if the clouds are downsampled or cleaned of conflicts (§5). These and M are 0 for the
 //! hull alone. The factors were measured.
 //!
 //! A form of the finished mesh ([`crate::Frame::form`]) needs at most `500 V + 5 P + 24 X` bytes besides, for a texture of X
 //! texels.
 //!
-//! The mean with neighbouring frames ([`crate::Frame::steady`]) needs at most `300 (V + W)` bytes besides, where W is the number
+//! The mean with neighbouring frames ([`crate::Frame::steady`]) needs at most `300 (V + N)` bytes besides, where N is the number
 //! of vertices of the largest neighbour. Its own mesh and those of its neighbours are not counted.
 //!
 //! P counts pixels at the resolution at which pictures are read ([`crate::reading`]), L those of the whole picture.
@@ -34,6 +35,7 @@ use crate::{
     point_cloud::Mesh,
     rig::Rig,
     view::View,
+    window::Window,
 };
 
 /// Bytes for the search for the hull.
@@ -52,7 +54,8 @@ const PER_SEEN_PIXEL: u64 = 5;
 const PER_TEXEL: u64 = 24;
 /// Bytes per vertex of a mesh, and of the neighbour that it is averaged with: neighbours, smoothed colours, nodes and sums.
 const PER_STEADY_VERTEX: u64 = 300;
-/// Share of a picture that an object is expected to cover.
+/// Shares of a picture that an object and the window around it are expected to cover.
+const EXPECTED_WINDOW: f64 = 0.5;
 const EXPECTED_INSIDE: f64 = 0.25;
 /// Vertices of a mesh per pixel inside a silhouette, with voxels of one pixel: an upright figure's surface is about three
 /// times as large as its silhouette.
@@ -84,42 +87,48 @@ fn needed_for_hull(views: &[View], hull: &VisualHull) -> u64 {
 }
 
 /// The number of bytes that a frame is expected to need, before anything but its rig is known. It assumes that the object
-/// covers a quarter of every picture.
+/// covers a quarter of every picture, and the window around it half, and that the frame does not keep whole views.
 pub fn expected(rig: &Rig, params: &Params) -> u64 {
     let pixels = read_pixels(rig, params);
-    let views = PER_PIXEL * pixels;
-    let pixels = pixels as f64;
-    let inside = EXPECTED_INSIDE * pixels;
+    let window = EXPECTED_WINDOW * pixels as f64;
+    let inside = EXPECTED_INSIDE * pixels as f64;
     let voxel = f64::from(params.hull.voxel_pixels);
     let vertices = EXPECTED_VERTICES * inside / rig.cameras().len() as f64 / (voxel * voxel);
-    smallest(rig, params).max(views + later(pixels, inside, vertices, params))
+    let windows = PER_PIXEL * window as u64;
+    smallest(rig, params).max(PER_PIXEL * pixels + windows).max(windows + later(window, inside, vertices, params))
 }
 
-/// The largest number of bytes that a frame needs, once its silhouettes, its hull and the hull's mesh are known.
-pub fn needed(views: &[View], hull: &VisualHull, hull_mesh: &Mesh, params: &Params) -> u64 {
-    let inside = |v: &View| match &v.silhouette {
-        _ if !v.is_used() => 0,
-        Some(silhouette) => silhouette.distances().iter().filter(|&&d| d > 0).count(),
-        None => v.luma.len(),
-    };
-    let (pixels, inside) = (pixels(views), views.iter().map(inside).sum::<usize>());
-    let mut later = later(pixels as f64, inside as f64, hull_mesh.positions.len() as f64, params);
+/// The largest number of bytes that a frame needs, once its silhouettes, its hull and the hull's mesh are known. `keeps` is
+/// whether it keeps whole views.
+pub fn needed(views: &[View], hull: &VisualHull, hull_mesh: &Mesh, params: &Params, keeps: bool) -> u64 {
+    let (mut window, mut inside) = (0, 0);
+    for view in views {
+        let own = Window::around(hull_mesh, &view.camera).pixels();
+        window += own;
+        inside += match &view.silhouette {
+            _ if !view.is_used() => 0,
+            Some(silhouette) => silhouette.distances().iter().filter(|&&d| d > 0).count(),
+            None => own,
+        };
+    }
+    let mut later = later(window as f64, inside as f64, hull_mesh.positions.len() as f64, params);
     if params.method == Method::Pcmvs {
         let ((low, high), voxel) = (hull.bounds(), params.meshing.voxel_pixels * hull.footprint());
         later += PER_MESHING_BLOCK.saturating_mul(grid_blocks(high - low, voxel));
     }
-    needed_for_hull(views, hull).max(PER_PIXEL * pixels + later)
+    let (whole, windows) = (PER_PIXEL * pixels(views), PER_PIXEL * window as u64);
+    needed_for_hull(views, hull).max(whole + windows).max(if keeps { whole } else { 0 } + windows + later)
 }
 
-/// The number of bytes that the stages after the hull need besides the views, from the number of pixels of all views, the
+/// The number of bytes that the stages after the hull need besides the views, from the number of pixels of all windows, the
 /// number of those inside the silhouettes and the number of vertices of the hull's mesh.
-fn later(pixels: f64, inside: f64, hull_vertices: f64, params: &Params) -> u64 {
+fn later(window: f64, inside: f64, hull_vertices: f64, params: &Params) -> u64 {
     let finer = params.hull.voxel_pixels / params.meshing.voxel_pixels;
     let mut later = PER_VERTEX * hull_vertices * f64::from((finer * finer).max(1.0));
     if params.method == Method::Pcmvs {
         let share = if params.detection.octave > 0 { 0.25 } else { 1.0 };
         let cleaned = params.merging.downsample.is_some() || params.merging.conflicts.is_some();
-        later += share * (3.0 * pixels + if cleaned { 200.0 } else { 140.0 } * inside);
+        later += share * (3.0 * window + if cleaned { 200.0 } else { 140.0 } * inside);
     }
     later as u64
 }
@@ -136,8 +145,15 @@ pub fn check_hull(views: &[View], hull: &VisualHull, limit: Option<u64>) -> Resu
 ///
 /// # Errors
 /// [`crate::Error::OutOfMemory`].
-pub fn check(views: &[View], hull: &VisualHull, hull_mesh: &Mesh, params: &Params, limit: Option<u64>) -> Result<()> {
-    within(|| needed(views, hull, hull_mesh, params), limit)
+pub fn check(
+    views: &[View],
+    hull: &VisualHull,
+    hull_mesh: &Mesh,
+    params: &Params,
+    keeps: bool,
+    limit: Option<u64>,
+) -> Result<()> {
+    within(|| needed(views, hull, hull_mesh, params, keeps), limit)
 }
 
 /// Refuses a form of a mesh if it needs more than `limit` bytes besides the frame, which needs `frame`. `size` is the number of

@@ -14,6 +14,7 @@ use crate::{
         ChromaKey, ContourParams, NoSilhouette, Silhouette, Uncertainty, chroma, clean_plate,
         refine::{RefineScratch, refine},
     },
+    window::Window,
 };
 use alloc::{format, string::ToString, sync::Arc, vec::Vec};
 
@@ -45,8 +46,10 @@ pub struct ViewInput<'a> {
 pub struct View {
     /// Place of the camera in [`Rig::order`].
     pub index: u16,
-    /// The camera of the picture as it was read.
+    /// The camera of the picture as it was read, or of the part of it that is kept.
     pub camera: Pinhole,
+    /// Column and row of the picture as it was read at which the part begins that is kept.
+    pub corner: [u32; 2],
     /// Octave at which the picture was read: 0 is its full resolution.
     pub octave: u32,
     /// Packed sRGB, row after row.
@@ -116,7 +119,19 @@ impl View {
     /// A view without picture. `index` is the place of the camera in [`Rig::order`].
     pub fn of_silhouette(index: u16, camera: Pinhole, silhouette: Option<Arc<Silhouette>>) -> Self {
         let (rgb, luma) = (Vec::new(), Vec::new());
-        Self { index, camera, octave: 0, rgb, luma, silhouette, given: None, added: 0, cut_out: false, left_out: None }
+        Self {
+            index,
+            camera,
+            corner: [0; 2],
+            octave: 0,
+            rgb,
+            luma,
+            silhouette,
+            given: None,
+            added: 0,
+            cut_out: false,
+            left_out: None,
+        }
     }
 
     /// Whether the view takes part in its frame.
@@ -144,6 +159,20 @@ impl View {
     pub(crate) fn take_back(&mut self) {
         self.silhouette = self.given.take().or(self.silhouette.take());
         self.added = 0;
+    }
+
+    /// A window of the view: of its picture, if it has one, and of its silhouettes.
+    pub(crate) fn window(&self, window: &Window) -> Self {
+        let silhouette = |whole: &Option<Arc<Silhouette>>| whole.as_ref().map(|whole| Arc::new(whole.window(window)));
+        Self {
+            camera: self.camera.window(window),
+            corner: [self.corner[0] + window.x, self.corner[1] + window.y],
+            rgb: window.of(&self.rgb, self.camera.width, 3),
+            luma: window.of(&self.luma, self.camera.width, 1),
+            silhouette: silhouette(&self.silhouette),
+            given: silhouette(&self.given),
+            ..*self
+        }
     }
 
     /// Hash of picture and silhouette.

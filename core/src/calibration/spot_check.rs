@@ -92,7 +92,8 @@ fn matches(rig: &Rig, views: &[View], models: &[Model], i: usize, points: &[Poin
 /// Where a camera's real picture shows what a pixel of its view shows.
 fn seen(view: &View, model: &Model, place: usize, pixel: Vec2) -> Observation {
     let scale = f64::from(1u32 << view.octave);
-    let ideal = (pixel.as_dvec2() + 0.5) * scale - DVec2::splat(0.5);
+    let pixel = pixel.as_dvec2() + DVec2::from(view.corner.map(f64::from));
+    let ideal = (pixel + 0.5) * scale - DVec2::splat(0.5);
     Observation { camera: place as u16, pixel: model.real_of_ideal(ideal), sigma: OWN_SIGMA }
 }
 

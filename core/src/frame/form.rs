@@ -54,8 +54,9 @@ impl<R: Deref<Target = Rig> + Sync> Frame<R> {
         let hull = self.hull.as_ref().ok_or_else(no_hull)?;
         let footprint = hull.footprint();
         let within_memory = |mesh: &Mesh, size: u32| {
-            let frame = || memory::needed(&self.views, hull, &self.intermediates.hull, &self.params);
-            memory::check_form(frame, &self.views, mesh, size, self.memory.limit())
+            let frame =
+                || memory::needed(self.views(), hull, &self.intermediates.hull, &self.params, self.kept.whole_views);
+            memory::check_form(frame, &self.windows, mesh, size, self.memory.limit())
         };
         let steps = u32::from(params.faces.is_some()) + u32::from(params.texture.is_some());
         let part = |part| Part { of: progress, stage: Stage::Form, part, parts: steps };
@@ -79,7 +80,7 @@ impl<R: Deref<Target = Rig> + Sync> Frame<R> {
         let size = texture::size(&mesh, footprint, params)?;
         within_memory(&mesh, size)?;
         let (mesh, texture) =
-            texture(&mesh, &self.views, &gains, size, self.params.colour.blended_views, executor, &progress)?;
+            texture(&mesh, &self.windows, &gains, size, self.params.colour.blended_views, executor, &progress)?;
         Ok(Form { mesh, texture: Some(texture) })
     }
 }

@@ -31,6 +31,10 @@ pub struct Intermediates {
 pub(super) struct Kept {
     /// Whether the frame keeps all results until it is dropped.
     pub(super) all: bool,
+    /// Whether it keeps the whole views.
+    pub(super) whole_views: bool,
+    /// False once the views have been cut to the hull.
+    pub(super) views: bool,
     /// False once merging has freed the points of the views, the frontier points and the implicit points.
     points: bool,
     /// False once meshing has freed the merged cloud.
@@ -39,7 +43,7 @@ pub(super) struct Kept {
 
 impl Default for Kept {
     fn default() -> Self {
-        Self { all: true, points: true, merged: true }
+        Self { all: true, whole_views: true, views: true, points: true, merged: true }
     }
 }
 
@@ -50,6 +54,11 @@ impl Kept {
     /// # Errors
     /// [`Error::WrongOrder`].
     pub(super) fn check(&mut self, stage: Stage) -> Result<()> {
+        if stage == Stage::Hull && !self.views {
+            let problem = "the frame has cut its views to the hull, so that it cannot be carved again: begin a new frame, or keep the \
+                           whole views";
+            return Err(Error::WrongOrder { camera: None, problem: problem.into() });
+        }
         let is_there = match stage {
             Stage::Coarse | Stage::Detect | Stage::Merge => self.points,
             Stage::Mesh => self.merged,

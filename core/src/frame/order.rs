@@ -43,7 +43,11 @@ impl<R: Deref<Target = Rig> + Sync> Frame<R> {
     fn run(&mut self, stage: Stage, executor: &dyn Executor, progress: &dyn Progress) -> Result<()> {
         match stage {
             Stage::Views => self.collect_views(),
-            Stage::Hull => self.carve_and_check(executor, progress),
+            Stage::Hull => {
+                self.carve_and_check(executor, progress)?;
+                self.cut_views(executor);
+                Ok(())
+            }
             Stage::Contours => self.find_contours(executor, progress),
             Stage::Coarse => self.make_guide(executor, progress),
             Stage::Detect => self.detect_missing(executor, progress),

@@ -33,7 +33,7 @@ impl<R: Deref<Target = Rig> + Sync> Frame<R> {
         let mut mesh = hull.mesh(workspace, executor);
         self.counts.components_dropped =
             drop_small_components(&mut mesh, self.params.meshing.smallest_component, workspace);
-        memory::check(&self.views, &hull, &mesh, &self.params, limit)?;
+        memory::check(&self.views, &hull, &mesh, &self.params, self.kept.whole_views, limit)?;
         (self.hull, self.intermediates.hull) = (Some(hull), mesh);
         Ok(())
     }
@@ -65,7 +65,7 @@ impl<R: Deref<Target = Rig> + Sync> Frame<R> {
         if let Some(prior) = &self.prior {
             self.intermediates.coarse = Mesh::clone(&prior.surface);
         } else if let Some(params) = &self.params.coarse {
-            let further = further_octaves(&self.views);
+            let further = further_octaves(&self.windows);
             let mut scratch = take(self.memory.detection.spare());
             let mut workspace = take(&mut self.memory.workspace);
             let made = coarse(
@@ -101,7 +101,7 @@ impl<R: Deref<Target = Rig> + Sync> Frame<R> {
             return Ok(());
         }
         // Before the points of the views may be freed.
-        self.calibration = spot_check(&self.rig, &self.views, &self.intermediates.detected, executor);
+        self.calibration = spot_check(&self.rig, &self.windows, &self.intermediates.detected, executor);
         let all = self.intermediates.all_points(&mut self.kept, &mut self.memory.workspace);
         let mut counts = Counts::default();
         let neighbours = self.params.detection.search.neighbours;
@@ -135,7 +135,7 @@ impl<R: Deref<Target = Rig> + Sync> Frame<R> {
         self.mesh.colours.clear();
         let gains = colour::colour(
             &mut self.mesh,
-            &self.views,
+            &self.windows,
             self.rig.gains(),
             &self.params.colour,
             &mut self.memory.workspace,

@@ -12,6 +12,7 @@ use crate::{
     context::Context,
     detect::{DetectionParams, Guide, PyramidLevel, detect_view},
     error::{Error, Result},
+    executor::Executor,
     hull::{Comparison, VisualHull},
     memory,
     mesh::weigh,
@@ -22,9 +23,10 @@ use crate::{
     rig::Rig,
     stage::Stage,
     view::{Buffers, View, ViewInput},
+    window::Window,
 };
 use alloc::{format, vec::Vec};
-use core::ops::Deref;
+use core::{mem::take, ops::Deref};
 use spin::{Mutex, Once};
 
 /// One frame, from pictures to a coloured mesh. `R` is a reference to the rig, such as `&Rig` or `Arc<Rig>`.
@@ -45,7 +47,10 @@ pub struct Frame<R> {
     pub(super) reached: Option<Stage>,
     /// One slot per view in the rig's order, used until the stage `Views` is complete.
     pub(super) incoming: Vec<Mutex<Option<View>>>,
+    /// The views in full, in the rig's order. Freed once the hull is carved, unless they are kept.
     pub(super) views: Vec<View>,
+    /// The parts of all views in which the hull appears, for the stages after it. Empty before the hull is complete.
+    pub(super) windows: Vec<View>,
     pub(super) hull: Option<VisualHull>,
     /// How each view's silhouette agrees with the hull, in the rig's order. Empty before the hull is carved.
     pub(super) compared: Vec<Comparison>,
@@ -90,6 +95,7 @@ impl<R: Deref<Target = Rig>> Frame<R> {
             reached: None,
             incoming: slots(count),
             views: Vec::new(),
+            windows: Vec::new(),
             hull: None,
             compared: Vec::new(),
             contradicting: Vec::new(),
@@ -120,6 +126,13 @@ impl<R: Deref<Target = Rig>> Frame<R> {
     /// make them.
     pub fn keep_intermediates(&mut self, keep: bool) {
         self.kept.all = keep;
+    }
+
+    /// Sets whether the frame keeps whole pictures and silhouettes until it is dropped. The default is true. With false, those
+    /// of all views are cut to where the hull appears in them once it is carved, so that [`Frame::views`] returns these parts,
+    /// and the hull cannot be carved again.
+    pub fn keep_views(&mut self, keep: bool) {
+        self.kept.whole_views = keep;
     }
 
     /// The rig.
@@ -231,7 +244,7 @@ impl<R: Deref<Target = Rig>> Frame<R> {
 
     /// A view at the octave of detection.
     fn level(&self, place: usize) -> PyramidLevel<'_> {
-        let view = &self.views[place];
+        let view = &self.windows[place];
         let made = self.octaves[place].call_once(|| PyramidLevel::made(view, self.params.detection.octave));
         PyramidLevel::new(view, made.as_ref())
     }
@@ -250,7 +263,7 @@ impl<R: Deref<Target = Rig>> Frame<R> {
     /// The inputs of every stage after the hull.
     pub(super) fn context<'a>(&'a self, progress: &'a dyn Progress) -> Result<Context<'a>> {
         let hull = self.hull.as_ref().ok_or_else(no_hull)?;
-        Ok(Context { rig: &self.rig, views: &self.views, hull, progress })
+        Ok(Context { rig: &self.rig, views: &self.windows, hull, progress })
     }
 
     /// Moves the views out of their slots, in the rig's order.
@@ -263,6 +276,7 @@ impl<R: Deref<Target = Rig>> Frame<R> {
             return Err(Error::WrongOrder { camera: Some(camera), problem });
         }
         self.views = self.incoming.iter_mut().filter_map(|slot| slot.get_mut().take()).collect();
+        self.kept.views = true;
         self.memory.views_are_made();
         Ok(())
     }
@@ -272,11 +286,34 @@ impl<R: Deref<Target = Rig>> Frame<R> {
         for (slot, view) in self.incoming.iter_mut().zip(self.views.drain(..)) {
             *slot.get_mut() = Some(view);
         }
-        self.octaves.iter_mut().for_each(|octave| *octave = Once::new());
+        self.forget_windows();
         self.compared.clear();
         self.contradicting.clear();
         self.exchanged.clear();
         self.reached = None;
+    }
+
+    /// Cuts the views to where the hull appears in them.
+    pub(super) fn cut_views(&mut self, executor: &dyn Executor) {
+        let Some(hull) = &mut self.hull else { return };
+        let (views, mesh) = (&self.views, &self.intermediates.hull);
+        let windows = executor.map(views.len(), |place| Window::around(mesh, &views[place].camera));
+        let shared = hull.shared_silhouettes(views);
+        if self.kept.whole_views {
+            self.windows = executor.map(views.len(), |place| views[place].window(&windows[place]));
+        } else {
+            // One after the other, so that the memory of a whole view holds the windows of the next ones.
+            executor.map_parts(self.views.iter_mut(), |place, view| *view = view.window(&windows[place]));
+            self.windows = take(&mut self.views);
+            self.kept.views = false;
+        }
+        hull.look_through(&windows, &self.windows, &shared);
+    }
+
+    /// Drops what was made of the views after the hull.
+    pub(super) fn forget_windows(&mut self) {
+        self.windows.clear();
+        self.octaves.iter_mut().for_each(|octave| *octave = Once::new());
     }
 
     /// Moves the points out of their slots, in the rig's order.
@@ -302,9 +339,10 @@ impl<R: Deref<Target = Rig>> Frame<R> {
         Ok(())
     }
 
-    /// Undistorted pictures and silhouettes in the rig's order. Empty before the hull has been carved.
+    /// Undistorted pictures and silhouettes in the rig's order. Empty before [`Stage::Views`] is complete. See
+    /// [`Frame::keep_views`].
     pub fn views(&self) -> &[View] {
-        &self.views
+        if self.views.is_empty() { &self.windows } else { &self.views }
     }
 
     /// The visual hull, once it has been carved.
@@ -355,7 +393,8 @@ impl<R: Deref<Target = Rig>> Frame<R> {
         if let Some(mesh) = self.steadied {
             mesh.recycle_into(workspace);
         }
-        let views = self.views.into_iter().chain(self.incoming.into_iter().filter_map(Mutex::into_inner));
+        let views = if self.views.is_empty() { self.windows } else { self.views };
+        let views = views.into_iter().chain(self.incoming.into_iter().filter_map(Mutex::into_inner));
         self.memory.buffers.spare().extend(views.map(Buffers::from));
         self.memory
     }

@@ -45,7 +45,8 @@ impl<R: Deref<Target = Rig> + Sync> Frame<R> {
         progress: &dyn Progress,
     ) -> Result<Mesh> {
         let hull = self.hull.as_ref().ok_or_else(no_hull)?;
-        let frame = || memory::needed(&self.views, hull, &self.intermediates.hull, &self.params);
+        let frame =
+            || memory::needed(self.views(), hull, &self.intermediates.hull, &self.params, self.kept.whole_views);
         memory::check_steady(frame, &self.mesh, neighbours, self.memory.limit())?;
         let mut mesh = self.mesh.clone();
         steady(&mut mesh, neighbours, hull.footprint(), params, executor, progress)?;

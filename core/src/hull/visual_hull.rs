@@ -11,9 +11,11 @@ use crate::{
     point_cloud::Mesh,
     simd::Simd,
     surface::{Envelope, Unstored, marching_cubes},
+    view::View,
+    window::Window,
     workspace::Workspace,
 };
-use alloc::vec::Vec;
+use alloc::{sync::Arc, vec::Vec};
 use glam::Vec3;
 
 /// The visual hull of one frame.
@@ -42,6 +44,30 @@ impl VisualHull {
         workspace.recycle(self.list_starts);
         workspace.recycle(self.needed);
         workspace.recycle(self.carver_lists);
+    }
+
+    /// Whether the silhouette that carves is also that of its view, for each view that carves. `views` are all views in the
+    /// rig's order.
+    pub(crate) fn shared_silhouettes(&self, views: &[View]) -> Vec<bool> {
+        let is_shared = |carver: &Carver| {
+            let own = views[usize::from(carver.index)].silhouette.as_ref();
+            own.is_some_and(|own| Arc::ptr_eq(own, &carver.silhouette))
+        };
+        self.carvers.iter().map(is_shared).collect()
+    }
+
+    /// Reads the silhouettes in windows from now on, all of which contain the hull. `windows` and the views cut to them are in
+    /// the rig's order, `shared` is from [`Self::shared_silhouettes`] before they were cut.
+    pub(crate) fn look_through(&mut self, windows: &[Window], cut: &[View], shared: &[bool]) {
+        for (carver, &shared) in self.carvers.iter_mut().zip(shared) {
+            let view = &cut[usize::from(carver.index)];
+            carver.camera = view.camera;
+            carver.silhouette = match &view.silhouette {
+                Some(silhouette) if shared => Arc::clone(silhouette),
+                _ => Arc::new(carver.silhouette.window(&windows[usize::from(carver.index)])),
+            };
+        }
+        self.groups = Group::all(&self.carvers);
     }
 
     /// Signed distance to the hull's surface in scene units, positive inside. Its sign is exact. It is measured in

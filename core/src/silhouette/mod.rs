@@ -18,6 +18,7 @@ pub use no_silhouette::NoSilhouette;
 pub(crate) use parts::{Connected, Parts};
 pub use refine::{ContourParams, Uncertainty};
 
+use crate::window::Window;
 use alloc::{
     string::{String, ToString},
     vec::Vec,
@@ -166,6 +167,13 @@ impl Silhouette {
     /// a silhouette that was taken as it was given.
     pub fn contour_sigma(&self, u: f32, v: f32) -> Option<f32> {
         self.uncertainty.as_ref()?.sigma(u, v)
+    }
+
+    /// A window of it.
+    pub(crate) fn window(&self, window: &Window) -> Self {
+        let uncertainty = self.uncertainty.as_ref().map(|whole| whole.window(window));
+        let distance = window.of(&self.distance, self.width, 1);
+        Self { width: window.width, height: window.height, distance, uncertainty, full: self.full }
     }
 
     /// The memory of the distances and of the contour's precision, for reuse.

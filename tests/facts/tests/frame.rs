@@ -143,6 +143,7 @@ fn a_frame_may_free_what_it_no_longer_needs() {
         let expected = in_one_go(preset);
         let mut frame = begun(preset, Memory::default());
         frame.keep_intermediates(false);
+        frame.keep_views(false);
         frame.run_all(&SHOT.inputs(), &threads(2), &Silent).expect("nothing is wrong");
         let pcmvs = preset != Preset::Hull;
         if pcmvs {
@@ -153,6 +154,10 @@ fn a_frame_may_free_what_it_no_longer_needs() {
                 assert_eq!(refused.code(), ErrorCode::WrongOrder, "{stage:?}");
             }
         }
+        let refused = frame.step(Stage::Hull, &Serial, &Silent).expect_err("the views are cut");
+        assert_eq!(refused.code(), ErrorCode::WrongOrder);
+        let camera = RIG.cameras()[0];
+        assert!(frame.views().iter().all(|view| view.luma.len() < (camera.width * camera.height) as usize));
         assert_eq!(frame.warnings(), expected.warnings);
         frame.step(Stage::Colour, &Serial, &Silent).expect("its inputs are there");
         for stage in ORDER.into_iter().skip(2) {

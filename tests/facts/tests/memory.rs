@@ -37,14 +37,16 @@ fn takes_what_the_formula_says(count: u32, (width, height): (u32, u32)) {
         let view = |i: usize| read(i).expect("nothing is wrong");
         let views: Vec<View> = (0..inputs.len()).map(view).collect();
         let carved = VisualHull::new(&views, &params.hull, &Silent).expect("there is a hull");
-        let needed = memory::needed(&views, &carved, &hull, &params);
+        let needed = memory::needed(&views, &carved, &hull, &params, false);
         assert!(taken <= needed, "{preset:?}, {count} x {width}: {taken} bytes allocated, {needed} predicted");
         // Pictures that are read at half the resolution may have to be keyed in full resolution before.
         let is_tight = width >= 320 && params.reading.octave == 0;
         assert!(!is_tight || needed < 2 * taken, "{preset:?}, {count} x {width}: {taken} of {needed}");
 
         let within = |limit: u64, progress: &dyn Progress| {
-            Frame::new(&rig, params, Memory::limited(limit)).run_all(&shot.inputs(), &Serial, progress)
+            let mut frame = Frame::new(&rig, params, Memory::limited(limit));
+            frame.keep_views(false);
+            frame.run_all(&shot.inputs(), &Serial, progress)
         };
         let last = Last::default();
         let refused = within(needed - 1, &last).err();
@@ -104,7 +106,7 @@ fn a_form_takes_what_the_formula_says() {
         assert!(taken <= needed, "{faces:?}, {size}: {taken} bytes allocated, {needed} predicted");
     }
     let hull = frame.hull().expect("it is carved");
-    let needed = memory::needed(frame.views(), hull, &frame.intermediates().hull, &params);
+    let needed = memory::needed(frame.views(), hull, &frame.intermediates().hull, &params, true);
     let limited = finished(Memory::limited(needed));
     let form = FormParams { texture: Some(TextureParams::default()), ..FormParams::default() };
     let refused = limited.form(&form, &Serial, &Silent).map(drop);

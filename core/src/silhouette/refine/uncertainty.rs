@@ -4,8 +4,9 @@ use super::{patch::Patch, trace::Loops};
 use crate::{
     math::{min, sqrt},
     silhouette::refill::refill,
+    window::Window,
 };
-use alloc::vec::Vec;
+use alloc::{vec, vec::Vec};
 
 /// Steps in a pixel of the stored standard deviations.
 const UNITS: f32 = 32.0;
@@ -60,6 +61,23 @@ impl Uncertainty {
             starts[y + 1] = starts[y + 1].max(starts[y]);
         }
         Self { starts, columns, sigmas }
+    }
+
+    /// That of a window of the picture.
+    pub(crate) fn window(&self, window: &Window) -> Self {
+        let mut part = Self { starts: vec![0], ..Self::default() };
+        let across = window.x..window.x + window.width;
+        for rows in self.starts.windows(2).skip(window.y as usize).take(window.height as usize) {
+            let passed = rows[0] as usize..rows[1] as usize;
+            for (&column, &sigma) in self.columns[passed.clone()].iter().zip(&self.sigmas[passed]) {
+                if across.contains(&u32::from(column)) {
+                    part.columns.push(column - window.x as u16);
+                    part.sigmas.push(sigma);
+                }
+            }
+            part.starts.push(part.columns.len() as u32);
+        }
+        part
     }
 
     /// Standard deviation in pixels of the contour at a point of it: the mean over the pixels next to it that the
