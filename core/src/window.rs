@@ -77,7 +77,10 @@ mod tests {
         let mesh = sphere(Vec3::ZERO, 0.5);
         let camera = pinhole(Vec3::new(5.0, 0.3, 0.2), Vec3::new(0.0, 0.0, 0.4), 400, 500.0);
         let window = Window::around(&mesh, &camera);
-        assert!(window.x % STEP == 0 && window.y % STEP == 0 && window.pixels() < 400 * 400 / 2, "{window:?}");
+        assert!(
+            window.x.is_multiple_of(STEP) && window.y.is_multiple_of(STEP) && window.pixels() < 400 * 400 / 2,
+            "{window:?}"
+        );
         let seen = camera.window(&window);
         for &p in &mesh.positions {
             let (whole, part) = (camera.project(p), seen.project(p));

@@ -100,3 +100,27 @@ impl Uncertainty {
         (count > 0).then(|| sum as f32 / (count as f32 * UNITS))
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_window_keeps_the_deviations_of_its_pixels() {
+        // The contour passes each row at two pixels.
+        let height = 20u32;
+        let columns = (0..height as u16).flat_map(|y| [3 + y % 5, 20 - y % 3]).collect();
+        let sigmas = (0..2 * height as u8).map(|i| 8 + i).collect();
+        let whole = Uncertainty { starts: (0..=height).map(|y| 2 * y).collect(), columns, sigmas };
+        let window = Window { x: 4, y: 6, width: 12, height: 9 };
+        let part = whole.window(&window);
+        let mut passed = 0;
+        // Pixels at the edge have neighbours outside of the window.
+        for (u, v) in (1..11).flat_map(|u| (1..8).map(move |v| (u as f32, v as f32))) {
+            let expected = whole.sigma(u + window.x as f32, v + window.y as f32);
+            assert_eq!(part.sigma(u, v), expected, "pixel {u} {v}");
+            passed += u32::from(expected.is_some());
+        }
+        assert!(passed > 10, "{passed}");
+    }
+}
