@@ -1,16 +1,16 @@
 //! What a frame has found out about its views: figures and warnings.
 
-use super::{checks::median, diagnostics::ViewDiagnostics, state::Frame, warning::Warning};
+use super::{diagnostics::ViewDiagnostics, state::Frame, warning::Warning};
 use crate::{
     calibration::Finding,
     left_out::LeftOut,
-    math::{max, ordered},
+    math::{max, median, ordered},
     params::Method,
     rig::Rig,
     stage::Stage,
     view::View,
 };
-use alloc::{vec, vec::Vec};
+use alloc::vec::Vec;
 use core::ops::Deref;
 
 /// If the median overlap is smaller than this, the silhouettes as a whole contradict each other. Exact silhouettes
@@ -104,7 +104,7 @@ impl<R: Deref<Target = Rig>> Frame<R> {
             let place = self.rig().place(camera as usize)?;
             let view = self.views().get(place).filter(|view| view.is_used() && !view.is_set_aside());
             let found = view.and(self.compared.get(place))?;
-            let contradicts = self.contradicting.contains(&(place as u16));
+            let contradicts = self.agreement.contradicting.contains(&(place as u16));
             Some(Fit { camera, contradicts, overlap: found.overlap?, apart: found.apart? })
         };
         let fits: Vec<Fit> = (0..self.cameras() as u32).filter_map(fit).collect();
@@ -117,11 +117,11 @@ impl<R: Deref<Target = Rig>> Frame<R> {
         let named = fits.iter().filter(|fit| fit.contradicts || fit.apart > outlying);
         let warning =
             |&Fit { camera, overlap, .. }: &Fit| Warning::SilhouetteDisagrees { camera, overlap, median: typical };
-        let named: Vec<Warning> = named.map(warning).collect();
+        let mut named: Vec<Warning> = named.map(warning).collect();
         let is_far =
             median(self.compared.iter().filter_map(|found| found.contour)).is_some_and(|d| d > CONTRADICT_PIXELS);
-        if named.is_empty() && typical < CONTRADICT_BELOW && is_far {
-            return vec![Warning::SilhouettesContradict { median: typical, worst, overlap }];
+        if self.agreement.too_many || named.is_empty() && typical < CONTRADICT_BELOW && is_far {
+            named.insert(0, Warning::SilhouettesContradict { median: typical, worst, overlap });
         }
         named
     }

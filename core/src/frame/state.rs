@@ -12,7 +12,7 @@ use crate::{
     context::Context,
     detect::{DetectionParams, Guide, PyramidLevel, detect_view},
     error::{Error, Result},
-    hull::{Comparison, VisualHull},
+    hull::{Agreement, Comparison, VisualHull},
     memory,
     mesh::weigh,
     params::{Method, Params},
@@ -49,8 +49,8 @@ pub struct Frame<R> {
     pub(super) hull: Option<VisualHull>,
     /// How each view's silhouette agrees with the hull, in the rig's order. Empty before the hull is carved.
     pub(super) compared: Vec<Comparison>,
-    /// Places in the rig's order of the views that are believed although they contradict others.
-    pub(super) contradicting: Vec<u16>,
+    /// How far the silhouettes agree.
+    pub(super) agreement: Agreement,
     /// Pairs of places in the rig's order whose pictures are exchanged.
     pub(super) exchanged: Vec<[u16; 2]>,
     /// The views at the octave of detection, unless that is the view itself. Each is computed on first use.
@@ -92,7 +92,7 @@ impl<R: Deref<Target = Rig>> Frame<R> {
             views: Vec::new(),
             hull: None,
             compared: Vec::new(),
-            contradicting: Vec::new(),
+            agreement: Agreement::default(),
             exchanged: Vec::new(),
             octaves: (0..count).map(|_| Once::new()).collect(),
             found: slots(count),
@@ -274,7 +274,7 @@ impl<R: Deref<Target = Rig>> Frame<R> {
         }
         self.octaves.iter_mut().for_each(|octave| *octave = Once::new());
         self.compared.clear();
-        self.contradicting.clear();
+        self.agreement = Agreement::default();
         self.exchanged.clear();
         self.reached = None;
     }
