@@ -24,6 +24,9 @@ const CONTRADICT_PIXELS: f32 = 1.0;
 const OUTLYING: f32 = 3.0;
 const OUTLYING_PIXELS: f32 = 0.3;
 
+/// Colours differ much if a gain is larger than this or smaller than its inverse. One and a half aperture stops are.
+const DIFFERENT_GAIN: f32 = 2.0;
+
 /// How a camera's silhouette fits the hull of all.
 struct Fit {
     camera: u32,
@@ -72,6 +75,11 @@ impl<R: Deref<Target = Rig>> Frame<R> {
         if self.require(Stage::Detect).is_ok() && self.params().method == Method::Pcmvs {
             let silent = cameras().filter(|&(_, place)| self.views()[place].is_used() && !self.has_stereo[place]);
             warnings.extend(silent.map(|(camera, _)| Warning::NoStereoPoints { camera }));
+        }
+        if self.require(Stage::Colour).is_ok() && self.rig().gains().is_none() {
+            let differ = |&(_, gains): &(u32, [f32; 3])| gains.iter().any(|&g| max(g, 1.0 / g) > DIFFERENT_GAIN);
+            let of_cameras = (0..).zip(self.gains.iter().copied()).filter(differ);
+            warnings.extend(of_cameras.map(|(camera, gains)| Warning::ColoursDiffer { camera, gains }));
         }
         let inconsistent = self.calibration.bias.filter(|&pixels| f64::from(pixels) > Finding::INCONSISTENT);
         warnings.extend(inconsistent.map(|pixels| Warning::CalibrationInconsistent { pixels }));
