@@ -1,6 +1,8 @@
 //! Rounding, comparison and roots in basic arithmetic. They give the same bits on every platform, and compilers can
 //! vectorise them.
 
+use alloc::vec::Vec;
+
 /// The larger number, or `b` if either is NaN. Unlike `f32::max` it compiles to an instruction on every target,
 /// WebAssembly included, and it is defined which zero it returns: `b` if both are zero.
 #[inline(always)]
@@ -39,6 +41,18 @@ pub fn ordered(v: f32) -> u32 {
 #[inline]
 pub fn from_ordered(order: u32) -> f32 {
     f32::from_bits(if order >> 31 == 1 { order & !(1 << 31) } else { !order })
+}
+
+/// The number that the given fraction of all, numerator and denominator, is smaller than: of two the larger one. `None` of none.
+pub fn quantile(values: impl Iterator<Item = f32>, [part, of]: [usize; 2]) -> Option<f32> {
+    let mut values: Vec<f32> = values.collect();
+    values.sort_unstable_by_key(|&v| ordered(v));
+    values.get(values.len() * part / of).copied()
+}
+
+/// The median, the larger one of two.
+pub fn median(values: impl Iterator<Item = f32>) -> Option<f32> {
+    quantile(values, [1, 2])
 }
 
 /// The largest integer not greater than `v`. It saturates, and NaN gives 0.

@@ -117,7 +117,7 @@ impl Params {
             reading: ReadingParams { octave: 0, blurred: Some(0.25) },
             contour: Some(ContourParams { reach_pixels: 4.5 }),
             hull: HullParams { voxel_pixels: 1.5 },
-            agreement: Some(AgreementParams { blame: AgreementParams::BLAME, uncovered: 0.1, largest_share: 0.25 }),
+            agreement: Some(AgreementParams { blame: AgreementParams::BLAME, uncovered: 0.1, largest_share: 0.45 }),
             coarse: Some(coarse),
             detection,
             frontier: Some(FrontierParams { longest_pixels: 40.0, certainty: Certainty::Precision }),

@@ -76,6 +76,7 @@ impl Scene {
                 | Warning::SilhouetteDisagrees { .. } => self.made_of(frame, camera),
                 Warning::CameraContradicts { .. }
                 | Warning::PicturesExchanged { .. }
+                | Warning::ColoursDiffer { .. }
                 | Warning::NoStereoPoints { .. } => frame.image(camera),
                 _ => None,
             }

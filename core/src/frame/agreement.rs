@@ -37,13 +37,13 @@ impl<R: Deref<Target = Rig> + Sync> Frame<R> {
         self.views.iter_mut().for_each(View::take_back);
         let agreement = self.params.agreement;
         let rounds = if agreement.is_some() { ROUNDS } else { 0 };
-        self.contradicting = carve_agreeing(self, agreement.as_ref(), rounds, executor, progress)?;
+        self.agreement = carve_agreeing(self, agreement.as_ref(), rounds, executor, progress)?;
         let Some(params) = agreement else { return Ok(()) };
         if self.complete_silhouettes(executor, progress)? {
             self.carve_hull(executor, progress)?;
             let (views, mesh, workspace) = self.parts();
             let found = contradicting(views, mesh, AgreementParams::BLAME, workspace, executor, progress)?;
-            self.contradicting = found.places;
+            self.agreement.contradicting = found.places;
         }
         let mut wrong = apart(&self.views, &self.intermediates.hull, &params, executor);
         self.exchanged = exchanged(&self.views, &self.intermediates.hull, executor, progress)?;

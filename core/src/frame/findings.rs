@@ -1,16 +1,16 @@
 //! What a frame has found out about its views: figures and warnings.
 
-use super::{checks::median, diagnostics::ViewDiagnostics, state::Frame, warning::Warning};
+use super::{diagnostics::ViewDiagnostics, state::Frame, warning::Warning};
 use crate::{
     calibration::Finding,
     left_out::LeftOut,
-    math::{max, ordered},
+    math::{max, median, ordered},
     params::Method,
     rig::Rig,
     stage::Stage,
     view::View,
 };
-use alloc::{vec, vec::Vec};
+use alloc::vec::Vec;
 use core::ops::Deref;
 
 /// If the median overlap is smaller than this, the silhouettes as a whole contradict each other. Exact silhouettes
@@ -23,6 +23,9 @@ const CONTRADICT_PIXELS: f32 = 1.0;
 /// than the median of all, and this many pixels. A camera that was moved by two pixels is.
 const OUTLYING: f32 = 3.0;
 const OUTLYING_PIXELS: f32 = 0.3;
+
+/// Colours differ much if a gain is larger than this or smaller than its inverse. One and a half aperture stops are.
+const DIFFERENT_GAIN: f32 = 2.0;
 
 /// How a camera's silhouette fits the hull of all.
 struct Fit {
@@ -73,6 +76,11 @@ impl<R: Deref<Target = Rig>> Frame<R> {
             let silent = cameras().filter(|&(_, place)| self.views()[place].is_used() && !self.has_stereo[place]);
             warnings.extend(silent.map(|(camera, _)| Warning::NoStereoPoints { camera }));
         }
+        if self.require(Stage::Colour).is_ok() && self.rig().gains().is_none() {
+            let differ = |&(_, gains): &(u32, [f32; 3])| gains.iter().any(|&g| max(g, 1.0 / g) > DIFFERENT_GAIN);
+            let of_cameras = (0..).zip(self.gains.iter().copied()).filter(differ);
+            warnings.extend(of_cameras.map(|(camera, gains)| Warning::ColoursDiffer { camera, gains }));
+        }
         let inconsistent = self.calibration.bias.filter(|&pixels| f64::from(pixels) > Finding::INCONSISTENT);
         warnings.extend(inconsistent.map(|pixels| Warning::CalibrationInconsistent { pixels }));
         warnings
@@ -104,7 +112,7 @@ impl<R: Deref<Target = Rig>> Frame<R> {
             let place = self.rig().place(camera as usize)?;
             let view = self.views().get(place).filter(|view| view.is_used() && !view.is_set_aside());
             let found = view.and(self.compared.get(place))?;
-            let contradicts = self.contradicting.contains(&(place as u16));
+            let contradicts = self.agreement.contradicting.contains(&(place as u16));
             Some(Fit { camera, contradicts, overlap: found.overlap?, apart: found.apart? })
         };
         let fits: Vec<Fit> = (0..self.cameras() as u32).filter_map(fit).collect();
@@ -117,11 +125,11 @@ impl<R: Deref<Target = Rig>> Frame<R> {
         let named = fits.iter().filter(|fit| fit.contradicts || fit.apart > outlying);
         let warning =
             |&Fit { camera, overlap, .. }: &Fit| Warning::SilhouetteDisagrees { camera, overlap, median: typical };
-        let named: Vec<Warning> = named.map(warning).collect();
+        let mut named: Vec<Warning> = named.map(warning).collect();
         let is_far =
             median(self.compared.iter().filter_map(|found| found.contour)).is_some_and(|d| d > CONTRADICT_PIXELS);
-        if named.is_empty() && typical < CONTRADICT_BELOW && is_far {
-            return vec![Warning::SilhouettesContradict { median: typical, worst, overlap }];
+        if self.agreement.too_many || named.is_empty() && typical < CONTRADICT_BELOW && is_far {
+            named.insert(0, Warning::SilhouettesContradict { median: typical, worst, overlap });
         }
         named
     }

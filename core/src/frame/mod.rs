@@ -8,6 +8,7 @@ mod findings;
 mod form;
 mod intermediates;
 mod memory;
+mod mistakes;
 mod order;
 mod prior;
 mod reconstruction;

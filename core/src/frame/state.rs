@@ -13,7 +13,7 @@ use crate::{
     detect::{DetectionParams, Guide, PyramidLevel, detect_view},
     error::{Error, Result},
     executor::Executor,
-    hull::{Comparison, VisualHull},
+    hull::{Agreement, Comparison, VisualHull},
     memory,
     mesh::weigh,
     params::{Method, Params},
@@ -54,8 +54,8 @@ pub struct Frame<R> {
     pub(super) hull: Option<VisualHull>,
     /// How each view's silhouette agrees with the hull, in the rig's order. Empty before the hull is carved.
     pub(super) compared: Vec<Comparison>,
-    /// Places in the rig's order of the views that are believed although they contradict others.
-    pub(super) contradicting: Vec<u16>,
+    /// How far the silhouettes agree.
+    pub(super) agreement: Agreement,
     /// Pairs of places in the rig's order whose pictures are exchanged.
     pub(super) exchanged: Vec<[u16; 2]>,
     /// The views at the octave of detection, unless that is the view itself. Each is computed on first use.
@@ -98,7 +98,7 @@ impl<R: Deref<Target = Rig>> Frame<R> {
             windows: Vec::new(),
             hull: None,
             compared: Vec::new(),
-            contradicting: Vec::new(),
+            agreement: Agreement::default(),
             exchanged: Vec::new(),
             octaves: (0..count).map(|_| Once::new()).collect(),
             found: slots(count),
@@ -288,7 +288,7 @@ impl<R: Deref<Target = Rig>> Frame<R> {
         }
         self.forget_windows();
         self.compared.clear();
-        self.contradicting.clear();
+        self.agreement = Agreement::default();
         self.exchanged.clear();
         self.reached = None;
     }

@@ -101,6 +101,13 @@ pub enum Warning {
         /// Index of the camera.
         camera: u32,
     },
+    /// A camera's colours differ much from those in which the others show the same surface.
+    ColoursDiffer {
+        /// Index of the camera.
+        camera: u32,
+        /// The factors of red, green and blue that make them agree.
+        gains: [f32; 3],
+    },
 }
 
 impl Warning {
@@ -122,6 +129,7 @@ impl Warning {
             Self::SilhouettesContradict { .. } => "silhouettes-contradict",
             Self::CalibrationInconsistent { .. } => "calibration-inconsistent",
             Self::NoStereoPoints { .. } => "no-stereo-points",
+            Self::ColoursDiffer { .. } => "colours-differ",
         }
     }
 
@@ -140,6 +148,7 @@ impl Warning {
             | Self::CameraContradicts { camera, .. }
             | Self::PicturesExchanged { camera, .. }
             | Self::SilhouetteDisagrees { camera, .. }
+            | Self::ColoursDiffer { camera, .. }
             | Self::NoStereoPoints { camera } => Some(*camera),
             Self::SilhouettesContradict { .. } | Self::CalibrationInconsistent { .. } => None,
         }
@@ -218,8 +227,8 @@ impl Warning {
             }
             Self::SilhouettesContradict { median, worst, overlap } => format!(
                 "the silhouettes contradict each other: half of them agree with the others to less than {:.1} %, and {} to \
-                 {:.1} % only. Parts of the object may be missing. Check masks and calibration; the camera at fault may be \
-                 another one",
+                 {:.1} % only. Parts of the object may be missing. Check masks and calibration, and that pictures and cameras \
+                 are in the same order; the camera at fault may be another one",
                 100.0 * median,
                 name(*worst),
                 100.0 * overlap
@@ -232,6 +241,10 @@ impl Warning {
                                             belongs to this camera, and that neighbouring cameras see the same side of the \
                                             object"
                 .into(),
+            Self::ColoursDiffer { gains: [red, green, blue], .. } => format!(
+                "its colours differ from those of the other views: red, green and blue agree when multiplied by {red:.2}, \
+                 {green:.2} and {blue:.2}. Check its exposure and white balance, and the order of its channels"
+            ),
         }
     }
 }

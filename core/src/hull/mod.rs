@@ -22,7 +22,7 @@ mod support;
 mod visual_hull;
 mod walk;
 
-pub use agreement::{AgreementParams, Carving, Completed, apart, carve_agreeing, completed, contradicting};
+pub use agreement::{Agreement, AgreementParams, Carving, Completed, apart, carve_agreeing, completed, contradicting};
 pub use carve::HullParams;
 pub use comparison::{Comparison, compare};
 pub use exchanged::exchanged;

@@ -21,6 +21,11 @@ const ONE_PLACE: f64 = 1e-4;
 /// cameras that look at different parts of an object pass at up to a fifth.
 const MEETING: f64 = 0.25;
 
+/// Mirrors a camera's or the world's first axis.
+const MIRROR: DMat3 = DMat3::from_diagonal(DVec3::new(-1.0, 1.0, 1.0));
+/// Turns a camera around its axis.
+const AROUND: DMat3 = DMat3::from_diagonal(DVec3::new(-1.0, -1.0, 1.0));
+
 /// How R and t of a file may be meant.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Pose {
@@ -32,6 +37,14 @@ enum Pose {
     Centre,
     /// The columns of R are the camera's axes, but t is world to camera.
     Transposed,
+    /// World to camera, but only R has the camera's axes turned, and t has not.
+    RotationTurned,
+    /// World to camera in a left-handed world: the first row of R and of t and the first column of R have the other sign.
+    LeftHanded,
+    /// World to camera, but the pictures are mirrored. The camera that takes such pictures stands in a mirrored world.
+    Mirrored,
+    /// World to camera, but the pictures are turned by 180°.
+    TurnedAround,
 }
 
 /// How the axes of a camera may be meant.
@@ -68,7 +81,13 @@ impl Convention {
         let poses = [Pose::WorldToCamera, Pose::CameraToWorld, Pose::Centre, Pose::Transposed];
         let others =
             poses.into_iter().flat_map(|pose| [Turn::None, Turn::OpenGl].map(|turn| Self { pose, turn })).skip(1);
-        others.chain([Self { pose: Pose::WorldToCamera, turn: Turn::UpsideDown }])
+        others.chain([
+            Self { pose: Pose::WorldToCamera, turn: Turn::UpsideDown },
+            Self { pose: Pose::RotationTurned, turn: Turn::OpenGl },
+            Self { pose: Pose::LeftHanded, turn: Turn::None },
+            Self { pose: Pose::Mirrored, turn: Turn::None },
+            Self { pose: Pose::TurnedAround, turn: Turn::None },
+        ])
     }
 
     /// A camera whose pose is given in this convention, in that of [`Camera`].
@@ -83,8 +102,18 @@ impl Convention {
             Pose::CameraToWorld => (turn * transposed, -(turn * transposed * t)),
             Pose::Centre => (turn * given, -(turn * given * t)),
             Pose::Transposed => (turn * transposed, turn * t),
+            Pose::RotationTurned => (turn * given, t),
+            Pose::LeftHanded | Pose::Mirrored => (MIRROR * given * MIRROR, MIRROR * t),
+            Pose::TurnedAround => (AROUND * given, AROUND * t),
         };
-        Camera { r: r.transpose().to_cols_array_2d(), t: t.to_array(), ..*camera }
+        let mut k = camera.k;
+        if matches!(self.pose, Pose::Mirrored | Pose::TurnedAround) {
+            k[0][2] = f64::from(camera.width) - 1.0 - k[0][2];
+        }
+        if self.pose == Pose::TurnedAround {
+            k[1][2] = f64::from(camera.height) - 1.0 - k[1][2];
+        }
+        Camera { k, r: r.transpose().to_cols_array_2d(), t: t.to_array(), ..*camera }
     }
 
     /// What to do about poses in this convention.
@@ -115,6 +144,14 @@ impl Convention {
                 "R looks like camera to world with OpenGL's axes (y up, z backward), but t does not: transpose R, then negate \
                  the second and third row of R and of t"
             }
+            (Pose::RotationTurned, _) => {
+                "R looks like that of OpenGL's axes (y up, z backward), but t does not: negate the second and third row of R"
+            }
+            (Pose::LeftHanded, _) => {
+                "the world looks left-handed: negate the first row of R and of t, and then the first column of R"
+            }
+            (Pose::Mirrored, _) => "the pictures look mirrored: mirror pictures and masks",
+            (Pose::TurnedAround, _) => "the pictures look turned by 180°: turn pictures and masks",
         }
     }
 
@@ -219,6 +256,9 @@ mod tests {
             Pose::CameraToWorld => (own.transpose(), centre),
             Pose::Centre => (own, centre),
             Pose::Transposed => (own.transpose(), t),
+            Pose::RotationTurned => (own, DVec3::from_array(camera.t)),
+            // They undo themselves.
+            Pose::LeftHanded | Pose::Mirrored | Pose::TurnedAround => return convention.read(camera),
         };
         Camera { r: r.transpose().to_cols_array_2d(), t: t.to_array(), ..*camera }
     }

@@ -1,6 +1,7 @@
 //! The rig: the cameras, and everything derived from them that all frames share.
 
 mod convention;
+mod intrinsics;
 mod limits;
 mod meeting;
 mod neighbours;
@@ -18,6 +19,7 @@ pub(crate) use meeting::meeting_point;
 use neighbours::neighbours;
 
 pub(crate) use convention::Convention;
+pub(crate) use intrinsics::other_reading as other_intrinsics;
 
 /// Cameras closer to each other than this share of the distance to the object stand at the same place.
 const SAME_PLACE: f64 = 1e-6;

@@ -1,10 +1,7 @@
 //! Cameras whose positions are in another unit than those of the others. A few of them drag the point where all cameras look so
 //! far away that no distance from it looks wrong.
 
-use super::{
-    limits::DISPROPORTION,
-    meeting::{MIN_VIEWS, meeting_point},
-};
+use super::meeting::{MIN_VIEWS, meeting_point};
 use crate::{
     camera::Camera,
     error::{Error, Result},
@@ -15,6 +12,8 @@ use glam::DVec3;
 /// Cameras that look at one object from several sides have a mean direction shorter than this. The axes of others may meet at
 /// themselves, where they stand close together.
 const NARROW: f64 = 0.9;
+/// A camera in another unit is this many times farther away than the others are. Inches in place of metres are 39 times.
+const STRANGE: f64 = 30.0;
 
 /// Refuses a camera that is much farther from where the others look than they are. The others are those near the middle of all,
 /// at least a quarter; if they do not look at one place, nothing is known.
@@ -31,7 +30,7 @@ pub(super) fn check(cameras: &[Camera]) -> Result<()> {
     let reach: Vec<f64> = centres.iter().map(|centre| (*centre - middle).length()).collect();
     let mut sorted = reach.clone();
     sorted.sort_by(f64::total_cmp);
-    let near = DISPROPORTION * sorted[sorted.len() / 4];
+    let near = STRANGE * sorted[sorted.len() / 4];
     let rest: Vec<Camera> = cameras.iter().zip(&reach).filter(|(_, reach)| **reach <= near).map(|(c, _)| *c).collect();
     if rest.len() == cameras.len() || rest.len() < MIN_VIEWS as usize {
         return Ok(());
@@ -43,7 +42,7 @@ pub(super) fn check(cameras: &[Camera]) -> Result<()> {
         return Ok(());
     }
     let distance = rest.iter().map(|camera| (camera.centre() - meeting).length()).sum::<f64>() / rest.len() as f64;
-    let far = centres.iter().position(|centre| (*centre - meeting).length() > DISPROPORTION * distance);
+    let far = centres.iter().position(|centre| (*centre - meeting).length() > STRANGE * distance);
     far.map_or(Ok(()), |place| {
         let problem = format!(
             "it is {:e} units from where {} other cameras look, which are {distance:e} units away on average: check its t, and \
@@ -71,7 +70,7 @@ mod tests {
             let mut cameras = dome(count);
             assert_eq!(check(&cameras), Ok(()));
             for &place in others {
-                cameras[place].t = cameras[place].t.map(|v| 1000.0 * v);
+                cameras[place].t = cameras[place].t.map(|v| 39.37 * v);
             }
             assert_eq!(check(&cameras).unwrap_err().camera(), Some(others[0] as u32), "{count} {others:?}");
         }

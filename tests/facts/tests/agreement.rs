@@ -99,6 +99,28 @@ fn a_camera_that_was_moved_is_left_out() {
     }
 }
 
+/// Six of sixteen cameras were moved. All other views agree without them, so that it is known which ones.
+#[test]
+fn more_than_a_quarter_of_the_cameras_are_left_out_if_the_rest_agree() {
+    let moved = [1, 3, 5, 8, 10, 13];
+    let mut shot = FIGURE.clone();
+    moved.iter().for_each(|&camera| bump(&mut shot, camera, 24.0));
+    let (mesh, warnings) = hull(&shot);
+    assert_eq!(named(&warnings, "camera-contradicts"), moved, "{warnings:?}");
+    assert_eq!(warnings.len(), moved.len(), "{warnings:?}");
+    assert_hull_of_others(&shot, &mesh, &moved, "six cameras were moved");
+}
+
+/// Half of the cameras are late. Nobody knows which half, and the report says so.
+#[test]
+fn two_halves_that_contradict_each_other_are_named_as_a_whole() {
+    let mut shot = FIGURE.clone();
+    (0..16).step_by(2).for_each(|camera| shot.frame.retake(camera, &RING.cameras()[camera], Subject::Figure, 0.5));
+    let (_, warnings) = hull(&shot);
+    let whole = warnings.iter().any(|warning| matches!(warning, Warning::SilhouettesContradict { .. }));
+    assert!(whole, "{warnings:?}");
+}
+
 /// A camera that was moved by less than what it takes to contradict the others is named.
 #[test]
 fn a_camera_that_was_moved_a_little_is_named() {

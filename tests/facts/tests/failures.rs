@@ -69,8 +69,8 @@ fn masks_that_are_white_on_the_background() {
 type Convention = fn(&Camera) -> Camera;
 
 /// Poses in another convention, from that of the library, each with the words that only its own remedy has: OpenGL's
-/// axes, the inverse, the centre in place of t, and pictures upside down.
-fn conventions() -> [(&'static str, Convention); 4] {
+/// axes, the inverse, the centre in place of t, pictures upside down, OpenGL's axes in R alone, and a left-handed world.
+fn conventions() -> [(&'static str, Convention); 6] {
     [
         ("the axes look like OpenGL", |c| Camera {
             r: [c.r[0], c.r[1].map(|v| -v), c.r[2].map(|v| -v)],
@@ -88,6 +88,14 @@ fn conventions() -> [(&'static str, Convention); 4] {
             t: [-c.t[0], -c.t[1], c.t[2]],
             ..*c
         }),
+        ("R looks like that of OpenGL's axes", |c| Camera {
+            r: [c.r[0], c.r[1].map(|v| -v), c.r[2].map(|v| -v)],
+            ..*c
+        }),
+        ("the world looks left-handed", |c| {
+            let [[a, b, c_], [d, e, f], [g, h, i]] = c.r;
+            Camera { r: [[a, -b, -c_], [-d, e, f], [-g, h, i]], t: [-c.t[0], c.t[1], c.t[2]], ..*c }
+        }),
     ]
 }
 
@@ -103,6 +111,67 @@ fn poses_in_another_convention_are_named() {
             let Error::Cameras { problem } = &error else { panic!("{what}: {error}") };
             assert!(problem.contains(what), "{cameras} cameras: {what}: {problem}");
         }
+    }
+}
+
+/// Mirrors the pixels of a picture or of a mask.
+fn mirror<T>(pixels: &mut [T], width: usize) {
+    pixels.chunks_exact_mut(width).for_each(<[T]>::reverse);
+}
+
+/// Mirrors every picture and mask.
+fn mirror_all(shot: &mut Shot) {
+    for (image, mask) in shot.frame.images.iter_mut().zip(&mut shot.frame.masks) {
+        let width = image.width as usize;
+        mirror(image.rgb.as_chunks_mut::<3>().0, width);
+        mirror(mask.as_mut().expect("all have masks"), width);
+    }
+}
+
+/// What the error says of a mistake, and the mistake.
+type Mistake = (&'static str, fn(&mut Shot));
+
+/// Mistakes that all cameras share are named, with their remedy.
+#[test]
+fn mistakes_of_all_cameras_are_named() {
+    let mistakes: [Mistake; 7] = [
+        ("K looks like that of pictures 0.50 times as large", |shot| {
+            shot.cameras.iter_mut().for_each(|c| c.k[..2].iter_mut().flatten().for_each(|v| *v *= 0.5));
+        }),
+        ("K has no principal point", |shot| {
+            shot.cameras.iter_mut().for_each(|c| (c.k[0][2], c.k[1][2]) = (0.0, 0.0));
+        }),
+        ("cx and cy look exchanged", |shot| {
+            shot.cameras.iter_mut().for_each(|c| (c.k[0][2], c.k[1][2]) = (c.k[1][2], c.k[0][2]));
+        }),
+        ("another order than the cameras, off by one", |shot| {
+            shot.frame.images.rotate_left(1);
+            shot.frame.masks.rotate_left(1);
+        }),
+        ("another order than the cameras, the reverse one", |shot| {
+            shot.frame.images.reverse();
+            shot.frame.masks.reverse();
+        }),
+        ("the pictures look mirrored", mirror_all),
+        ("the pictures look turned by 180°", |shot| {
+            mirror_all(shot);
+            for (image, mask) in shot.frame.images.iter_mut().zip(&mut shot.frame.masks) {
+                let width = image.width as usize;
+                let flipped: Vec<u8> = image.rgb.chunks_exact(3 * width).rev().flatten().copied().collect();
+                image.rgb = flipped;
+                let mask = mask.as_mut().expect("all have masks");
+                *mask = mask.chunks_exact(width).rev().flatten().copied().collect();
+            }
+        }),
+    ];
+    let figure = Shot::small(Subject::Figure, 7);
+    for (what, make) in mistakes {
+        let error = refusal(|shot| {
+            *shot = figure.clone();
+            make(shot);
+        });
+        let Error::Cameras { problem } = &error else { panic!("{what}: {error}") };
+        assert!(problem.contains(what), "{what}: {problem}");
     }
 }
 

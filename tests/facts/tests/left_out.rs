@@ -131,3 +131,14 @@ fn silhouettes_that_agree_and_one_that_does_not() {
     });
     assert_eq!(named.collect::<Vec<_>>(), [4]);
 }
+
+/// The shape does not suffer from a picture that is a third as bright as the others, and its camera is named.
+#[test]
+fn a_picture_that_is_much_darker_is_named() {
+    let mut shot = SHOT.clone();
+    shot.frame.images[4].rgb.iter_mut().for_each(|v| *v /= 3);
+    let made = made_of(&shot);
+    let [Warning::ColoursDiffer { camera: 4, gains }] = made.warnings[..] else { panic!("{:?}", made.warnings) };
+    assert!(gains.iter().all(|gain| (2.0..3.5).contains(gain)), "{gains:?}");
+    Errors::new(&shot, &made.mesh).assert_within(0.9, 1.3, "a dark picture");
+}

@@ -65,6 +65,22 @@ fn angles_are_those_of_an_aircraft_whose_camera_looks_down() {
     fs::write(&file, by_angles(other)).unwrap();
     assert_eq!(import("auto", capture.path()), scene);
 
+    // Another program may have saved it with semicolons, and with decimal commas.
+    let semicolons = by_angles(HEADER).replace(',', ";");
+    let commas = semicolons.replace('.', ",").replace(",png", ".png");
+    for text in [&semicolons, &commas] {
+        fs::write(&file, format!("#cameras 4;;;\n{text}")).unwrap();
+        assert_eq!(import("auto", capture.path()), scene);
+    }
+    for (from, to, problem) in [
+        (";34,5;", ";34.5;", "numbers with decimal commas, and `34.5` with a point"),
+        (";34,5;", ";1,034,5;", "`1,034,5` is not a finite number"),
+    ] {
+        fs::write(&file, commas.replacen(from, to, 1)).unwrap();
+        let message = refused("realitycapture", capture.path());
+        assert!(message.contains(problem), "{message}");
+    }
+
     for (from, to, problem) in [
         ("#name,", "#cameras 5\n#name,", "announces 5 cameras, but has 4"),
         (",k4,", ",k6,", "`k6` looks like calibration"),

@@ -67,3 +67,8 @@ impl Coverage {
 pub(super) fn contour_length(silhouette: &Silhouette) -> u32 {
     silhouette.distances().iter().filter(|&&d| d > 0 && d <= Silhouette::UNITS as i16).count() as u32
 }
+
+/// Number of a silhouette's pixels.
+pub(super) fn area(silhouette: &Silhouette) -> u32 {
+    silhouette.distances().iter().filter(|&&d| d > 0 && d != Silhouette::UNKNOWN).count() as u32
+}

@@ -17,13 +17,13 @@ mod rounds;
 mod stereo;
 
 pub use lacking::{Completed, completed};
-pub use rounds::{Carving, apart, carve_agreeing};
+pub use rounds::{Agreement, Carving, apart, carve_agreeing};
 
 use super::{carver::carvers, space::Space};
 use crate::{
     error::Result,
     executor::Executor,
-    math::max,
+    math::{max, median},
     point_cloud::Mesh,
     progress::{self, Progress},
     stage::Stage,
@@ -45,7 +45,8 @@ pub struct AgreementParams {
     /// The camera of such a view is at fault, and not only its matte, if the hull of the others leaves more than this share
     /// of its own silhouette's rim uncovered.
     pub uncovered: f32,
-    /// Largest share of the silhouettes that are set aside. If more are at fault, the calibration as a whole is in question.
+    /// Largest share of the silhouettes that are set aside, less than half. If more are at fault, the calibration as a whole
+    /// is in question.
     pub largest_share: f32,
 }
 
@@ -68,6 +69,8 @@ pub struct Contradicting {
     pub places: Vec<u16>,
     /// How many of them, from the first on, are at fault. The others are doubtful.
     pub certain: usize,
+    /// Share of a silhouette that the hull does not cover, the median of all views.
+    pub lacking: f32,
 }
 
 /// Finds the views whose silhouettes contradict the others. `mesh` is the mesh of the hull of all views that carve it; it is
@@ -88,10 +91,13 @@ pub fn contradicting(
     let drawn = executor.map_with(&mut Vec::<Coverage>::new(), carvers.len(), |coverage, i| {
         progress::step(progress, Stage::Hull, i as u32, count)?;
         coverage.draw(mesh, &carvers[i].camera);
-        Ok((coverage.uncovered(&carvers[i].silhouette), coverage::contour_length(&carvers[i].silhouette)))
+        let silhouette = &carvers[i].silhouette;
+        let uncovered = coverage.uncovered(silhouette);
+        let share = uncovered.len() as f32 * coverage::PIXELS_PER_SAMPLE / coverage::area(silhouette).max(1) as f32;
+        Ok((uncovered, (coverage::contour_length(silhouette), share)))
     });
-    let (uncovered, lengths): (Vec<_>, Vec<u32>) = drawn.into_iter().collect::<Result<Vec<_>>>()?.into_iter().unzip();
-    let contours: u32 = lengths.iter().sum();
+    let (uncovered, of_views): (Vec<_>, Vec<_>) = drawn.into_iter().collect::<Result<Vec<_>>>()?.into_iter().unzip();
+    let contours: u32 = of_views.iter().map(|(length, _)| length).sum();
     let limit = |share: f32| max(share * blame * contours as f32 / carvers.len().max(1) as f32, MIN_PIXELS);
     // Every uncovered pixel stands for the pixels around it that were not looked at.
     let pixels = uncovered.iter().map(|pixels| pixels.len() as f32 * coverage::PIXELS_PER_SAMPLE).sum::<f32>();
@@ -109,7 +115,9 @@ pub fn contradicting(
     space.recycle_into(workspace);
     let found = blame.at_fault(limit(NAMED), carvers.len());
     let certain = found.iter().take_while(|&&(_, pixels)| pixels >= limit(1.0)).count();
-    Ok(Contradicting { places: found.iter().map(|&(view, _)| carvers[usize::from(view)].index).collect(), certain })
+    let places = found.iter().map(|&(view, _)| carvers[usize::from(view)].index).collect();
+    let lacking = median(of_views.iter().map(|&(_, share)| share)).unwrap_or(0.0);
+    Ok(Contradicting { places, certain, lacking })
 }
 
 #[cfg(test)]

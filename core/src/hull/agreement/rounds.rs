@@ -26,9 +26,25 @@ pub trait Carving {
     fn parts(&mut self) -> (&mut [View], &mut Mesh, &mut Workspace);
 }
 
-/// Carves, and sets aside the silhouettes that contradict the others ([`View::given`]) in at most `rounds` rounds. Without
-/// `params` all are believed. Returns the places in the rig's order of views that are believed although they contradict
-/// others, in ascending order.
+/// So large a share of the silhouettes is set aside even if some of the rest still contradict the others. More of them are only
+/// if the rest agree.
+const UNCONFIRMED: f32 = 0.25;
+/// More are set aside only if the hull lacks more than this share of half of the silhouettes, and in at most so many more rounds.
+const SEVERE: f32 = 0.05;
+const FURTHER_ROUNDS: u32 = 2;
+
+/// What is known about the silhouettes that were carved.
+#[derive(Debug, Default)]
+pub struct Agreement {
+    /// Places in the rig's order of views that are believed although they contradict others, in ascending order.
+    pub contradicting: Vec<u16>,
+    /// Whether more views are at fault than may be set aside, and the hull lacks much of what the silhouettes show: it is not
+    /// known which ones are.
+    pub too_many: bool,
+}
+
+/// Carves, and sets aside the silhouettes that contradict the others ([`View::given`]) in at most `rounds` rounds, and a few more
+/// if many do. Without `params` all are believed.
 ///
 /// # Errors
 /// Those of carving.
@@ -38,35 +54,51 @@ pub fn carve_agreeing(
     rounds: u32,
     executor: &dyn Executor,
     progress: &dyn Progress,
-) -> Result<Vec<u16>> {
-    let mut carved = carving.carve(executor, progress);
+) -> Result<Agreement> {
     let silhouettes = carving.parts().0.iter().filter(|view| view.is_used() && view.silhouette.is_some()).count();
     let share = params.map_or(0.0, |params| params.largest_share);
-    let mut room = ((share * silhouettes as f32) as usize).min(silhouettes.saturating_sub(MIN_VIEWS as usize));
+    let most = |share: f32| ((share * silhouettes as f32) as usize).min(silhouettes.saturating_sub(MIN_VIEWS as usize));
+    let (unconfirmed, all) = (most(share.min(UNCONFIRMED)), most(share));
     let blame = params.map_or(AgreementParams::BLAME, |params| params.blame);
-    for round in 0.. {
+    let mut set_aside: Vec<u16> = Vec::new();
+    let (mut room, mut rounds_left, mut too_many) = (unconfirmed, rounds, false);
+    loop {
+        let carved = carving.carve(executor, progress);
         let (views, mesh, workspace) = carving.parts();
         match carved {
             Ok(()) => {}
-            Err(Error::EmptyHull) if round < rounds => take(mesh).recycle_into(workspace),
+            Err(Error::EmptyHull) if rounds_left > 0 => take(mesh).recycle_into(workspace),
             Err(error) => return Err(error),
         }
         let found = contradicting(views, mesh, blame, workspace, executor, progress)?;
-        let at_fault = if round < rounds { found.certain.min(room) } else { 0 };
-        if at_fault == 0 {
-            carved?;
-            let mut believed = found.places;
-            believed.sort_unstable();
-            return Ok(believed);
+        let is_severe = found.certain > 0 && found.lacking > SEVERE;
+        if is_severe && set_aside.len() == unconfirmed && room < all && !too_many {
+            (room, rounds_left) = (all, FURTHER_ROUNDS);
         }
-        room -= at_fault;
+        let at_fault = if rounds_left > 0 { found.certain.min(room - set_aside.len()) } else { 0 };
+        if at_fault == 0 {
+            too_many |= is_severe;
+            if found.certain > 0 && set_aside.len() > unconfirmed {
+                // The rest do not agree either.
+                for place in set_aside.drain(unconfirmed..) {
+                    let view = &mut views[usize::from(place)];
+                    view.silhouette = view.given.take();
+                }
+                (room, rounds_left, too_many) = (unconfirmed, 1, true);
+                continue;
+            }
+            carved?;
+            let mut contradicting = found.places;
+            contradicting.sort_unstable();
+            return Ok(Agreement { contradicting, too_many });
+        }
+        rounds_left -= 1;
         for &place in &found.places[..at_fault] {
             let view = &mut views[usize::from(place)];
             view.given = view.silhouette.take();
         }
-        carved = carving.carve(executor, progress);
+        set_aside.extend(&found.places[..at_fault]);
     }
-    unreachable!("the last round returns")
 }
 
 /// Places in the rig's order of the views that are set aside and whose silhouettes, besides lacking something, show what the

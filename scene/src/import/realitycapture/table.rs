@@ -8,7 +8,8 @@
 //! - "OpenCV-compliant Internal/External camera parameters": `tx`, `ty`, `tz` and `R00` to `R22` by rows, world to camera,
 //!   and `f_pix`, `px_pix`, `py_pix` in pixels from the picture's corner.
 //!
-//! Neither tells the model of the distortion.
+//! Neither tells the model of the distortion. A program that shows tables may have saved them with semicolons, and then mostly with
+//! decimal commas.
 
 use super::{
     super::{
@@ -49,23 +50,37 @@ pub fn files_of(files: &dyn Files, folder: &Path) -> Vec<PathBuf> {
     entries_with(files, folder, "csv").into_iter().filter(known).collect()
 }
 
-/// The columns' names in lower case, the number of cameras that a line before them may announce, and the rows.
-fn header(text: &str) -> Result<(Vec<String>, Option<&str>, &str), String> {
+/// What comes before the rows.
+struct Header<'a> {
+    /// The columns' names in lower case.
+    names: Vec<String>,
+    /// Between columns.
+    separator: char,
+    /// The number of cameras that a line before the names may announce.
+    announced: Option<&'a str>,
+}
+
+/// What comes before the rows, and the rows.
+fn header(text: &str) -> Result<(Header<'_>, &str), String> {
     let mut rest = text.trim_start();
     let mut announced = None;
     if let Some(count) = rest.strip_prefix("#cameras ") {
         let (count, after) = count.split_once('\n').unwrap_or((count, ""));
-        announced = Some(count.trim());
+        announced = Some(count.trim().trim_end_matches([',', ';']));
         rest = after.trim_start();
     }
     let (names, rows) = rest.split_once('\n').unwrap_or((rest, ""));
-    let names: Vec<String> =
-        names.trim_start_matches('#').split(',').map(|name| name.trim().trim_matches('"').to_lowercase()).collect();
+    let separator = if names.contains(';') { ';' } else { ',' };
+    let names: Vec<String> = names
+        .trim_start_matches('#')
+        .split(separator)
+        .map(|name| name.trim().trim_matches('"').trim_start_matches('#').to_lowercase())
+        .collect();
     let has = |name: &str| names.iter().any(|known| known == name);
     let by_angles = CENTRE.iter().all(|name| has(name)) && ANGLES.iter().all(|pair| pair.iter().any(|name| has(name)));
     let by_matrix = TRANSLATION.iter().chain(&ROTATION).all(|name| has(name));
     if has(NAME) && (by_angles || by_matrix) {
-        Ok((names, announced, rows))
+        Ok((Header { names, separator, announced }, rows))
     } else {
         Err(String::from(
             "the first line does not name the columns of camera parameters: export the registration as Internal/External \
@@ -74,11 +89,27 @@ fn header(text: &str) -> Result<(Vec<String>, Option<&str>, &str), String> {
     }
 }
 
+/// Whether the numbers of rows that are separated by semicolons have decimal commas. A point would then separate thousands, or be
+/// a decimal point, too: nobody knows.
+fn has_decimal_commas(names: &[String], records: &[StringRecord]) -> Result<bool, String> {
+    let numbers = || {
+        let columns = |record| names.iter().zip(record).filter(|(name, _)| *name != NAME).map(|(_, text)| text);
+        records.iter().flat_map(columns)
+    };
+    let commas = numbers().any(|text: &str| text.contains(','));
+    match numbers().find(|text| commas && text.contains('.')) {
+        None => Ok(commas),
+        Some(text) => Err(format!(
+            "has numbers with decimal commas, and `{text}` with a point: export it again, and do not save it in another program"
+        )),
+    }
+}
+
 /// Reads a file.
 pub fn read(files: &dyn Files, file: &Path, notes: &mut Notes) -> Result<Vec<ImportedView>, Failure> {
     let wrong = |problem: String| Failure::Input(format!("{}: {problem}", file.display()));
     let text = read_text(files, file)?;
-    let (names, announced, rest) = header(&text).map_err(wrong)?;
+    let (Header { names, separator, announced }, rest) = header(&text).map_err(wrong)?;
     if let Some(twice) = names.iter().enumerate().find(|(i, name)| names[..*i].contains(name)) {
         return Err(wrong(format!("the column `{}` occurs twice: remove the one that is wrong", twice.1)));
     }
@@ -90,15 +121,17 @@ pub fn read(files: &dyn Files, file: &Path, notes: &mut Notes) -> Result<Vec<Imp
     let folders = [folder.to_path_buf(), folder.join("images")];
     let mut views = Vec::new();
     let mut count = 0;
-    let mut reader =
-        ReaderBuilder::new().has_headers(false).flexible(true).trim(Trim::All).from_reader(rest.as_bytes());
-    for record in reader.records() {
-        let record = record.map_err(|e| wrong(format!("{e}: correct that line")))?;
+    let mut reader = ReaderBuilder::new();
+    reader.has_headers(false).flexible(true).trim(Trim::All).delimiter(separator as u8);
+    let records: Result<Vec<_>, _> = reader.from_reader(rest.as_bytes()).into_records().collect();
+    let records = records.map_err(|e| wrong(format!("{e}: correct that line")))?;
+    let decimal_commas = separator == ';' && has_decimal_commas(&names, &records).map_err(wrong)?;
+    for record in &records {
         if record.iter().all(str::is_empty) {
             continue;
         }
         count += 1;
-        let row = Row { names: &names, record: &record };
+        let row = Row { names: &names, record, decimal_commas };
         let picture = row.text(NAME).ok_or_else(|| wrong(format!("row {count} has no name: add it")))?;
         let name = name_of(picture);
         let of_camera = |problem: String| failure(file, &name, &problem);
@@ -144,6 +177,7 @@ fn unknown(names: &[String]) -> Result<Vec<String>, String> {
 struct Row<'a> {
     names: &'a [String],
     record: &'a StringRecord,
+    decimal_commas: bool,
 }
 
 impl<'a> Row<'a> {
@@ -155,7 +189,8 @@ impl<'a> Row<'a> {
     /// The number in the first of these columns that exists.
     fn number(&self, names: &[&str]) -> Result<Option<f64>, String> {
         let Some((name, text)) = names.iter().find_map(|name| Some((name, self.text(name)?))) else { return Ok(None) };
-        match text.parse::<f64>() {
+        let number = if self.decimal_commas { text.replace(',', ".").parse() } else { text.parse::<f64>() };
+        match number {
             Ok(number) if number.is_finite() => Ok(Some(number)),
             _ => Err(format!("{name}: `{text}` is not a finite number")),
         }
