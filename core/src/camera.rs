@@ -1,7 +1,7 @@
 //! Calibrated cameras: the form that the host passes in ([`Camera`]) and the undistorted form that the stages use
 //! ([`Pinhole`]).
 
-use crate::{lens::Lens, window::Window};
+use crate::lens::Lens;
 use alloc::{format, string::String};
 use glam::{DMat3, DVec2, DVec3, Vec3};
 
@@ -207,14 +207,14 @@ impl Pinhole {
         depth / self.focal
     }
 
-    /// The camera of a window of the picture.
-    pub(crate) fn window(&self, window: &Window) -> Self {
-        let (x, y) = (window.x as f32, window.y as f32);
+    /// The camera of a part of the picture, from its first column and row and its width and height.
+    pub(crate) fn part(&self, first: [u32; 2], [width, height]: [u32; 2]) -> Self {
+        let [x, y] = first.map(|v| v as f32);
         let [across, down, ahead] = self.rows;
         let offset = Vec3::new(self.offset.x - self.offset.z * x, self.offset.y - self.offset.z * y, self.offset.z);
         Self {
-            width: window.width,
-            height: window.height,
+            width,
+            height,
             rows: [across - ahead * x, down - ahead * y, ahead],
             offset,
             columns: [self.columns[0], self.columns[1], self.ray(x, y)],

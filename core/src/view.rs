@@ -165,7 +165,7 @@ impl View {
     pub(crate) fn window(&self, window: &Window) -> Self {
         let silhouette = |whole: &Option<Arc<Silhouette>>| whole.as_ref().map(|whole| Arc::new(whole.window(window)));
         Self {
-            camera: self.camera.window(window),
+            camera: window.camera(&self.camera),
             corner: [self.corner[0] + window.x, self.corner[1] + window.y],
             rgb: window.of(&self.rgb, self.camera.width, 3),
             luma: window.of(&self.luma, self.camera.width, 1),

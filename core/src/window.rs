@@ -40,6 +40,11 @@ impl Window {
         Self { x, y, width, height }
     }
 
+    /// The camera of the window, from that of the whole picture.
+    pub fn camera(&self, whole: &Pinhole) -> Pinhole {
+        whole.part([self.x, self.y], [self.width, self.height])
+    }
+
     /// Number of pixels.
     pub fn pixels(&self) -> usize {
         self.width as usize * self.height as usize
@@ -81,7 +86,7 @@ mod tests {
             window.x.is_multiple_of(STEP) && window.y.is_multiple_of(STEP) && window.pixels() < 400 * 400 / 2,
             "{window:?}"
         );
-        let seen = camera.window(&window);
+        let seen = window.camera(&camera);
         for &p in &mesh.positions {
             let (whole, part) = (camera.project(p), seen.project(p));
             assert!((whole - part - Vec3::new(window.x as f32, window.y as f32, 0.0)).abs().max_element() < 1e-3);

@@ -20,7 +20,7 @@ use std::{
 use wasm_bindgen_cli_support::Bindgen;
 
 /// Maximum size of a build of the package's module, compressed, in bytes.
-const MODULE_BUDGET: usize = 700 << 10;
+const MODULE_BUDGET: usize = 716 << 10;
 /// Inlines little, which keeps the module within its budget. Hot loops are inlined by attribute.
 const INLINE: &str = "-Cllvm-args=-inline-threshold=15";
 /// The two builds of the module and their further compiler flags. The page uses the first that the browser can run.

@@ -149,7 +149,15 @@ mod tests {
                     assert_eq!(value.to_bits(), expected.to_bits(), "node {i} of block {slot}");
                     cut += u32::from(list.iter().any(|&c| hull.carvers[c as usize].distance(p).is_none()));
                     for without in [u16::MAX, 3] {
-                        let found = PointDistance { hull: &hull, list: Some(list), p, without, needed };
+                        let found = PointDistance {
+                            carvers: &hull.carvers,
+                            groups: &hull.groups,
+                            list: Some(list),
+                            voxel: hull.grid.voxel,
+                            p,
+                            without,
+                            needed,
+                        };
                         let (found, from) = simd.run(found);
                         let expected = smallest(&hull, list, p, without, needed);
                         assert_eq!(found.to_bits(), expected.to_bits(), "node {i} of block {slot} without {without}");

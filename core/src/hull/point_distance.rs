@@ -1,9 +1,6 @@
 //! The signed distance at one point (§0), from eight views at a time.
 
-use super::{
-    carver::{Carver, EDGE, FAR},
-    visual_hull::VisualHull,
-};
+use super::carver::{Carver, EDGE, FAR};
 use crate::{math::min, silhouette::Silhouette, simd::Work};
 use alloc::vec::Vec;
 use glam::Vec3;
@@ -55,9 +52,13 @@ impl Group {
 /// Finds the smallest of some views' distances at a point, and the view that it comes from. A point that fewer than `needed`
 /// of these views see is outside.
 pub(super) struct PointDistance<'a> {
-    pub hull: &'a VisualHull,
-    /// Indices of the views in the hull's `carvers`, ascending. `None` for all.
+    pub carvers: &'a [Carver],
+    /// The same views, in groups.
+    pub groups: &'a [Group],
+    /// Indices of some views in `carvers`, ascending. `None` for all.
     pub list: Option<&'a [u16]>,
+    /// Spacing of the hull's grid in scene units.
+    pub voxel: f32,
     pub p: Vec3,
     /// Views at this station are excluded.
     pub without: u16,
@@ -69,29 +70,25 @@ impl<'a> Work for PointDistance<'a> {
 
     #[inline(always)]
     fn run(self) -> Self::Output {
-        let voxel = self.hull.grid.voxel;
-        let mut nearest = Nearest { distance: FAR * voxel, from: None, seen: 0 };
-        match self.list {
-            None => {
-                for group in 0..self.hull.groups.len() {
-                    self.add(group, u32::MAX, &mut nearest);
+        let mut nearest = Nearest { distance: FAR * self.voxel, from: None, seen: 0 };
+        let mut list = self.list;
+        for group in 0..self.groups.len() {
+            let mut chosen = u32::MAX;
+            if let Some(rest) = &mut list {
+                chosen = 0;
+                while let Some((&c, others)) = rest.split_first() {
+                    if usize::from(c) / LANES != group {
+                        break;
+                    }
+                    (chosen, *rest) = (chosen | 1 << (usize::from(c) % LANES), others);
                 }
             }
-            Some(mut list) => {
-                while let Some(&first) = list.first() {
-                    let (group, mut chosen) = (usize::from(first) / LANES, 0);
-                    while let Some((&c, rest)) = list.split_first() {
-                        if usize::from(c) / LANES != group {
-                            break;
-                        }
-                        (chosen, list) = (chosen | 1 << (usize::from(c) % LANES), rest);
-                    }
-                    self.add(group, chosen, &mut nearest);
-                }
+            if chosen != 0 {
+                self.add(group, chosen, &mut nearest);
             }
         }
         let Nearest { distance, from, seen } = nearest;
-        (if seen < self.needed { min(distance, -voxel) } else { distance }, from)
+        (if seen < self.needed { min(distance, -self.voxel) } else { distance }, from)
     }
 }
 
@@ -107,8 +104,8 @@ impl<'a> PointDistance<'a> {
     /// Takes the minimum with the distances ([`Carver::distance`]) of those views of a group whose bits are set in `chosen`.
     #[inline(always)]
     fn add(&self, group: usize, chosen: u32, nearest: &mut Nearest<'a>) {
-        let carvers = &self.hull.carvers[group * LANES..];
-        let Group { rows, offset, focal, right, bottom, width, station } = &self.hull.groups[group];
+        let carvers = &self.carvers[group * LANES..];
+        let Group { rows, offset, focal, right, bottom, width, station } = &self.groups[group];
         let mut q = [Lanes::default(); 3];
         let mut within = Lanes::<u32>::default();
         for i in 0..LANES {

@@ -89,7 +89,10 @@ impl VisualHull {
     /// Signed distance over all views except those at a station, and the view that it comes from.
     pub(super) fn nearest_contour(&self, p: Vec3, without: u16) -> (f32, Option<&Carver>) {
         let (slot, voxel) = (self.slot(p), self.grid.voxel);
-        let distance = |list, needed| self.simd.run(PointDistance { hull: self, list, p, without, needed });
+        let distance = |list, needed| {
+            let (carvers, groups) = (&self.carvers[..], &self.groups[..]);
+            self.simd.run(PointDistance { carvers, groups, list, voxel, p, without, needed })
+        };
         if slot < SparseGrid::INSIDE {
             return distance(Some(self.block_carvers(slot as usize)), self.needed[slot as usize]);
         }
