@@ -96,7 +96,7 @@ impl<R: Deref<Target = Rig> + Sync> Frame<R> {
 fn mistakes(cameras: &[Camera]) -> Vec<Mistake> {
     let in_order: Vec<usize> = (0..cameras.len()).collect();
     let mut mistakes = Vec::new();
-    for convention in Convention::others() {
+    for convention in Convention::OTHERS {
         if let Some((_, cameras)) = convention.meeting(cameras) {
             mistakes.push(Mistake { remedy: convention.remedy().into(), cameras, pictures: in_order.clone() });
         }
