@@ -45,9 +45,15 @@ pub fn from_ordered(order: u32) -> f32 {
 
 /// The number that the given fraction of all, numerator and denominator, is smaller than: of two the larger one. `None` of none.
 pub fn quantile(values: impl Iterator<Item = f32>, [part, of]: [usize; 2]) -> Option<f32> {
-    let mut values: Vec<f32> = values.collect();
-    values.sort_unstable_by_key(|&v| ordered(v));
+    let values = sorted(values.collect());
     values.get(values.len() * part / of).copied()
+}
+
+/// Apart from [`quantile`], so that sorting is compiled once.
+#[inline(never)]
+fn sorted(mut values: Vec<f32>) -> Vec<f32> {
+    values.sort_unstable_by_key(|&v| ordered(v));
+    values
 }
 
 /// The median, the larger one of two.

@@ -203,8 +203,15 @@ impl<'s> FrameFiles<'s> {
     /// The files, to be decoded one by one.
     pub fn into_views(self) -> UndecodedViews<'s> {
         let Self { scene, frame, silhouettes, views, .. } = self;
+        let mut brightest = 0;
+        for view in &views {
+            // Once it is more than any fewer bits have, the range is known.
+            if let Some(Content::File(file)) = view.image.as_ref().filter(|_| brightest < 1 << 12) {
+                brightest = Picture::brightest(file).max(brightest);
+            }
+        }
         let views = views.into_iter().map(|files| Mutex::new(Some(files))).collect();
-        UndecodedViews { scene, frame, silhouettes, views }
+        UndecodedViews { scene, frame, silhouettes, views, brightest }
     }
 
     /// Decodes all files.
@@ -224,6 +231,8 @@ pub struct UndecodedViews<'s> {
     frame: &'s SceneFrame,
     silhouettes: Silhouettes,
     views: Vec<Mutex<Option<ViewFiles>>>,
+    /// The level of the brightest pixel of all pictures of 16 bits, so that a dark one is not taken for one of fewer bits.
+    brightest: u16,
 }
 
 /// A camera's picture, and its mask or clean plate.
@@ -246,16 +255,17 @@ impl UndecodedViews<'_> {
         let Self { scene, frame, silhouettes, .. } = *self;
         let files = self.views[camera].lock().unwrap_or_else(PoisonError::into_inner).take();
         let ViewFiles { image, mask } = files.unwrap_or_default();
-        let decode = |content: Option<Content>, path: Option<&Path>| match (content, path) {
+        let decode = |content: Option<Content>, path: Option<&Path>, brightest: u16| match (content, path) {
             (Some(Content::File(bytes)), Some(path)) => {
                 let place = |problem| Failure::Input(format!("{}: {problem}", scene.place_of(frame, camera, path)));
-                Picture::decode(&bytes).map(Some).map_err(place)
+                Picture::decode_among(&bytes, brightest).map(Some).map_err(place)
             }
             (Some(Content::Decoded(picture)), _) => Ok(Some(picture)),
             _ => Ok(None),
         };
-        let Some(image) = decode(image, frame.image(camera))? else { return Ok(None) };
-        let mask = match (decode(mask, scene.silhouette_file(frame, camera))?, silhouettes) {
+        let Some(image) = decode(image, frame.image(camera), self.brightest)? else { return Ok(None) };
+        let of_mask = if matches!(silhouettes, Silhouettes::Plates) { self.brightest } else { 0 };
+        let mask = match (decode(mask, scene.silhouette_file(frame, camera), of_mask)?, silhouettes) {
             (Some(mask), Silhouettes::Files) => Some(mask.into_mask()),
             (None, Silhouettes::Files) => image.alpha(),
             (other, Silhouettes::Plates | Silhouettes::Key(_)) => other,

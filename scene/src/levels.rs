@@ -8,8 +8,7 @@ use pcmvs_core::PixelFormat;
 /// photograph that uses all 16 has brighter pixels.
 const FEWER_BITS: [u16; 3] = [(1 << 8) - 1, (1 << 10) - 1, (1 << 12) - 1];
 
-/// The brightest level that the colours of a file of 16 bits can have. Without one of 16 bits, or for a black one, it is that of
-/// all bits.
+/// The brightest level that the colours of a file of 16 bits have; 0 for a file of fewer bits.
 pub fn brightest(picture: &DynamicImage) -> u16 {
     let max = |samples: &[u16]| samples.iter().copied().max();
     let without_alpha = |samples: &[u16], channels: usize| {
@@ -22,8 +21,13 @@ pub fn brightest(picture: &DynamicImage) -> u16 {
         DynamicImage::ImageRgba16(rgba) => without_alpha(rgba.as_raw(), 4),
         _ => None,
     };
-    let used = found.filter(|&found| found > 0).unwrap_or(u16::MAX);
-    FEWER_BITS.into_iter().find(|&bits| used <= bits).unwrap_or(u16::MAX)
+    found.unwrap_or(0)
+}
+
+/// The brightest level that pixels can have, of which the brightest one has the level `used`. For black pictures it is that of all
+/// bits.
+pub fn range(used: u16) -> u16 {
+    FEWER_BITS.into_iter().find(|&bits| used > 0 && used <= bits).unwrap_or(u16::MAX)
 }
 
 /// The nearest of 256 levels for one of `brightest` levels. With all 16 bits it is rounded as `into_rgb8` does.
@@ -72,11 +76,11 @@ mod tests {
             (65535, 65535),
         ];
         for (level, expected) in cases {
-            assert_eq!(brightest(&gray(&[0, level])), expected, "{level}");
+            assert_eq!(range(brightest(&gray(&[0, level]))), expected, "{level}");
         }
-        assert_eq!(brightest(&gray(&[0, 0])), u16::MAX);
+        assert_eq!(range(brightest(&gray(&[0, 0]))), u16::MAX);
         let alpha = ImageBuffer::from_raw(1, 1, vec![1000u16, 500, 3, u16::MAX]).unwrap();
-        assert_eq!(brightest(&DynamicImage::ImageRgba16(alpha)), 1023);
+        assert_eq!(brightest(&DynamicImage::ImageRgba16(alpha)), 1000);
         for brightest in [255, 1023, 4095, u16::MAX] {
             assert_eq!([to_byte(0, brightest), to_byte(brightest, brightest)], [0, 255]);
         }

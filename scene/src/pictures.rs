@@ -64,7 +64,22 @@ impl Picture {
     /// Decodes the bytes of a file. Pixels stay as they are stored: where EXIF asks to turn them, the calibration must be of the
     /// stored ones. If the sides do not tell that, it is an error. Errors name the problem and the remedy.
     pub fn decode(file: &[u8]) -> Result<Self, String> {
-        if is_jpeg(file)? { decode_jpeg(file) } else { decode_png(file) }
+        Self::decode_among(file, 0)
+    }
+
+    /// Decodes a picture among others of the same kind of camera: the brightest pixel of all has the level `brightest`
+    /// ([`Self::brightest`]).
+    pub(crate) fn decode_among(file: &[u8], brightest: u16) -> Result<Self, String> {
+        if is_jpeg(file)? { decode_jpeg(file) } else { decode_png(file, brightest) }
+    }
+
+    /// The level of the brightest pixel of a PNG file of 16 bits; 0 of other files, and of those that cannot be decoded.
+    pub(crate) fn brightest(file: &[u8]) -> u16 {
+        // The depth stands in the first chunk, IHDR (PNG 3, §11.2.1).
+        if !matches!(is_jpeg(file), Ok(false)) || file.get(24) != Some(&16) || png_header(file).is_err() {
+            return 0;
+        }
+        image::load_from_memory_with_format(file, ImageFormat::Png).map_or(0, |decoded| levels::brightest(&decoded))
     }
 
     /// Width and height of the picture that [`Self::decode`] gives, from the header alone. Both are those of the stored pixels:
@@ -166,12 +181,12 @@ fn png_header(file: &[u8]) -> Result<[u32; 2], String> {
     check_orientation(exif.as_deref(), [width, height]).map(|()| [width, height])
 }
 
-fn decode_png(file: &[u8]) -> Result<Picture, String> {
+fn decode_png(file: &[u8], brightest: u16) -> Result<Picture, String> {
     png_header(file)?;
     let decoded = image::load_from_memory_with_format(file, ImageFormat::Png).map_err(damaged)?;
     let (width, height) = (decoded.width(), decoded.height());
-    let brightest = levels::brightest(&decoded);
-    let colour = |v: u16| levels::to_byte(v, brightest);
+    let range = levels::range(levels::brightest(&decoded).max(brightest));
+    let colour = |v: u16| levels::to_byte(v, range);
     let alpha = |v: u16| levels::to_byte(v, u16::MAX);
     let (format, pixels) = match decoded {
         DynamicImage::ImageLuma8(gray) => (PixelFormat::Gray8, gray.into_raw()),
@@ -208,6 +223,19 @@ mod tests {
 
     fn decoded(pixels: &[u8], format: ColorType) -> Picture {
         Picture::decode(&png(pixels, format)).unwrap()
+    }
+
+    /// Pixels of 12 bits of which a dark camera uses 10: by itself it would become four times as bright.
+    #[test]
+    fn the_range_of_levels_is_that_of_all_pictures() {
+        let file = |level: u16| png(&[0, level].map(u16::to_ne_bytes).concat(), ColorType::L16);
+        let (dark, bright) = (file(800), file(3000));
+        assert_eq!([&dark, &bright].map(|file| Picture::brightest(file)), [800, 3000]);
+        assert_eq!(Picture::brightest(&png(&[1, 2], ColorType::L8)), 0);
+        let last = |picture: Picture| *picture.pixels().last().unwrap();
+        assert_eq!(last(Picture::decode(&dark).unwrap()), levels::to_byte(800, 1023));
+        assert_eq!(last(Picture::decode_among(&dark, 3000).unwrap()), levels::to_byte(800, 4095));
+        assert_eq!(last(Picture::decode_among(&bright, 3000).unwrap()), levels::to_byte(3000, 4095));
     }
 
     #[test]

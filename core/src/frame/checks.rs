@@ -92,9 +92,9 @@ impl<R: Deref<Target = Rig> + Sync> Frame<R> {
 
 fn contradictory(overlap: f32) -> Error {
     let problem = format!(
-        "the silhouettes contradict each other, more of them than can be left out: half of them agree with the others to less than \
-         {:.0} %. Check that pictures and masks are given in the order of the cameras and are of the same instant, that K belongs to \
-         pictures of this size, and that R, t are world to camera, with x right, y down and z forward, for all of them",
+        "the silhouettes contradict each other, more of them than can be left out: half of them agree to less than {:.0} %. Check \
+         that pictures and masks are in the order of the cameras and of the same instant, that K belongs to pictures of this \
+         size, and that R, t are world to camera, with x right, y down and z forward",
         100.0 * overlap
     );
     Error::Cameras { problem }

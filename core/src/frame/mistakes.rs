@@ -16,7 +16,12 @@ use crate::{
     view::View,
     workspace::Workspace,
 };
-use alloc::{borrow::Cow, format, string::ToString, vec::Vec};
+use alloc::{
+    format,
+    string::{String, ToString},
+    vec,
+    vec::Vec,
+};
 use core::{mem::take, ops::Deref};
 
 /// Spacing of the hull's grid in a trial, in pixels of footprint.
@@ -25,7 +30,7 @@ const TRIAL_VOXEL_PIXELS: f32 = 4.0;
 /// A mistake that may have been made.
 struct Mistake {
     /// What it is, and what to do.
-    remedy: Cow<'static, str>,
+    remedy: String,
     /// The cameras without the mistake, by index.
     cameras: Vec<Camera>,
     /// For each camera, by index, the camera that has its picture.
@@ -88,27 +93,25 @@ impl<R: Deref<Target = Rig> + Sync> Frame<R> {
 }
 
 /// The mistakes that may have been made, the most common ones first.
-fn mistakes(cameras: &[Camera]) -> impl Iterator<Item = Mistake> {
+fn mistakes(cameras: &[Camera]) -> Vec<Mistake> {
     let in_order: Vec<usize> = (0..cameras.len()).collect();
-    let as_given = in_order.clone();
-    let poses = Convention::others().filter_map(move |convention| {
-        let (_, cameras) = convention.meeting(cameras)?;
-        Some(Mistake { remedy: convention.remedy().into(), cameras, pictures: as_given.clone() })
-    });
-    let intrinsics = other_intrinsics(cameras).map(|(remedy, cameras)| Mistake {
-        remedy: remedy.into(),
-        cameras,
-        pictures: in_order,
-    });
-    let orders = orders(cameras).into_iter().map(|(order, pictures)| Mistake {
-        remedy: format!(
-            "the pictures look as if they were in another order than the cameras, {order}: give each camera its own picture and mask"
-        )
-        .into(),
-        cameras: cameras.to_vec(),
-        pictures,
-    });
-    poses.chain(intrinsics).chain(orders)
+    let mut mistakes = Vec::new();
+    for convention in Convention::OTHERS {
+        if let Some((_, cameras)) = convention.meeting(cameras) {
+            mistakes.push(Mistake { remedy: convention.remedy().into(), cameras, pictures: in_order.clone() });
+        }
+    }
+    if let Some((remedy, cameras)) = other_intrinsics(cameras) {
+        mistakes.push(Mistake { remedy, cameras, pictures: in_order });
+    }
+    for (order, pictures) in orders(cameras) {
+        let remedy = format!(
+            "the pictures look as if they were in another order than the cameras, {order}: give each camera its own picture \
+             and mask"
+        );
+        mistakes.push(Mistake { remedy, cameras: cameras.to_vec(), pictures });
+    }
+    mistakes
 }
 
 /// Orders in which pictures may have been given instead of that of the cameras. Pictures of different sizes cannot be exchanged
@@ -120,19 +123,19 @@ fn orders(cameras: &[Camera]) -> Vec<(&'static str, Vec<usize>)> {
     }
     let count = cameras.len();
     let all = |picture: &dyn Fn(usize) -> usize| (0..count).map(picture).collect::<Vec<_>>();
-    let mut orders = alloc::vec![
+    let mut orders = vec![
         ("off by one", all(&|camera| (camera + 1) % count)),
         ("off by one", all(&|camera| (camera + count - 1) % count)),
         ("the reverse one", all(&|camera| count - 1 - camera)),
     ];
     // Names such as cam1, cam10, cam2, counted from 0 and from 1, either of the cameras or of the pictures.
     for first in [0, 1] {
-        let mut sorted = all(&|camera| camera);
-        sorted.sort_by_cached_key(|camera| (camera + first).to_string());
-        let mut inverse = sorted.clone();
-        sorted.iter().enumerate().for_each(|(i, &camera)| inverse[camera] = i);
-        if sorted != inverse || !sorted.is_sorted() {
-            orders.extend([sorted, inverse].map(|pictures| ("that of their names as text", pictures)));
+        let names: Vec<String> = (first..first + count).map(|number| number.to_string()).collect();
+        let ranks = all(&|camera| names.iter().filter(|name| **name < names[camera]).count());
+        let mut inverse = ranks.clone();
+        ranks.iter().enumerate().for_each(|(camera, &rank)| inverse[rank] = camera);
+        if ranks.iter().enumerate().any(|(camera, &rank)| camera != rank) {
+            orders.extend([ranks, inverse].map(|pictures| ("that of their names as text", pictures)));
         }
     }
     orders

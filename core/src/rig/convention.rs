@@ -77,20 +77,27 @@ pub(crate) struct Convention {
 
 impl Convention {
     /// All conventions except that of [`Camera`], the most common ones first.
-    pub fn others() -> impl Iterator<Item = Self> {
-        let poses = [Pose::WorldToCamera, Pose::CameraToWorld, Pose::Centre, Pose::Transposed];
-        let others =
-            poses.into_iter().flat_map(|pose| [Turn::None, Turn::OpenGl].map(|turn| Self { pose, turn })).skip(1);
-        others.chain([
-            Self { pose: Pose::WorldToCamera, turn: Turn::UpsideDown },
-            Self { pose: Pose::RotationTurned, turn: Turn::OpenGl },
-            Self { pose: Pose::LeftHanded, turn: Turn::None },
-            Self { pose: Pose::Mirrored, turn: Turn::None },
-            Self { pose: Pose::TurnedAround, turn: Turn::None },
-        ])
+    pub const OTHERS: [Self; 12] = [
+        Self::new(Pose::WorldToCamera, Turn::OpenGl),
+        Self::new(Pose::CameraToWorld, Turn::None),
+        Self::new(Pose::CameraToWorld, Turn::OpenGl),
+        Self::new(Pose::Centre, Turn::None),
+        Self::new(Pose::Centre, Turn::OpenGl),
+        Self::new(Pose::Transposed, Turn::None),
+        Self::new(Pose::Transposed, Turn::OpenGl),
+        Self::new(Pose::WorldToCamera, Turn::UpsideDown),
+        Self::new(Pose::RotationTurned, Turn::OpenGl),
+        Self::new(Pose::LeftHanded, Turn::None),
+        Self::new(Pose::Mirrored, Turn::None),
+        Self::new(Pose::TurnedAround, Turn::None),
+    ];
+
+    const fn new(pose: Pose, turn: Turn) -> Self {
+        Self { pose, turn }
     }
 
     /// A camera whose pose is given in this convention, in that of [`Camera`].
+    #[inline(never)]
     pub fn read(self, camera: &Camera) -> Camera {
         // The rows of the array are the columns of the matrix.
         let transposed = DMat3::from_cols_array_2d(&camera.r);
@@ -233,7 +240,7 @@ pub(super) fn check(cameras: &[Camera], meeting: DVec3) -> Result<()> {
     } else {
         return Ok(());
     };
-    let likely = Convention::others().filter_map(|other| Some((other.meeting(cameras)?.0, other)));
+    let likely = Convention::OTHERS.into_iter().filter_map(|other| Some((other.meeting(cameras)?.0, other)));
     // Of equally good ones the first is the most common.
     let likely = likely.reduce(|best, next| if next.0 < best.0 - 1e-9 { next } else { best });
     let remedy = likely.map_or(remedy, |(_, convention)| convention.remedy());
@@ -269,7 +276,7 @@ mod tests {
 
     #[test]
     fn poses_of_every_convention_are_read_back() {
-        for convention in Convention::others() {
+        for convention in Convention::OTHERS {
             for camera in dome(Vec3::new(0.3, -0.2, 1.0)) {
                 let read = convention.read(&write(convention, &camera));
                 let close = |a: &[f64], b: &[f64]| a.iter().zip(b).all(|(a, b)| (a - b).abs() < 1e-12);

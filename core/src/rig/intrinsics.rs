@@ -21,36 +21,38 @@ pub(crate) fn other_reading(cameras: &[Camera]) -> Option<(String, Vec<Camera>)>
     let all: Vec<f64> = cameras.iter().flat_map(shares).collect();
     let mean = all.iter().sum::<f64>() / all.len() as f64;
     let are_alike = all.iter().all(|share| (share - mean).abs() < DEVIATION * (mean / MIDDLE).max(1.0));
+    let read = |k: &dyn Fn(&Camera) -> [[f64; 3]; 3]| -> Vec<Camera> {
+        cameras.iter().map(|camera| Camera { k: k(camera), ..*camera }).collect()
+    };
     if are_alike && mean.abs() < MISSING {
-        let centred = cameras.iter().map(|camera| {
-            let mut k = camera.k;
-            (k[0][2], k[1][2]) = (MIDDLE * f64::from(camera.width - 1), MIDDLE * f64::from(camera.height - 1));
-            Camera { k, ..*camera }
-        });
+        let remedy = "K has no principal point: give cx and cy, near the middles of the pictures";
+        let middle = |pixels: u32| MIDDLE * f64::from(pixels - 1);
         return Some((
-            "K has no principal point: give cx and cy, near the middles of the pictures".into(),
-            centred.collect(),
+            remedy.into(),
+            read(&|camera| with_centre(camera, [middle(camera.width), middle(camera.height)])),
         ));
     }
     if are_alike && mean > DEVIATION && (mean - MIDDLE).abs() > DEVIATION {
         let scale = MIDDLE / mean;
-        let scaled = cameras.iter().map(|camera| {
-            let [[fx, skew, cx], [_, fy, cy], last] = camera.k;
-            Camera { k: [[fx * scale, skew * scale, cx * scale], [0.0, fy * scale, cy * scale], last], ..*camera }
-        });
         let remedy = format!(
-            "K looks like that of pictures {:.2} times as large: multiply fx, fy, cx and cy by the ratio of the sizes, about {scale:.2}",
+            "K looks like that of pictures {:.2} times as large: multiply fx, fy, cx and cy by the ratio of the sizes, about \
+             {scale:.2}",
             1.0 / scale
         );
-        return Some((remedy, scaled.collect()));
+        return Some((
+            remedy,
+            read(&|&Camera { k: [x, y, last], .. }| [x.map(|v| v * scale), y.map(|v| v * scale), last]),
+        ));
     }
-    let exchanged = cameras.iter().map(|camera| {
-        let [[fx, skew, cx], [_, fy, cy], last] = camera.k;
-        Camera { k: [[fx, skew, cy], [0.0, fy, cx], last], ..*camera }
-    });
-    let exchanged: Vec<Camera> = exchanged.collect();
     let is_central = |camera: &Camera| shares(camera).iter().all(|share| (share - MIDDLE).abs() < DEVIATION);
-    let any_square = cameras.iter().any(is_central);
-    (!any_square && exchanged.iter().all(is_central))
-        .then(|| ("cx and cy look exchanged: exchange them in K".into(), exchanged))
+    let exchanged = read(&|camera| with_centre(camera, [camera.k[1][2], camera.k[0][2]]));
+    let are_exchanged = !cameras.iter().any(is_central) && exchanged.iter().all(is_central);
+    are_exchanged.then(|| ("cx and cy look exchanged: exchange them in K".into(), exchanged))
+}
+
+/// K with another principal point.
+fn with_centre(camera: &Camera, [x, y]: [f64; 2]) -> [[f64; 3]; 3] {
+    let mut k = camera.k;
+    (k[0][2], k[1][2]) = (x, y);
+    k
 }

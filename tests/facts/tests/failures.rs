@@ -114,6 +114,9 @@ fn poses_in_another_convention_are_named() {
     }
 }
 
+/// Makes a mistake.
+type Change = fn(&mut Shot);
+
 /// Mirrors the pixels of a picture or of a mask.
 fn mirror<T>(pixels: &mut [T], width: usize) {
     pixels.chunks_exact_mut(width).for_each(<[T]>::reverse);
@@ -128,13 +131,10 @@ fn mirror_all(shot: &mut Shot) {
     }
 }
 
-/// What the error says of a mistake, and the mistake.
-type Mistake = (&'static str, fn(&mut Shot));
-
 /// Mistakes that all cameras share are named, with their remedy.
 #[test]
 fn mistakes_of_all_cameras_are_named() {
-    let mistakes: [Mistake; 7] = [
+    let mistakes: [(&str, Change); 7] = [
         ("K looks like that of pictures 0.50 times as large", |shot| {
             shot.cameras.iter_mut().for_each(|c| c.k[..2].iter_mut().flatten().for_each(|v| *v *= 0.5));
         }),

@@ -49,7 +49,7 @@ pub struct Agreement {
 /// # Errors
 /// Those of carving.
 pub fn carve_agreeing(
-    carving: &mut impl Carving,
+    carving: &mut dyn Carving,
     params: Option<&AgreementParams>,
     rounds: u32,
     executor: &dyn Executor,
