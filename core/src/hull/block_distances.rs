@@ -1,13 +1,12 @@
 //! The signed distance at the nodes of a block (§0), in rows of nodes that fit into vectors.
 
 use super::{
-    carver::{Carver, EDGE, FAR},
+    carver::{Carver, EDGE, FAR, interpolate, square},
     visual_hull::VisualHull,
 };
 use crate::{
     grid::{BLOCK, BLOCK_NODES},
     math::min,
-    silhouette::Silhouette,
     simd::Work,
 };
 use glam::Vec3;
@@ -83,29 +82,16 @@ fn add_view(carver: &Carver, xs: &Row, first: Vec3, nearest: &mut Row, seen: &mu
     }
     // Reads the four pixels around each position, two per word. Only this loop cannot be vectorised.
     let (mut upper, mut lower) = (Row::<u32>::default(), Row::<u32>::default());
-    let word = |a: i16, b: i16| u32::from(a as u16) | u32::from(b as u16) << 16;
     for i in 0..BLOCK {
-        let d = &silhouette.distances()[pixel[i] as usize..][..width + 2];
-        (upper[i], lower[i]) = (word(d[0], d[1]), word(d[width], d[width + 1]));
+        [upper[i], lower[i]] = square(silhouette, width, pixel[i]);
     }
     for i in 0..BLOCK {
-        let [a, b] = halves(upper[i]);
-        let [c, d] = halves(lower[i]);
-        let unknown = i32::from(Silhouette::UNKNOWN);
-        let is_known = (a != unknown) & (b != unknown) & (c != unknown) & (d != unknown) & (within[i] != 0);
-        let (a, b, c, d) = (a as f32, b as f32, c as f32, d as f32);
-        let (top, bottom) = (a + (b - a) * fx[i], c + (d - c) * fx[i]);
-        let pixels = (top + (bottom - top) * fy[i]) * (1.0 / Silhouette::UNITS);
+        let (pixels, is_known) = interpolate([upper[i], lower[i]], fx[i], fy[i]);
         let distance = pixels * camera.footprint(depth[i]);
-        nearest[i] = if is_known & (distance < nearest[i]) { distance } else { nearest[i] };
-        seen[i] += u32::from(is_known);
+        let is_seen = is_known & (within[i] != 0);
+        nearest[i] = if is_seen & (distance < nearest[i]) { distance } else { nearest[i] };
+        seen[i] += u32::from(is_seen);
     }
-}
-
-/// The two signed halves of a word, the lower one first.
-#[inline(always)]
-fn halves(word: u32) -> [i32; 2] {
-    [(word << 16) as i32 >> 16, word as i32 >> 16]
 }
 
 #[cfg(test)]

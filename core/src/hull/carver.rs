@@ -43,6 +43,35 @@ pub(super) fn carvers(views: &[View]) -> Vec<Carver> {
     carvers
 }
 
+/// A silhouette's distances at four neighbouring pixels, the upper two in one word and the lower two in another, the left one
+/// in the lower half. In this form vectors hold those of several views or points.
+pub(super) type Square = [u32; 2];
+
+/// The square whose upper left pixel has the index `first` in a silhouette of the given width.
+#[inline(always)]
+pub(super) fn square(silhouette: &Silhouette, width: usize, first: u32) -> Square {
+    let d = &silhouette.distances()[first as usize..][..width + 2];
+    [[d[0], d[1]], [d[width], d[width + 1]]].map(|[a, b]| u32::from(a as u16) | u32::from(b as u16) << 16)
+}
+
+/// [`Silhouette::sample`] in a square, at a fraction of a pixel from its upper left pixel. The second result is whether all of
+/// the square's distances are known.
+#[inline(always)]
+pub(super) fn interpolate([upper, lower]: Square, x: f32, y: f32) -> (f32, bool) {
+    let ([a, b], [c, d]) = (halves(upper), halves(lower));
+    let unknown = i32::from(Silhouette::UNKNOWN);
+    let is_known = (a != unknown) & (b != unknown) & (c != unknown) & (d != unknown);
+    let (a, b, c, d) = (a as f32, b as f32, c as f32, d as f32);
+    let (top, bottom) = (a + (b - a) * x, c + (d - c) * x);
+    ((top + (bottom - top) * y) * (1.0 / Silhouette::UNITS), is_known)
+}
+
+/// The two signed halves of a word, the lower one first.
+#[inline(always)]
+fn halves(word: u32) -> [i32; 2] {
+    [(word << 16) as i32 >> 16, word as i32 >> 16]
+}
+
 impl Carver {
     /// `None` if the view has no silhouette or is left out.
     fn new(view: &View) -> Option<Self> {

@@ -1,7 +1,7 @@
 //! The signed distance at one point (§0), from eight views at a time.
 
-use super::carver::{Carver, EDGE, FAR};
-use crate::{math::min, silhouette::Silhouette, simd::Work};
+use super::carver::{Carver, EDGE, FAR, interpolate, square};
+use crate::{math::min, simd::Work};
 use alloc::vec::Vec;
 use glam::Vec3;
 
@@ -123,26 +123,18 @@ impl<'a> PointDistance<'a> {
         let [x, y, depth] = q;
         // Reads the four pixels around each position, two per word. Only this loop cannot be vectorised.
         let (mut upper, mut lower) = (Lanes::<u32>::default(), Lanes::<u32>::default());
-        let word = |a: i16, b: i16| u32::from(a as u16) | u32::from(b as u16) << 16;
         for i in 0..LANES {
             if within[i] != 0 {
                 let first = y[i] as i32 as u32 * width[i] + x[i] as i32 as u32;
-                let w = width[i] as usize;
-                let d = &carvers[i].silhouette.distances()[first as usize..][..w + 2];
-                (upper[i], lower[i]) = (word(d[0], d[1]), word(d[w], d[w + 1]));
+                [upper[i], lower[i]] = square(&carvers[i].silhouette, width[i] as usize, first);
             }
         }
         let (mut distance, mut seen) = (Lanes::default(), Lanes::<u32>::default());
         for i in 0..LANES {
             let (fx, fy) = (x[i] - (x[i] as i32) as f32, y[i] - (y[i] as i32) as f32);
-            let [a, b] = halves(upper[i]);
-            let [c, d] = halves(lower[i]);
-            let unknown = i32::from(Silhouette::UNKNOWN);
-            seen[i] = u32::from((a != unknown) & (b != unknown) & (c != unknown) & (d != unknown)) & within[i];
-            let (a, b, c, d) = (a as f32, b as f32, c as f32, d as f32);
-            let (top, bottom) = (a + (b - a) * fx, c + (d - c) * fx);
-            let pixels = (top + (bottom - top) * fy) * (1.0 / Silhouette::UNITS);
+            let (pixels, is_known) = interpolate([upper[i], lower[i]], fx, fy);
             distance[i] = pixels * (depth[i] / focal[i]);
+            seen[i] = u32::from(is_known) & within[i];
         }
         for i in 0..LANES {
             nearest.seen += seen[i];
@@ -151,10 +143,4 @@ impl<'a> PointDistance<'a> {
             }
         }
     }
-}
-
-/// The two signed halves of a word, the lower one first.
-#[inline(always)]
-fn halves(word: u32) -> [i32; 2] {
-    [(word << 16) as i32 >> 16, word as i32 >> 16]
 }
