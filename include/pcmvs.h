@@ -85,7 +85,7 @@
  * of the picture's middle, and the skew is at most the focal length. A lens does not fold the picture before its nearest
  * edge, its map takes at most 64 MiB, and at least a twentieth of the undistorted picture shows something. Coordinates of t go up to
  * 1e15. Most cameras stand 1e-6 to 1e9 units from where they look, and no camera 100 times nearer or farther than they
- * do, nor 30 times farther if the others look at one place; the scene is at most 1e8 times that distance from its zero. pcmvs_rig_set_cameras fails with PCMVS_STATUS_CAMERA
+ * do, nor 20 times farther if the others look at one place; the scene is at most 1e8 times that distance from its zero. pcmvs_rig_set_cameras fails with PCMVS_STATUS_CAMERA
  * otherwise, and names the camera if it is one.
  *
  * Time. docs/c.md estimates the time of a frame from the size of its pictures, and the time until a progress callback is

@@ -41,7 +41,7 @@ impl Rig {
     /// Checks the cameras and computes the data that frames share. Sizes, focal lengths, distortion, positions and
     /// distances out of reason are refused before memory is allocated: sides of more than 32768 pixels, pictures of more
     /// than 2²⁸ pixels and 2³⁴ pixels together, lenses whose map needs more than 64 MiB, angles of view beyond 0.06° to 179°, distances from where the cameras look of less than 10⁻⁶ or
-    /// more than 10⁹, and cameras 100 times nearer or farther than most, or 30 times farther if the others look at one place.
+    /// more than 10⁹, and cameras 100 times nearer or farther than most, or 20 times farther if the others look at one place.
     ///
     /// # Errors
     /// [`Error::TooFewViews`], [`Error::Camera`] and [`Error::Cameras`].
