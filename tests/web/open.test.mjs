@@ -235,7 +235,7 @@ test("the picture of one frame is not shown in another that has none", async (t)
 });
 
 test("a lack of memory is reported, and the page keeps working", async (t) => {
-    const own = await launch(["--js-flags=--wasm-max-mem-pages=1200"]);
+    const own = await launch(["--js-flags=--wasm-max-mem-pages=700"]);
     try {
         const { page, shot } = await open(t, { own });
         await page.waitForFunction(() => document.getElementById("errors").childElementCount > 0, undefined, {
