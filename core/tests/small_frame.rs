@@ -1,4 +1,4 @@
-//! A whole frame that is small enough for Miri, which interprets it: six views of a textured ball.
+//! A whole frame as small as all stages take it: six views of a textured ball.
 
 mod common;
 

@@ -2,7 +2,8 @@
 //!
 //! The paper has no coarse pass: it searches the whole hull at full resolution.
 //!
-//! `seen_through` drops points of the hull that other views see through, and `gaps` closes gaps of the mesh where silhouettes show the object.
+//! `seen_through` drops points of the hull that other views see through, and `gaps` closes gaps of the mesh where silhouettes
+//! show the object.
 
 mod gaps;
 mod seen_through;
