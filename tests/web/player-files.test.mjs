@@ -4,7 +4,7 @@ import { readFileSync, writeFileSync } from "node:fs";
 import { createServer } from "node:http";
 import { join } from "node:path";
 import { test } from "node:test";
-import { add, browser, edit, heard, openElement, root, site } from "./clips.mjs";
+import { add, browser, COUNT, edit, heard, openElement, root, showsFrame, site } from "./clips.mjs";
 import { openPage } from "./site.mjs";
 
 test("what is wrong with a clip is said in words", async (t) => {
@@ -120,6 +120,28 @@ test("a connection that breaks is tried once more, and not more often", async (t
     assert.equal(asked.get("full"), 2);
 });
 
+test("a connection on which nothing arrives any more is tried once more", async (t) => {
+    const asked = [];
+    const server = createServer((request, response) => {
+        asked.push(request.url);
+        response.setHeader("access-control-allow-origin", "*");
+        if (request.url.endsWith(".json")) return response.end(readFileSync(join(root, "whole/sequence.json")));
+        const file = readFileSync(join(root, "whole/full.glb"));
+        // The first answer stops in the middle.
+        if (asked.length === 2) return response.write(file.subarray(0, file.length / 2));
+        response.end(file);
+    }).listen(0, "127.0.0.1");
+    t.after(() => server.closeAllConnections());
+    t.after(() => server.close());
+    const { page } = await openPage(browser, `${site.address}/site/plain.html`);
+    t.after(() => page.context().close());
+    await page.waitForFunction(() => customElements.get("pcmvs-player"));
+    await add(page, { src: `http://127.0.0.1:${server.address().port}/sequence.json`, autoplay: "" });
+    // The clip's time passes, and the last frame is shown as soon as it is there.
+    await showsFrame(page, COUNT - 1);
+    assert.deepEqual(asked, ["/sequence.json", "/full.glb", "/full.glb"]);
+});
+
 test("the quality goes by the bandwidth", async (t) => {
     const { page, problems } = await openElement(t);
     const asked = new Set();
@@ -132,7 +154,15 @@ test("the quality goes by the bandwidth", async (t) => {
         await network.send("Network.emulateNetworkConditions", conditions);
         await network.send("Network.setCacheDisabled", { cacheDisabled: true });
         await add(page, { src: "two/sequence.json", autoplay: "", loop: "" });
-        await page.waitForFunction(() => globalThis.clip.shownFrames > 2 * 8, undefined, { timeout: 60_000 });
+        await page
+            .waitForFunction(() => globalThis.clip.shownFrames > 2 * 8, undefined, { timeout: 60_000 })
+            .catch(async () => {
+                const state = await page.evaluate(() => {
+                    const { shownFrames, droppedFrames, loadedQuality, currentTime } = globalThis.clip.player;
+                    return { shownFrames, droppedFrames, loadedQuality, currentTime, heard: globalThis.heard };
+                });
+                assert.fail(`it does not play: ${JSON.stringify({ bytes, ...state, asked: [...asked], problems })}`);
+            });
         return [...asked].filter((name) => name.endsWith(".glb"));
     };
     const rates = JSON.parse(readFileSync(join(root, "two/sequence.json"), "utf8")).qualities.map(({ bytes }) => bytes);

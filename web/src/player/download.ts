@@ -10,8 +10,10 @@ const BINARY_CHUNK = 0x004e4942;
 /** Bytes of the file's header and that of its first chunk. */
 const HEADERS = 20;
 const CHUNK_HEADER = 8;
-/** Milliseconds. */
+/** Milliseconds before a file is asked for once more. */
 const RETRY = 500;
+/** Milliseconds without a byte after which a connection counts as broken. */
+const STALLED = 15_000;
 
 const glb = (parts: BlobPart[]) => new Blob(parts, { type: "model/gltf-binary" });
 
@@ -73,14 +75,37 @@ export class Download {
         }
     }
 
+    /** Loads the file. A connection on which nothing arrives any more is an error, too. */
     private async load() {
-        const response = await get(this.segment.url, this.control.signal);
+        const attempt = new AbortController();
+        let stalled = 0;
+        const watch = () => {
+            clearTimeout(stalled);
+            stalled = window.setTimeout(() => attempt.abort(), STALLED);
+        };
+        const end = () => attempt.abort();
+        this.control.signal.addEventListener("abort", end);
+        try {
+            watch();
+            await this.receive(attempt.signal, watch);
+        } catch (error) {
+            if (attempt.signal.aborted && !this.control.signal.aborted) throw new Error("nothing arrives");
+            throw error;
+        } finally {
+            clearTimeout(stalled);
+            this.control.signal.removeEventListener("abort", end);
+        }
+    }
+
+    private async receive(signal: AbortSignal, onbytes: () => void) {
+        const response = await get(this.segment.url, signal);
         if (this.bytes.length === 0) this.bytes = new Uint8Array(this.segment.bytes);
         this.received = 0;
         const reader = (response.body as ReadableStream<Uint8Array>).getReader();
         for (;;) {
             const { done, value } = await reader.read();
             if (done) break;
+            onbytes();
             if (this.received + value.length > this.bytes.length) return this.mismatch("more");
             this.bytes.set(value, this.received);
             this.received += value.length;
