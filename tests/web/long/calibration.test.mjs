@@ -1,4 +1,4 @@
-// A camera that was moved, on the page: its check, its refinement, and the refined cameras in use.
+// Cameras that are off, on the page: their check, their refinement, and the refined cameras in use.
 import assert from "node:assert/strict";
 import { readFileSync, writeFileSync } from "node:fs";
 import { join } from "node:path";
@@ -63,5 +63,44 @@ test("a camera that was moved is named and marked, and the refined cameras are u
     assert.deepEqual(await marked(page), ["cam03"]);
     await run(page);
     assert.deepEqual(await warned(page), ["camera-contradicts", "camera-contradicts"]);
+    assert.deepEqual(problems, []);
+});
+
+test("a calibration that is off everywhere is a warning about no camera", async (t) => {
+    const off = capture(
+        [0],
+        ({ cameras }) => {
+            for (const [i, camera] of cameras.entries()) bump(camera, i % 2 ? 1 : -1, "horizontal");
+        },
+        ARC,
+    );
+    const { page, problems } = await openWith(t, off);
+    await check(page);
+    assert.match(await text(page, "calibration-summary"), /^The calibration can be improved/);
+    assert.match(await text(page, "calibration-warnings"), /^\s*the calibration does not fit the pictures/);
+    assert.equal(await page.$("#calibration-warnings button"), null);
+    assert.deepEqual(await marked(page), []);
+    assert.deepEqual(problems, []);
+});
+
+test("exchanged cameras are both marked, and the refined cameras exchange them back", async (t) => {
+    const exchange = ({ cameras }) => {
+        const [a, b] = [cameras[2], cameras[7]];
+        [cameras[2], cameras[7]] = [
+            { ...b, name: a.name },
+            { ...a, name: b.name },
+        ];
+    };
+    const exchanged = capture([0], exchange, ARC);
+    const { page, problems } = await openWith(t, exchanged);
+    await check(page);
+    assert.deepEqual(await marked(page), ["cam02", "cam07"]);
+    assert.match(await text(page, "calibration-summary"), /^The calibration fits better with two cameras exchanged/);
+    await page.click("#use-refined");
+    await run(page);
+    assert.deepEqual(await warned(page), []);
+    assert.deepEqual(await marked(page), []);
+    await page.click("#use-given");
+    assert.deepEqual(await marked(page), ["cam02", "cam07"]);
     assert.deepEqual(problems, []);
 });
