@@ -70,6 +70,7 @@ fn bumped(by: [f64; 2]) -> Shot {
 }
 
 #[test]
+#[ignore = "takes long: `cargo xtask test --all` runs it"]
 fn wrong_directions_of_all_cameras_are_corrected_to_a_tenth_of_a_pixel() {
     for pixels in [1.0, 3.0] {
         let shot = record(&Faults { calibration: pixels, noise: 2.0, gain: 0.05, ..Faults::default() });
@@ -132,6 +133,7 @@ fn a_bumped_camera_is_named_and_corrected() {
 
 /// The other cameras, and with them the world, stay where they are.
 #[test]
+#[ignore = "takes long: `cargo xtask test --all` runs it"]
 fn the_world_stays_in_place() {
     let shot = bumped([-7.0, 7.0]);
     let found = calibrated(&shot);

@@ -7,6 +7,7 @@ use pcmvs_core::{
     Rig, Serial, Silent, Stage, TextureParams, ViewInput,
 };
 use std::{
+    ops::Range,
     sync::Mutex,
     time::{Duration, Instant},
 };
@@ -205,13 +206,17 @@ fn cameras_six_hundred_metres_away_make_the_same_body() {
 
 #[test]
 fn any_calibration_gives_an_error_or_a_closed_mesh() {
-    let (mut meshes, mut errors) = (0, 0);
-    for seed in 0..150 {
-        match try_one(seed) {
-            Ok(()) => meshes += 1,
-            Err(_) => errors += 1,
-        }
-    }
-    println!("{meshes} meshes, {errors} errors");
-    assert!(meshes > 20 && errors > 20, "{meshes} meshes, {errors} errors");
+    try_many(0..40);
+}
+
+#[test]
+#[ignore = "takes long: `cargo xtask test --all` runs it"]
+fn any_further_calibration_gives_an_error_or_a_closed_mesh() {
+    try_many(40..400);
+}
+
+fn try_many(seeds: Range<u64>) {
+    let (seeds, meshes) = (seeds.end - seeds.start, seeds.filter(|&seed| try_one(seed).is_ok()).count() as u64);
+    println!("{meshes} meshes of {seeds}");
+    assert!((seeds / 8..7 * seeds / 8).contains(&meshes), "{meshes} meshes of {seeds}");
 }
