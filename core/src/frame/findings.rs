@@ -7,6 +7,7 @@ use crate::{
     math::{max, median, ordered},
     params::Method,
     rig::Rig,
+    silhouette::ContourFault,
     stage::Stage,
     view::View,
 };
@@ -72,6 +73,7 @@ impl<R: Deref<Target = Rig>> Frame<R> {
             });
         }
         warnings.extend(self.disagreements());
+        warnings.extend(self.contour_faults());
         if self.require(Stage::Detect).is_ok() && self.params().method == Method::Pcmvs {
             let silent = cameras().filter(|&(_, place)| self.views()[place].is_used() && !self.has_stereo[place]);
             warnings.extend(silent.map(|(camera, _)| Warning::NoStereoPoints { camera }));
@@ -132,6 +134,18 @@ impl<R: Deref<Target = Rig>> Frame<R> {
             named.insert(0, Warning::SilhouettesContradict { median: typical, worst, overlap });
         }
         named
+    }
+
+    /// Warnings about contours along which the pictures show no edge, or a weaker one than beside them. Once the stage is
+    /// complete.
+    fn contour_faults(&self) -> impl Iterator<Item = Warning> {
+        let edge = |camera: u32| {
+            let view = self.views().get(self.rig().place(camera as usize)?)?;
+            let is_shown = matches!(view.left_out, None | Some(LeftOut::Contradicts));
+            Some((camera, view.edge.filter(|_| is_shown)?))
+        };
+        let edges: Vec<_> = (0..self.cameras() as u32).filter_map(edge).collect();
+        ContourFault::of(&edges).into_iter().map(Warning::Contour)
     }
 }
 
