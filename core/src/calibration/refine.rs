@@ -318,7 +318,7 @@ impl Judge<'_> {
                 cameras[index as usize] = models[place].camera(rig.origin());
             }
         }
-        let bias = epipolar_bias(given, tracks).zip(epipolar_bias(models, tracks)).map(|(a, b)| [a, b]);
+        let bias = epipolar_bias(given, tracks, 1).zip(epipolar_bias(models, tracks, 1)).map(|(a, b)| [a, b]);
         let points = tracks.iter().filter(|track| track.source == Source::Texture).count() as u32;
         let findings = self.findings(verdict, &reports, fit.exchanged, bias);
         Calibration { cameras, verdict, reports, held_out, epipolar_bias_px: bias, points, findings }

@@ -10,8 +10,8 @@ use core::fmt;
 const BESIDE_MOST: f32 = 0.2;
 /// and beside that of one camera if it is stronger than this.
 const BESIDE_ONE: f32 = 0.5;
-/// A contour is without edge if what is usual around it is stronger than this share of its own edge.
-const WITHOUT: f32 = 0.35;
+/// An edge that is this many times stronger than the contour's own is the object's, even if the contour is without edge.
+const CLEARLY: f32 = 5.0;
 
 /// A fault of silhouettes that the pictures show. Cameras are numbered as given to [`crate::Rig::new`].
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -44,7 +44,7 @@ impl ContourFault {
             return median(beside()).map(|pixels| Self::BesideEdges { pixels }).into_iter().collect();
         }
         let fault = |&(camera, edge): &(u32, ContourEdge)| {
-            if edge.usual > WITHOUT {
+            if !edge.is_along() && edge.strength < CLEARLY {
                 Some(Self::WithoutEdge { camera })
             } else {
                 (edge.strength > BESIDE_ONE).then_some(Self::BesideEdge { camera, pixels: edge.other })

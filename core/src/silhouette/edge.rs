@@ -17,6 +17,8 @@ const OTHER: usize = 4;
 const FEWER: f32 = 4.0;
 /// Least number of distances that tell what is usual on a side.
 const LEAST: usize = 3;
+/// A picture shows no edge along a contour if what is usual around it is stronger than this share of its own edge.
+const WITHOUT: f32 = 0.35;
 /// Least strength of an edge to compare with, in grey levels per pixel.
 const FAINT: f32 = 1.0;
 
@@ -52,6 +54,11 @@ impl ContourEdge {
             [side, None] | [None, side] => Self { usual: 0.0, ..side? },
         };
         Some(Self { other: found.other * (1u32 << octave) as f32, ..found })
+    }
+
+    /// Whether the picture shows an edge along the contour.
+    pub fn is_along(&self) -> bool {
+        self.usual <= WITHOUT
     }
 }
 
