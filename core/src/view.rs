@@ -11,7 +11,7 @@ use crate::{
     reading::{ReadingParams, Reduced},
     rig::Rig,
     silhouette::{
-        ChromaKey, ContourParams, NoSilhouette, Silhouette, Uncertainty, chroma, clean_plate,
+        ChromaKey, ContourEdge, ContourParams, NoSilhouette, Silhouette, Uncertainty, chroma, clean_plate,
         refine::{RefineScratch, refine},
     },
     window::Window,
@@ -65,6 +65,8 @@ pub struct View {
     pub added: u32,
     /// Whether the object has been cut out of the picture, so that it shows nothing outside the silhouette as it was given.
     pub cut_out: bool,
+    /// What the picture shows around the contour of the silhouette as it was given.
+    pub edge: Option<ContourEdge>,
     /// Why the view contributes nothing to its frame. `None` if it takes part.
     pub left_out: Option<LeftOut>,
 }
@@ -130,6 +132,7 @@ impl View {
             given: None,
             added: 0,
             cut_out: false,
+            edge: None,
             left_out: None,
         }
     }
@@ -298,8 +301,9 @@ impl View {
         luma.clear();
         luma.extend(rgb.chunks_exact(3).map(|p| image::luma([p[0], p[1], p[2]])));
         let cut_out = silhouette.as_ref().is_some_and(|silhouette| is_cut_out(&rgb, silhouette));
+        let edge = silhouette.as_ref().and_then(|silhouette| ContourEdge::new(&rgb, silhouette, octave));
         let silhouette = silhouette.map(Arc::new);
         let camera = rig.pinholes()[index].at_octave(octave);
-        Ok(Self { octave, rgb, luma, cut_out, left_out, ..Self::of_silhouette(place as u16, camera, silhouette) })
+        Ok(Self { octave, rgb, luma, cut_out, edge, left_out, ..Self::of_silhouette(place as u16, camera, silhouette) })
     }
 }

@@ -73,7 +73,8 @@ impl Scene {
                 | Warning::MaskInverted { .. }
                 | Warning::SilhouetteSetAside { .. }
                 | Warning::SilhouetteCompleted { .. }
-                | Warning::SilhouetteDisagrees { .. } => self.made_of(frame, camera),
+                | Warning::SilhouetteDisagrees { .. }
+                | Warning::Contour(_) => self.made_of(frame, camera),
                 Warning::CameraContradicts { .. }
                 | Warning::PicturesExchanged { .. }
                 | Warning::ColoursDiffer { .. }

@@ -1,5 +1,6 @@
 //! What the calibration stage finds wrong.
 
+use crate::silhouette::ContourFault;
 use core::fmt;
 
 /// Something that the pictures contradict. Cameras are numbered as given to [`crate::Rig::new`].
@@ -32,6 +33,8 @@ pub enum Finding {
         /// How far its contour misses the tangents of the others, in pixels, if it has been measured.
         contour_px: Option<f64>,
     },
+    /// The pictures show the object's edge elsewhere than along the contours of silhouettes, in every frame.
+    Contour(ContourFault),
 }
 
 impl Finding {
@@ -45,6 +48,7 @@ impl Finding {
             Self::CameraBumped { .. } => "camera-bumped",
             Self::CamerasSwapped { .. } => "cameras-swapped",
             Self::CameraContradicts { .. } => "camera-contradicts",
+            Self::Contour(fault) => fault.code(),
         }
     }
 
@@ -52,6 +56,7 @@ impl Finding {
     pub const fn cameras(&self) -> [Option<u32>; 2] {
         match self {
             Self::CalibrationInconsistent { .. } => [None, None],
+            Self::Contour(fault) => [fault.camera(), None],
             Self::CameraBumped { camera, .. } | Self::CameraContradicts { camera, .. } => [Some(*camera), None],
             Self::CamerasSwapped { first, second } => [Some(*first), Some(*second)],
         }
@@ -77,6 +82,7 @@ impl fmt::Display for Finding {
                 "the pictures of the two cameras seem to be exchanged: each silhouette fits the other camera. Exchange \
                  their pictures and masks"
             ),
+            Self::Contour(fault) => fault.fmt(f),
             Self::CameraContradicts { contour_px, .. } => {
                 write!(f, "its silhouette contradicts those of the other cameras, and no other pose makes it fit")?;
                 if let Some(pixels) = contour_px {

@@ -19,9 +19,11 @@ use crate::{
     error::{Error, Result},
     executor::Executor,
     hull::{AgreementParams, HullParams},
+    math::{max, ordered},
     params::{Params, Preset},
     progress::{self, Onward, Part, Progress},
     rig::Rig,
+    silhouette::{ContourEdge, ContourFault},
     stage::Stage,
     view::{View, ViewInput},
 };
@@ -150,9 +152,23 @@ pub fn calibrate(
         priors: &priors,
         contradicts: &contradicts,
     };
-    let found = judge.result(&fit);
+    let mut found = judge.result(&fit);
+    found.findings.extend(contour_faults(rig, frames).into_iter().map(Finding::Contour));
     progress::step(progress, Stage::Detect, steps, steps)?;
     Ok(found)
+}
+
+/// What the pictures of all frames say about the contours: of each camera that of the frame that fits best, because masks may be
+/// wrong in single frames.
+fn contour_faults(rig: &Rig, frames: &[&[View]]) -> Vec<ContourFault> {
+    let edge = |camera: usize| {
+        let place = rig.place(camera)?;
+        let worse = |edge: &ContourEdge| ordered(max(edge.strength, edge.usual));
+        let best = frames.iter().filter_map(|views| views[place].edge).min_by_key(worse)?;
+        Some((camera as u32, best))
+    };
+    let edges: Vec<_> = (0..rig.cameras().len()).filter_map(edge).collect();
+    ContourFault::of(&edges)
 }
 
 /// Whether refined cameras do not make the contours miss each other clearly more than before.
@@ -302,7 +318,7 @@ impl Judge<'_> {
                 cameras[index as usize] = models[place].camera(rig.origin());
             }
         }
-        let bias = epipolar_bias(given, tracks).zip(epipolar_bias(models, tracks)).map(|(a, b)| [a, b]);
+        let bias = epipolar_bias(given, tracks, 1).zip(epipolar_bias(models, tracks, 1)).map(|(a, b)| [a, b]);
         let points = tracks.iter().filter(|track| track.source == Source::Texture).count() as u32;
         let findings = self.findings(verdict, &reports, fit.exchanged, bias);
         Calibration { cameras, verdict, reports, held_out, epipolar_bias_px: bias, points, findings }

@@ -101,8 +101,8 @@ pub(super) fn held_out_loss(instants: &[Instant], models: &[Model], tracks: &[Tr
 }
 
 /// The mean over all pairs of cameras of the size of their median signed distance, in pixels: what calibration, not
-/// chance, is off by. `None` without matches.
-pub(super) fn epipolar_bias(models: &[Model], tracks: &[Track]) -> Option<f64> {
+/// chance, is off by. `None` if fewer than `least` cameras, counted once for each of their pairs, have matches enough.
+pub(super) fn epipolar_bias(models: &[Model], tracks: &[Track], least: usize) -> Option<f64> {
     let count = models.len();
     let mut pairs: Vec<Vec<f64>> = vec![Vec::new(); count * count];
     distances(models, tracks, |[a, b], d, _| pairs[usize::from(b) * count + usize::from(a)].push(d));
@@ -110,5 +110,5 @@ pub(super) fn epipolar_bias(models: &[Model], tracks: &[Track]) -> Option<f64> {
     for of_pair in pairs.iter_mut().filter(|of_pair| of_pair.len() >= LEAST_MATCHES) {
         sizes.extend(median(of_pair).map(f64::abs));
     }
-    (!sizes.is_empty()).then(|| sizes.iter().sum::<f64>() / sizes.len() as f64)
+    (sizes.len() >= least).then(|| sizes.iter().sum::<f64>() / sizes.len() as f64)
 }

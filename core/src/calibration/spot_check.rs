@@ -46,7 +46,7 @@ pub(crate) struct SpotCheck {
     /// where there are too few. Pixels are those of the picture before it was read at a lower resolution.
     pub(crate) epipolar: Vec<Option<f32>>,
     /// The mean over all pairs of cameras of the size of their median signed distance, in pixels: what the calibration,
-    /// not chance, is off by. `None` without matches.
+    /// not chance, is off by. `None` if fewer than half as many pairs as cameras have enough matches.
     pub(crate) bias: Option<f32>,
 }
 
@@ -56,8 +56,10 @@ pub(crate) fn spot_check(rig: &Rig, views: &[View], points: &[PointCloud], execu
     let models: Vec<Model> = ordered.map(|camera| Model::new(camera, rig.origin())).collect();
     let found = executor.map(views.len(), |i| matches(rig, views, &models, i, &points[i]));
     let tracks: Vec<Track> = found.into_iter().flatten().collect();
+    // Every pair counts for both of its cameras. Fewer say nothing about the calibration as a whole.
+    let least = views.iter().filter(|view| view.is_used()).count().max(1);
     let epipolar = residuals(&[], &models, &tracks).iter().map(|r| r.epipolar_px.map(|d| d as f32)).collect();
-    SpotCheck { epipolar, bias: epipolar_bias(&models, &tracks).map(|d| d as f32) }
+    SpotCheck { epipolar, bias: epipolar_bias(&models, &tracks, least).map(|d| d as f32) }
 }
 
 /// The matches of one view's points in its neighbours.

@@ -7,6 +7,7 @@ use crate::{
     math::{max, median, ordered},
     params::Method,
     rig::Rig,
+    silhouette::ContourFault,
     stage::Stage,
     view::View,
 };
@@ -63,6 +64,8 @@ impl<R: Deref<Target = Rig>> Frame<R> {
     pub fn warnings(&self) -> Vec<Warning> {
         let pairs = self.rig().same_place().iter();
         let mut warnings: Vec<Warning> = pairs.map(|&(first, second)| Warning::SamePlace { first, second }).collect();
+        let faults = self.contour_faults();
+        warnings.extend(faults.iter().map(|&fault| Warning::Contour(fault)));
         let cameras = || (0..self.cameras()).filter_map(|camera| Some((camera as u32, self.rig().place(camera)?)));
         for (camera, place) in cameras() {
             // Until the stage is complete, the views are where they arrived.
@@ -71,7 +74,11 @@ impl<R: Deref<Target = Rig>> Frame<R> {
                 None => self.incoming[place].lock().as_ref().and_then(|view| of_view(view, camera)),
             });
         }
-        warnings.extend(self.disagreements());
+        // What is known to be wrong with a silhouette explains why it disagrees.
+        let is_explained = |warning: &Warning| {
+            faults.iter().any(|fault| fault.camera().is_none() || fault.camera() == warning.camera())
+        };
+        warnings.extend(self.disagreements().into_iter().filter(|warning| !is_explained(warning)));
         if self.require(Stage::Detect).is_ok() && self.params().method == Method::Pcmvs {
             let silent = cameras().filter(|&(_, place)| self.views()[place].is_used() && !self.has_stereo[place]);
             warnings.extend(silent.map(|(camera, _)| Warning::NoStereoPoints { camera }));
@@ -132,6 +139,17 @@ impl<R: Deref<Target = Rig>> Frame<R> {
             named.insert(0, Warning::SilhouettesContradict { median: typical, worst, overlap });
         }
         named
+    }
+
+    /// Contours along which the pictures show no edge, or a weaker one than beside them.
+    fn contour_faults(&self) -> Vec<ContourFault> {
+        let edge = |camera: u32| {
+            let view = self.views().get(self.rig().place(camera as usize)?)?;
+            let is_shown = matches!(view.left_out, None | Some(LeftOut::Contradicts));
+            Some((camera, view.edge.filter(|_| is_shown)?))
+        };
+        let edges: Vec<_> = (0..self.cameras() as u32).filter_map(edge).collect();
+        ContourFault::of(&edges)
     }
 }
 

@@ -1,6 +1,10 @@
 //! What a host should know about a frame although it did not fail.
 
-use alloc::{format, string::String};
+use crate::silhouette::ContourFault;
+use alloc::{
+    format,
+    string::{String, ToString},
+};
 use core::fmt;
 
 /// Something in a frame that may make its result worse. Cameras are numbered as given to [`crate::Rig::new`].
@@ -91,6 +95,8 @@ pub enum Warning {
         /// Its overlap.
         overlap: f32,
     },
+    /// The pictures show the object's edge elsewhere than along the contours of silhouettes.
+    Contour(ContourFault),
     /// The calibration as a whole does not fit the pictures.
     CalibrationInconsistent {
         /// Mean over all pairs of neighbouring cameras of how far matches lie from their epipolar lines, in pixels.
@@ -127,6 +133,7 @@ impl Warning {
             Self::PicturesExchanged { .. } => "cameras-swapped",
             Self::SilhouetteDisagrees { .. } => "silhouette-disagrees",
             Self::SilhouettesContradict { .. } => "silhouettes-contradict",
+            Self::Contour(fault) => fault.code(),
             Self::CalibrationInconsistent { .. } => "calibration-inconsistent",
             Self::NoStereoPoints { .. } => "no-stereo-points",
             Self::ColoursDiffer { .. } => "colours-differ",
@@ -150,6 +157,7 @@ impl Warning {
             | Self::SilhouetteDisagrees { camera, .. }
             | Self::ColoursDiffer { camera, .. }
             | Self::NoStereoPoints { camera } => Some(*camera),
+            Self::Contour(fault) => fault.camera(),
             Self::SilhouettesContradict { .. } | Self::CalibrationInconsistent { .. } => None,
         }
     }
@@ -233,6 +241,7 @@ impl Warning {
                 name(*worst),
                 100.0 * overlap
             ),
+            Self::Contour(fault) => fault.to_string(),
             Self::CalibrationInconsistent { pixels } => format!(
                 "the calibration does not fit the pictures: epipolar lines miss matches by {pixels:.2} px, so that the surface \
                  is off by as much. Refine the calibration, or calibrate again"

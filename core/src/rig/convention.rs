@@ -132,7 +132,8 @@ impl Convention {
                 "the axes look like x left, y up, z forward (PyTorch3D): negate the first and second row of R and of t"
             }
             (Pose::WorldToCamera, true) => {
-                "the axes look like OpenGL (y up, z backward): negate the second and third row of R and of t"
+                "the axes look like OpenGL (y up, z backward): negate the second and third row of R and of t. If \
+                 they are not, t has the wrong sign: negate t alone"
             }
             (Pose::CameraToWorld, false) => {
                 "R, t look like camera to world: give their inverse, world to camera (R transposed, and -R transposed t)"

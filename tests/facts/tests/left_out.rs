@@ -1,13 +1,15 @@
 //! A view that shows nothing of the object contributes nothing and is named; the frame is made from the others.
 
 use facts::{Errors, Shot, topology::assert_sound};
-use pcmvs_core::{Camera, Frame, Memory, Params, Preset, Reconstruction, Serial, Silent, ViewInput, Warning};
+use pcmvs_core::{
+    Camera, Frame, Memory, Params, Preset, Reconstruction, Serial, Silent, ViewInput, Warning, silhouette::ContourFault,
+};
 use std::sync::LazyLock;
-use studio::{Ring, Subject};
+use studio::{Faults, Ring, Subject};
 
 static SHOT: LazyLock<Shot> = LazyLock::new(|| {
     let ring = Ring { count: 12, ..Ring::default() }.sized(320, 240);
-    Shot::new(Subject::TwoBodies, &ring.cameras(), &studio::Faults::default())
+    Shot::new(Subject::TwoBodies, &ring.cameras(), &Faults::default())
 });
 
 fn made(shot: &Shot, preset: Preset, inputs: &[Option<ViewInput>]) -> Reconstruction {
@@ -141,4 +143,21 @@ fn a_picture_that_is_much_darker_is_named() {
     let [Warning::ColoursDiffer { camera: 4, gains }] = made.warnings[..] else { panic!("{:?}", made.warnings) };
     assert!(gains.iter().all(|gain| (2.0..3.5).contains(gain)), "{gains:?}");
     Errors::new(&shot, &made.mesh).assert_within(0.9, 1.3, "a dark picture");
+}
+
+/// What is wrong with all silhouettes alike does not make them contradict each other, but the pictures show it.
+#[test]
+fn masks_that_are_all_too_wide_or_too_narrow_are_named() {
+    let ring = Ring { count: 6, ..Ring::default() }.sized(320, 240);
+    for wider in [16.0, -9.0] {
+        let faults = Faults { wider_masks: wider, ..Faults::default() };
+        let shot = Shot::new(Subject::TwoBodies, &ring.cameras(), &faults);
+        let made = made(&shot, Preset::Hull, &inputs(&shot));
+        let named = made.warnings.iter().find_map(|warning| match warning {
+            Warning::Contour(ContourFault::BesideEdges { pixels }) => Some(f64::from(*pixels)),
+            _ => None,
+        });
+        // Contours are drawn to the edge by a few pixels.
+        assert!(named.is_some_and(|pixels| (0.4..1.1).contains(&(pixels / wider))), "{wider}: {:?}", made.warnings);
+    }
 }

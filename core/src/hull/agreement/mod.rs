@@ -92,7 +92,9 @@ pub fn contradicting(
         progress::step(progress, Stage::Hull, i as u32, count)?;
         coverage.draw(mesh, &carvers[i].camera);
         let silhouette = &carvers[i].silhouette;
-        let uncovered = coverage.uncovered(silhouette);
+        // A silhouette that does not follow its picture accuses nobody.
+        let is_believed = views[usize::from(carvers[i].index)].edge.is_none_or(|edge| edge.is_along());
+        let uncovered = if is_believed { coverage.uncovered(silhouette) } else { Vec::new() };
         let share = uncovered.len() as f32 * coverage::PIXELS_PER_SAMPLE / coverage::area(silhouette).max(1) as f32;
         Ok((uncovered, (coverage::contour_length(silhouette), share)))
     });

@@ -1,9 +1,18 @@
 use super::{
+    AgreementParams,
     blame::Blame,
+    contradicting,
     coverage::{Coverage, PIXELS_PER_SAMPLE, contour_length},
     excluders::{Excluders, Sets},
 };
-use crate::testing::{pinhole, silhouette_of, sphere};
+use crate::{
+    executor::Serial,
+    progress::Silent,
+    silhouette::ContourEdge,
+    testing::{pinhole, ring, silhouette_of, sphere},
+    view::View,
+    workspace::Workspace,
+};
 use alloc::vec::Vec;
 use glam::Vec3;
 
@@ -92,4 +101,27 @@ fn what_a_mesh_leaves_uncovered_is_measured() {
     assert!((length / expected - 1.0).abs() < 0.05, "{length}, not {expected}");
     coverage.draw(&sphere(Vec3::ZERO, 0.5), &camera);
     assert!(coverage.uncovered_rim(silhouette) > 0.95);
+}
+
+/// Four silhouettes show more than the other two leave. If they do not follow their pictures, the two are not to blame.
+#[test]
+fn a_silhouette_that_does_not_follow_its_picture_accuses_nobody() {
+    let mut views: Vec<View> = (0..)
+        .zip(ring(6, 4.0, 1.0))
+        .map(|(place, from)| {
+            let radius = if place < 4 { 0.8 } else { 0.5 };
+            silhouette_of(&[(Vec3::ZERO, radius)], &pinhole(from, Vec3::ZERO, 200, 300.0), place)
+        })
+        .collect();
+    let found = |views: &[View]| {
+        let mesh = sphere(Vec3::ZERO, 0.5);
+        let found = contradicting(views, &mesh, AgreementParams::BLAME, &mut Workspace::default(), &Serial, &Silent);
+        let mut places = found.expect("nobody cancels").places;
+        places.sort_unstable();
+        places
+    };
+    assert_eq!(found(&views), [4, 5]);
+    let strange = ContourEdge { usual: 0.9, ..ContourEdge::default() };
+    views[..4].iter_mut().for_each(|view| view.edge = Some(strange));
+    assert!(found(&views).is_empty());
 }
