@@ -5,10 +5,10 @@ use crate::math::median;
 use alloc::vec::Vec;
 use core::fmt;
 
-/// The object's edge lies beside the contours of most cameras if in half of their pictures another edge is stronger than this
-/// share of the contour's own,
+/// The masks as a whole are at fault if in more than half of the pictures another edge is stronger than this share of the
+/// contour's own.
 const BESIDE_MOST: f32 = 0.2;
-/// and beside that of one camera if it is stronger than this.
+/// One camera's mask is at fault if another edge is stronger than this share of its contour's own.
 const BESIDE_ONE: f32 = 0.5;
 /// An edge that is this many times stronger than the contour's own is the object's, even if the contour is without edge.
 const CLEARLY: f32 = 5.0;
