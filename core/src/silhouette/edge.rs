@@ -5,7 +5,7 @@
 //! that is too narrow outside. Texture and backdrop have edges at all distances and make no peak.
 
 use super::Silhouette;
-use crate::math::{max, median, min, sqrt};
+use crate::math::{max, min, ordered, sqrt};
 
 /// Largest distance from the contour that is looked at, in pixels.
 const REACH: usize = 24;
@@ -106,18 +106,23 @@ impl Profile {
     /// The strongest edge on one side of the contour, and what is usual there.
     fn side(&self, inside: bool, [own, count]: [f32; 2]) -> Option<ContourEdge> {
         let bin = |distance: usize| if inside { REACH + distance } else { REACH - distance };
-        let seen = || (OTHER..=REACH).filter(|&distance| FEWER * self.counts[bin(distance)] >= count);
-        if seen().count() < LEAST {
+        let seen = (OTHER..=REACH).filter(|&distance| FEWER * self.counts[bin(distance)] >= count);
+        // Without a vector, because views are read without allocations.
+        let (mut sorted, mut found) = ([0.0; REACH], 0);
+        let mut strongest = OTHER;
+        for distance in seen {
+            let mean = self.means[bin(distance)];
+            sorted[found] = mean;
+            found += 1;
+            if mean > self.means[bin(strongest)] {
+                strongest = distance;
+            }
+        }
+        if found < LEAST {
             return None;
         }
-        let usual = median(seen().map(|distance| self.means[bin(distance)]))?;
-        let strongest =
-            seen().fold(
-                OTHER,
-                |best, distance| {
-                    if self.means[bin(distance)] > self.means[bin(best)] { distance } else { best }
-                },
-            );
+        sorted[..found].sort_unstable_by_key(|&mean| ordered(mean));
+        let usual = sorted[found / 2];
         Some(ContourEdge {
             other: if inside { strongest as f32 } else { -(strongest as f32) },
             strength: (self.means[bin(strongest)] - usual) / max(own - usual, FAINT),
