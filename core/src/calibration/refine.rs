@@ -167,8 +167,7 @@ fn contour_faults(rig: &Rig, frames: &[&[View]]) -> Vec<ContourFault> {
         let best = frames.iter().filter_map(|views| views[place].edge).min_by_key(worse)?;
         Some((camera as u32, best))
     };
-    let edges: Vec<_> = (0..rig.cameras().len()).filter_map(edge).collect();
-    ContourFault::of(&edges)
+    ContourFault::of((0..rig.cameras().len()).filter_map(edge))
 }
 
 /// Whether refined cameras do not make the contours miss each other clearly more than before.

@@ -148,8 +148,7 @@ impl<R: Deref<Target = Rig>> Frame<R> {
             let is_shown = matches!(view.left_out, None | Some(LeftOut::Contradicts));
             Some((camera, view.edge.filter(|_| is_shown)?))
         };
-        let edges: Vec<_> = (0..self.cameras() as u32).filter_map(edge).collect();
-        ContourFault::of(&edges)
+        ContourFault::of((0..self.cameras() as u32).filter_map(edge))
     }
 }
 

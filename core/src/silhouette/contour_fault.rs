@@ -38,19 +38,19 @@ pub enum ContourFault {
 
 impl ContourFault {
     /// The faults of cameras, each with what its picture shows around its contour.
-    pub(crate) fn of(edges: &[(u32, ContourEdge)]) -> Vec<Self> {
-        let beside = || edges.iter().filter(|(_, edge)| edge.strength > BESIDE_MOST).map(|(_, edge)| edge.other);
-        if 2 * beside().count() > edges.len() {
+    pub(crate) fn of(edges: impl Iterator<Item = (u32, ContourEdge)> + Clone) -> Vec<Self> {
+        let beside = || edges.clone().filter(|(_, edge)| edge.strength > BESIDE_MOST).map(|(_, edge)| edge.other);
+        if 2 * beside().count() > edges.clone().count() {
             return median(beside()).map(|pixels| Self::BesideEdges { pixels }).into_iter().collect();
         }
-        let fault = |&(camera, edge): &(u32, ContourEdge)| {
+        let fault = |(camera, edge): (u32, ContourEdge)| {
             if !edge.is_along() && edge.strength < CLEARLY {
                 Some(Self::WithoutEdge { camera })
             } else {
                 (edge.strength > BESIDE_ONE).then_some(Self::BesideEdge { camera, pixels: edge.other })
             }
         };
-        edges.iter().filter_map(fault).collect()
+        edges.clone().filter_map(fault).collect()
     }
 
     /// Stable name of the kind of fault, in kebab-case.
@@ -106,8 +106,7 @@ mod tests {
     const STRANGE: ContourEdge = ContourEdge { other: 8.0, strength: 0.2, usual: 0.9 };
 
     fn faults(edges: [ContourEdge; 5]) -> Vec<ContourFault> {
-        let edges: Vec<_> = (0..).zip(edges).collect();
-        ContourFault::of(&edges)
+        ContourFault::of((0..).zip(edges))
     }
 
     #[test]

@@ -77,6 +77,7 @@ export class Download {
 
     /** Loads the file. A connection on which nothing arrives any more is an error, too. */
     private async load() {
+        this.control.signal.throwIfAborted();
         const attempt = new AbortController();
         let stalled = 0;
         const watch = () => {
