@@ -10,9 +10,9 @@ use crate::silhouette::refill::refill;
 use alloc::vec::Vec;
 
 /// Edge of the cells in pixels.
-const CELL: usize = 4;
+pub(super) const CELL: usize = 4;
 /// Weights of the cells around one, along each axis.
-const WINDOW: [f32; 5] = [1.0, 2.0, 3.0, 2.0, 1.0];
+pub(super) const WINDOW: [f32; 5] = [1.0, 2.0, 3.0, 2.0, 1.0];
 /// Weights of a wider surrounding, for places where the nearer one holds few pixels of a side.
 const WIDE: [f32; 13] = [1.0; 13];
 /// Smallest sum of weights for which the nearer surrounding is used.
@@ -29,7 +29,7 @@ const FLOOR: f32 = 9.0;
 const SUMS: usize = 10;
 
 /// Room for the weights by distance, in steps of 1/4 pixel.
-const WEIGHTS: usize = 64;
+pub(super) const WEIGHTS: usize = 64;
 
 type Sums = [f32; SUMS];
 
@@ -44,6 +44,18 @@ pub(super) struct Trust {
     pub full: f32,
     /// Farther pixels are not the contour's neighbours any more.
     pub to: f32,
+}
+
+impl Trust {
+    /// Weights by distance in steps of 1/4 pixel. `room` is a buffer.
+    pub fn weights<'r>(&self, room: &'r mut [f32; WEIGHTS]) -> &'r [f32] {
+        let weights = &mut room[..(self.to * 4.0) as usize + 1];
+        for (i, weight) in weights.iter_mut().enumerate() {
+            let d = 0.25 * i as f32;
+            *weight = if d >= self.from { libm::powf(self.growth, d.min(self.full) - self.full) } else { 0.0 };
+        }
+        weights
+    }
 }
 
 /// α = `direction` · colour + `offset`, with precision `j`.
@@ -100,15 +112,8 @@ impl ColourModel {
 
     /// Adds up each side's weighted colours in every cell, and marks the cells with pixels near the contour.
     fn add_up(&mut self, patch: &Patch, distance: &[i16], colours: &Likelihoods, trust: Trust) {
-        // Weight by distance in steps of 1/4 pixel.
-        let mut weights = [0.0f32; WEIGHTS];
-        let weights = &mut weights[..(trust.to * 4.0) as usize + 1];
-        for (i, weight) in weights.iter_mut().enumerate() {
-            let d = 0.25 * i as f32;
-            if d >= trust.from {
-                *weight = libm::powf(trust.growth, d.min(trust.full) - trust.full);
-            }
-        }
+        let mut room = [0.0; WEIGHTS];
+        let weights = trust.weights(&mut room);
         for y in 0..patch.height {
             for x in 0..patch.width {
                 let d = distance[y * patch.width + x];
@@ -161,16 +166,22 @@ impl ColourModel {
     }
 }
 
-/// Weighted sums over the cells around one.
-fn gather(sums: &[Sums], columns: usize, rows: usize, i: usize, kernel: &[f32]) -> Sums {
+/// Weighted sums over the cells around one. The first sum of a cell is 0 only if all are.
+pub(super) fn gather<const N: usize>(
+    sums: &[[f32; N]],
+    columns: usize,
+    rows: usize,
+    i: usize,
+    kernel: &[f32],
+) -> [f32; N] {
     let (x, y, reach) = (i % columns, i / columns, kernel.len() / 2);
-    let mut total = [0.0; SUMS];
+    let mut total = [0.0; N];
     for ny in y.saturating_sub(reach)..(y + reach + 1).min(rows) {
         for nx in x.saturating_sub(reach)..(x + reach + 1).min(columns) {
             let cell = &sums[ny * columns + nx];
             if cell[0] > 0.0 {
                 let weight = kernel[nx + reach - x] * kernel[ny + reach - y];
-                (0..SUMS).for_each(|s| total[s] += weight * cell[s]);
+                (0..N).for_each(|s| total[s] += weight * cell[s]);
             }
         }
     }

@@ -1,6 +1,6 @@
 //! Which side of the contour the pixels near a matte's edge belong to.
 
-use super::{colour_model::ColourModel, patch::Patch};
+use super::{colour_model::ColourModel, confusion::Confusion, patch::Patch};
 use crate::silhouette::{distance::UNITS, refill::refill};
 use alloc::{collections::VecDeque, vec::Vec};
 
@@ -20,6 +20,7 @@ pub(super) struct Buffers<'a> {
     pub planes: &'a mut [Vec<f32>; 2],
     /// The object's share in each pixel.
     pub alphas: &'a mut Vec<u8>,
+    pub confusion: &'a mut Confusion,
     pub moved: &'a mut Vec<bool>,
     pub open: &'a mut VecDeque<u32>,
 }
@@ -35,26 +36,35 @@ pub(super) fn relabel(
     coverage: &mut [u8],
     buffers: Buffers,
 ) -> usize {
-    let Buffers { planes: [evidence, half], alphas, moved, open } = buffers;
+    let Buffers { planes: [evidence, half], alphas, confusion, moved, open } = buffers;
     let (w, h) = (patch.width, patch.height);
     let pixels = |i: usize| f32::from(distance[i]) / UNITS;
+    let seen = reach + 2.0;
     refill(evidence, patch.len(), 0.0);
+    refill(half, patch.len(), 0.0);
     refill(alphas, patch.len(), 0);
+    for y in 0..h {
+        for x in 0..w {
+            let i = y * w + x;
+            if pixels(i).abs() > seen.max(Confusion::REACH) {
+                continue;
+            }
+            let local = model.at(x, y);
+            let alpha = local.alpha(patch.colour(x, y));
+            half[i] = alpha;
+            if !patch.is_clipped(x, y) {
+                evidence[i] = (local.j * (alpha - 0.5)).clamp(-MAX_EVIDENCE, MAX_EVIDENCE);
+            }
+            alphas[i] = (alpha.clamp(0.0, 1.0) * 255.0 + 0.5) as u8;
+        }
+    }
+    confusion.count(patch, distance, half, evidence);
     for y in 0..h {
         for x in 0..w {
             let i = y * w + x;
             let d = pixels(i);
             let prior = (PRIOR_PER_PIXEL * d).clamp(-MAX_PRIOR, MAX_PRIOR);
-            if d.abs() > reach + 2.0 {
-                evidence[i] = 2.0 * prior;
-                continue;
-            }
-            let local = model.at(x, y);
-            let alpha = local.alpha(patch.colour(x, y));
-            let colour_evidence =
-                if patch.is_clipped(x, y) { 0.0 } else { (local.j * (alpha - 0.5)).clamp(-MAX_EVIDENCE, MAX_EVIDENCE) };
-            evidence[i] = colour_evidence + prior;
-            alphas[i] = (alpha.clamp(0.0, 1.0) * 255.0 + 0.5) as u8;
+            evidence[i] = prior + if d.abs() <= seen { confusion.limit(x, y, evidence[i]) } else { prior };
         }
     }
     binomial(w, h, evidence, half);

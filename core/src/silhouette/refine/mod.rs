@@ -2,7 +2,8 @@
 //!
 //! 1. Small holes and specks are kept or removed by their colours ([`islands`], [`likelihoods`]).
 //! 2. Where local colour models of both sides ([`colour_model`]) contradict the matte clearly, its contour moves by whole
-//!    pixels ([`labels`]). This handles mattes that are off by several pixels and fingers that grew together.
+//!    pixels ([`labels`]). This handles mattes that are off by several pixels and fingers that grew together. Colours count
+//!    only as far as they tell the sides apart ([`confusion`]).
 //! 3. The contour is traced ([`trace`]). Along its normals the picture assigns a cost to every offset ([`profile`]), and
 //!    so does the matte, whose bias and precision are measured where the picture is clear ([`fusion`]). The most
 //!    probable offsets are a shortest path around each loop ([`path`]).
@@ -12,6 +13,7 @@
 //! Where both sides look alike, the matte's contour stays, corrected by the matte's bias.
 
 mod colour_model;
+mod confusion;
 mod fill;
 mod fusion;
 mod islands;
@@ -31,6 +33,7 @@ pub use uncertainty::Uncertainty;
 use super::distance::{SilhouetteScratch, signed_distance};
 use alloc::{collections::VecDeque, vec::Vec};
 use colour_model::{ColourModel, Trust};
+use confusion::Confusion;
 use fusion::Fusion;
 use likelihoods::Likelihoods;
 use patch::Patch;
@@ -82,6 +85,7 @@ pub(crate) struct RefineScratch {
     model: ColourModel,
     planes: [Vec<f32>; 2],
     alphas: Vec<u8>,
+    confusion: Confusion,
     moved: Vec<bool>,
     trace: trace::Buffers,
     loops: Loops,
@@ -105,7 +109,7 @@ pub(crate) fn refine(
     let patch = Patch::around(width, height, rgb, coverage)?;
     let (w, h) = (patch.width, patch.height);
     let RefineScratch { distance, coverage: matte, given, near, colours, islands, open, model, planes, .. } = scratch;
-    let RefineScratch { alphas, moved, trace, loops, fusion, passed, .. } = scratch;
+    let RefineScratch { alphas, confusion, moved, trace, loops, fusion, passed, .. } = scratch;
     matte.clear();
     for y in 0..h {
         matte.extend_from_slice(&coverage[patch.index(0, y)..][..w]);
@@ -119,7 +123,7 @@ pub(crate) fn refine(
     near.clone_from(given);
     for _ in 0..ROUNDS {
         model.learn(&patch, near, colours, ROUGH);
-        let buffers = labels::Buffers { planes, alphas, moved, open };
+        let buffers = labels::Buffers { planes, alphas, confusion, moved, open };
         let far = labels::relabel(&patch, near, model, params.reach_pixels, matte, buffers);
         signed_distance(w, h, matte, |_| true, distance, near);
         if far < SETTLED {

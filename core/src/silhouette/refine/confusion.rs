@@ -1,0 +1,99 @@
+//! How far local colours can be trusted to tell the sides apart.
+//!
+//! Before a cluttered backdrop pixels of the object may look like the backdrop: white soles under dark shoes, for example,
+//! look like one of its bright spots. How often that happens is counted among the pixels that lie deep on each side. If a
+//! share q of the object's pixels looks like background, then looking like background is a likelihood ratio of at most
+//! 1 to q. Where all other pixels show that the sides' colours differ clearly, this does not apply: there it is the matte
+//! that is wrong, not the colours.
+
+use super::{
+    colour_model::{CELL, Trust, WEIGHTS, WINDOW, gather},
+    patch::Patch,
+};
+use crate::silhouette::refill::refill;
+use alloc::vec::Vec;
+
+/// The deeper a pixel lies, the more certain is its side: a matte may be wrong by a few pixels.
+const DEEP: Trust = Trust { from: 0.5, growth: 4.0, full: 6.0, to: 8.0 };
+/// Weight of the assumption, and the share of confused pixels that is assumed, where few are counted. The weight is that
+/// of one pixel in the middle cell of [`WINDOW`] at full depth.
+const ASSUMED_WEIGHT: f32 = 9.0;
+const ASSUMED_SHARE: f32 = 0.005;
+/// Evidence of the sides' mean colours that is not clear yet. What exceeds it stays. The sides then differ by 4.9 standard
+/// deviations.
+const UNCLEAR: f32 = 12.0;
+/// Added to variances of shares: there is always some noise.
+const VARIANCE: f32 = 1e-3;
+
+/// Weighted sums over pixels of one side: of all of them, and of those that look like their own side. Of the latter also
+/// sums of the object's share and of its square.
+type Sums = [f32; 4];
+
+/// Limits of the evidence that local colours give, per cell.
+#[derive(Debug, Default)]
+pub(super) struct Confusion {
+    columns: usize,
+    /// Sums of background and object in every cell.
+    sides: [Vec<Sums>; 2],
+    /// Largest evidence against the object, and for it.
+    limits: Vec<[f32; 2]>,
+}
+
+impl Confusion {
+    /// Distance from the contour, in pixels, up to which evidence is counted.
+    pub const REACH: f32 = DEEP.to;
+
+    /// Counts the pixels of both sides of a contour, given by the signed distance to it in 1/64 pixel, that look like the
+    /// other side. `alphas` are the object's shares. `evidence` is the logarithm of each pixel's likelihood ratio, positive
+    /// for the object, and 0 where its colour says nothing.
+    pub fn count(&mut self, patch: &Patch, distance: &[i16], alphas: &[f32], evidence: &[f32]) {
+        let (columns, rows) = (patch.width.div_ceil(CELL), patch.height.div_ceil(CELL));
+        self.columns = columns;
+        self.sides.iter_mut().for_each(|side| refill(side, columns * rows, [0.0; 4]));
+        let mut room = [0.0; WEIGHTS];
+        let weights = DEEP.weights(&mut room);
+        for y in 0..patch.height {
+            for x in 0..patch.width {
+                let i = y * patch.width + x;
+                let Some(&weight) = weights.get(usize::from(distance[i].unsigned_abs()) / 16) else { continue };
+                if evidence[i].abs() > 0.0 {
+                    let inside = distance[i] > 0;
+                    let own = if inside == (evidence[i] > 0.0) { weight } else { 0.0 };
+                    let terms = [weight, own, own * alphas[i], own * alphas[i] * alphas[i]];
+                    let sums = &mut self.sides[usize::from(inside)][y / CELL * columns + x / CELL];
+                    (0..terms.len()).for_each(|k| sums[k] += terms[k]);
+                }
+            }
+        }
+        let Self { sides, limits, .. } = self;
+        limits.clear();
+        limits.extend((0..columns * rows).map(|i| {
+            let [background, object] = [0, 1].map(|side| gather(&sides[side], columns, rows, i, &WINDOW));
+            let clear = means_evidence(&background, &object) - UNCLEAR;
+            [object, background].map(|side| (-libm::logf(confused(&side))).max(clear))
+        }));
+    }
+
+    /// What remains of a pixel's evidence.
+    #[inline]
+    pub fn limit(&self, x: usize, y: usize, evidence: f32) -> f32 {
+        let [against, in_favour] = self.limits[y / CELL * self.columns + x / CELL];
+        evidence.clamp(-against, in_favour)
+    }
+}
+
+/// Share of the pixels that look like the other side.
+fn confused(sums: &Sums) -> f32 {
+    (sums[0] - sums[1] + ASSUMED_WEIGHT * ASSUMED_SHARE) / (sums[0] + ASSUMED_WEIGHT)
+}
+
+/// Evidence of the mean colours of both sides, by the pixels that look like their own side.
+fn means_evidence(background: &Sums, object: &Sums) -> f32 {
+    if background[1] <= 0.0 || object[1] <= 0.0 {
+        return 0.0;
+    }
+    let mean = |sums: &Sums| sums[2] / sums[1];
+    let variance = |sums: &Sums| (sums[3] / sums[1] - mean(sums) * mean(sums)).max(0.0) + VARIANCE;
+    let gap = mean(object) - mean(background);
+    gap * gap / (variance(background) + variance(object))
+}
