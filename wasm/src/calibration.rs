@@ -1,8 +1,6 @@
 //! Check and refinement of a calibration.
 
-use crate::{
-    error::Failed, frame::Frame, progress::Callback, rig::Rig, types::ProgressFunction, warning::Warning,
-};
+use crate::{error::Failed, frame::Frame, progress::Callback, rig::Rig, types::ProgressFunction, warning::Warning};
 use pcmvs_core::{
     Camera, Serial, View,
     calibration::{self, CalibrationParams, CameraReport, Finding, Residuals, Verdict, calibrate},
