@@ -1,5 +1,5 @@
-export * from "./pcmvs.js";
 export type { Calibration, CalibrationFit, CalibrationReport } from "./calibration.js";
+export * from "./pcmvs.js";
 export type { FileSource, Scene } from "./scene.js";
 
 /** Whether builds with 128-bit instructions run here. */
