@@ -12,7 +12,7 @@ const FEWER_BITS: [u16; 3] = [(1 << 8) - 1, (1 << 10) - 1, (1 << 12) - 1];
 pub fn brightest(pixels: &Pixels) -> u16 {
     let Samples::Sixteen(samples) = &pixels.samples else { return 0 };
     // The last of 2 or 4 channels is alpha.
-    let colours = pixels.channels - usize::from(pixels.channels % 2 == 0);
+    let colours = pixels.channels - usize::from(pixels.channels.is_multiple_of(2));
     samples.chunks_exact(pixels.channels).flat_map(|pixel| &pixel[..colours]).copied().max().unwrap_or(0)
 }
 
