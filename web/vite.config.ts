@@ -23,7 +23,13 @@ export default defineConfig({
     // Addresses other than those of files are errors.
     appType: "mpa",
     define: { __VERSION__: JSON.stringify(version), __SAMPLE_HASH__: JSON.stringify(sampleHash) },
-    resolve: { alias: { pcmvs: here("../wasm/pkg/index.js") } },
+    resolve: {
+        alias: {
+            "pcmvs/calibration": here("../wasm/pkg/calibration.js"),
+            "pcmvs/scene": here("../wasm/pkg/scene.js"),
+            pcmvs: here("../wasm/pkg/index.js"),
+        },
+    },
     worker: { format: "es" },
     build: { target: "es2022", chunkSizeWarningLimit: 900 },
     server: { fs: { allow: [".."] } },

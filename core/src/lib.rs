@@ -132,6 +132,7 @@ pub mod rig;
 pub mod silhouette;
 mod simd;
 pub mod simplify;
+mod sort;
 mod stage;
 pub mod steady;
 pub mod surface;

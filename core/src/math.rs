@@ -45,15 +45,15 @@ pub fn from_ordered(order: u32) -> f32 {
 
 /// The number that the given fraction of all, numerator and denominator, is smaller than: of two the larger one. `None` of none.
 pub fn quantile(values: impl Iterator<Item = f32>, [part, of]: [usize; 2]) -> Option<f32> {
-    let values = sorted(values.collect());
-    values.get(values.len() * part / of).copied()
+    let mut keys: Vec<u32> = values.map(ordered).collect();
+    keys.sort_unstable();
+    keys.get(keys.len() * part / of).copied().map(from_ordered)
 }
 
-/// Apart from [`quantile`], so that sorting is compiled once.
+/// The number that would be at a place of the list if it were sorted. Apart, so that it is compiled once.
 #[inline(never)]
-fn sorted(mut values: Vec<f32>) -> Vec<f32> {
-    values.sort_unstable_by_key(|&v| ordered(v));
-    values
+pub fn select(values: &mut [u32], place: usize) -> u32 {
+    *values.select_nth_unstable(place).1
 }
 
 /// The median, the larger one of two.

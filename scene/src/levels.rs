@@ -1,7 +1,7 @@
 //! Grey levels that do not fill the range of their file: cameras write 10 or 12 bits into 16, and programs write masks of 0
 //! and 1.
 
-use image::DynamicImage;
+use crate::png_file::{Pixels, Samples};
 use pcmvs_core::PixelFormat;
 
 /// The largest levels of 8, 10 and 12 bits. If no pixel of a file of 16 bits is brighter, only so many bits are used: a
@@ -9,19 +9,11 @@ use pcmvs_core::PixelFormat;
 const FEWER_BITS: [u16; 3] = [(1 << 8) - 1, (1 << 10) - 1, (1 << 12) - 1];
 
 /// The brightest level that the colours of a file of 16 bits have; 0 for a file of fewer bits.
-pub fn brightest(picture: &DynamicImage) -> u16 {
-    let max = |samples: &[u16]| samples.iter().copied().max();
-    let without_alpha = |samples: &[u16], channels: usize| {
-        samples.chunks_exact(channels).flat_map(|pixel| &pixel[..channels - 1]).copied().max()
-    };
-    let found = match picture {
-        DynamicImage::ImageLuma16(gray) => max(gray.as_raw()),
-        DynamicImage::ImageRgb16(rgb) => max(rgb.as_raw()),
-        DynamicImage::ImageLumaA16(gray) => without_alpha(gray.as_raw(), 2),
-        DynamicImage::ImageRgba16(rgba) => without_alpha(rgba.as_raw(), 4),
-        _ => None,
-    };
-    found.unwrap_or(0)
+pub fn brightest(pixels: &Pixels) -> u16 {
+    let Samples::Sixteen(samples) = &pixels.samples else { return 0 };
+    // The last of 2 or 4 channels is alpha.
+    let colours = pixels.channels - usize::from(pixels.channels.is_multiple_of(2));
+    samples.chunks_exact(pixels.channels).flat_map(|pixel| &pixel[..colours]).copied().max().unwrap_or(0)
 }
 
 /// The brightest level that pixels can have, of which the brightest one has the level `used`. For black pictures it is that of all
@@ -57,10 +49,10 @@ pub fn stretch_mask(pixels: &mut [u8], format: PixelFormat) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use image::ImageBuffer;
 
-    fn gray(levels: &[u16]) -> DynamicImage {
-        DynamicImage::ImageLuma16(ImageBuffer::from_raw(levels.len() as u32, 1, levels.to_vec()).unwrap())
+    fn pixels(channels: usize, samples: &[u16]) -> Pixels {
+        let width = (samples.len() / channels) as u32;
+        Pixels { width, height: 1, channels, samples: Samples::Sixteen(samples.to_vec()) }
     }
 
     #[test]
@@ -76,11 +68,10 @@ mod tests {
             (65535, 65535),
         ];
         for (level, expected) in cases {
-            assert_eq!(range(brightest(&gray(&[0, level]))), expected, "{level}");
+            assert_eq!(range(brightest(&pixels(1, &[0, level]))), expected, "{level}");
         }
-        assert_eq!(range(brightest(&gray(&[0, 0]))), u16::MAX);
-        let alpha = ImageBuffer::from_raw(1, 1, vec![1000u16, 500, 3, u16::MAX]).unwrap();
-        assert_eq!(brightest(&DynamicImage::ImageRgba16(alpha)), 1000);
+        assert_eq!(range(brightest(&pixels(1, &[0, 0]))), u16::MAX);
+        assert_eq!(brightest(&pixels(4, &[1000, 500, 3, u16::MAX])), 1000);
         for brightest in [255, 1023, 4095, u16::MAX] {
             assert_eq!([to_byte(0, brightest), to_byte(brightest, brightest)], [0, 255]);
         }

@@ -17,6 +17,7 @@ pub mod output;
 mod paths;
 mod pattern;
 mod pictures;
+mod png_file;
 mod scene;
 mod take;
 mod text;

@@ -3,10 +3,12 @@
 //! The JPEG standard leaves the rounding of the inverse transform to the decoder. Therefore the same decoder, without its
 //! SIMD paths, is used everywhere.
 
-use crate::levels;
-use image::{DynamicImage, ImageDecoder, ImageFormat, codecs::png::PngDecoder, metadata::Orientation};
+use crate::{
+    levels,
+    png_file::{self, Pixels, Samples},
+};
+use image::{ImageFormat, metadata::Orientation};
 use pcmvs_core::{ImageRef, PixelFormat};
-use std::io::Cursor;
 use zune_jpeg::{
     JpegDecoder,
     zune_core::{bytestream::ZCursor, colorspace::ColorSpace, options::DecoderOptions},
@@ -79,7 +81,7 @@ impl Picture {
         if !matches!(is_jpeg(file), Ok(false)) || file.get(24) != Some(&16) || png_header(file).is_err() {
             return 0;
         }
-        image::load_from_memory_with_format(file, ImageFormat::Png).map_or(0, |decoded| levels::brightest(&decoded))
+        png_file::decode(file).map_or(0, |decoded| levels::brightest(&decoded))
     }
 
     /// Width and height of the picture that [`Self::decode`] gives, from the header alone. Both are those of the stored pixels:
@@ -89,7 +91,7 @@ impl Picture {
         if is_jpeg(file)? {
             return jpeg_header(file).map(|(_, size)| size);
         }
-        if !png_has_end(file) {
+        if !png_file::has_end(file) {
             return Err(damaged("its end is missing"));
         }
         png_header(file)
@@ -160,45 +162,26 @@ fn decode_jpeg(file: &[u8]) -> Result<Picture, String> {
     Ok(Picture::new(pixels, width, height, PixelFormat::Rgb8))
 }
 
-/// Whether the chunks of a PNG file lead to the one that ends it. A chunk has four bytes of length, four of type, its data and
-/// four of a checksum (PNG 3, §5.3).
-fn png_has_end(file: &[u8]) -> bool {
-    let mut rest = file.get(8..).unwrap_or_default();
-    while let Some((&[a, b, c, d, ref kind @ ..], _)) = rest.split_first_chunk::<8>() {
-        if kind == b"IEND" {
-            return true;
-        }
-        let next = u32::from_be_bytes([a, b, c, d]) as usize;
-        rest = next.checked_add(12).and_then(|next| rest.get(next..)).unwrap_or_default();
-    }
-    false
-}
-
 fn png_header(file: &[u8]) -> Result<[u32; 2], String> {
-    let mut decoder = PngDecoder::new(Cursor::new(file)).map_err(damaged)?;
-    let (width, height) = decoder.dimensions();
-    let exif = decoder.exif_metadata().map_err(damaged)?;
-    check_orientation(exif.as_deref(), [width, height]).map(|()| [width, height])
+    let (size, exif) = png_file::header(file).map_err(damaged)?;
+    check_orientation(exif.as_deref(), size).map(|()| size)
 }
 
 fn decode_png(file: &[u8], brightest: u16) -> Result<Picture, String> {
     png_header(file)?;
-    let decoded = image::load_from_memory_with_format(file, ImageFormat::Png).map_err(damaged)?;
-    let (width, height) = (decoded.width(), decoded.height());
+    let decoded = png_file::decode(file).map_err(damaged)?;
     let range = levels::range(levels::brightest(&decoded).max(brightest));
     let colour = |v: u16| levels::to_byte(v, range);
     let alpha = |v: u16| levels::to_byte(v, u16::MAX);
-    let (format, pixels) = match decoded {
-        DynamicImage::ImageLuma8(gray) => (PixelFormat::Gray8, gray.into_raw()),
-        DynamicImage::ImageRgba8(rgba) => (PixelFormat::Rgba8, rgba.into_raw()),
-        DynamicImage::ImageLumaA8(gray) => (PixelFormat::Rgba8, rgba_of(gray.as_raw(), 2, |v| v, |v| v)),
-        DynamicImage::ImageLumaA16(gray) => (PixelFormat::Rgba8, rgba_of(gray.as_raw(), 2, colour, alpha)),
-        DynamicImage::ImageRgba16(rgba) => (PixelFormat::Rgba8, rgba_of(rgba.as_raw(), 4, colour, alpha)),
-        DynamicImage::ImageLuma16(gray) => {
-            (PixelFormat::Rgb8, gray.as_raw().iter().flat_map(|&v| [colour(v); 3]).collect())
-        }
-        DynamicImage::ImageRgb16(rgb) => (PixelFormat::Rgb8, rgb.as_raw().iter().map(|&v| colour(v)).collect()),
-        other => (PixelFormat::Rgb8, other.into_rgb8().into_raw()),
+    let Pixels { width, height, channels, samples } = decoded;
+    let (format, pixels) = match (samples, channels) {
+        (Samples::Eight(gray), 1) => (PixelFormat::Gray8, gray),
+        (Samples::Eight(gray), 2) => (PixelFormat::Rgba8, rgba_of(&gray, 2, |v| v, |v| v)),
+        (Samples::Eight(rgb), 3) => (PixelFormat::Rgb8, rgb),
+        (Samples::Eight(rgba), _) => (PixelFormat::Rgba8, rgba),
+        (Samples::Sixteen(gray), 1) => (PixelFormat::Rgb8, gray.into_iter().flat_map(|v| [colour(v); 3]).collect()),
+        (Samples::Sixteen(rgb), 3) => (PixelFormat::Rgb8, rgb.into_iter().map(colour).collect()),
+        (Samples::Sixteen(samples), channels) => (PixelFormat::Rgba8, rgba_of(&samples, channels, colour, alpha)),
     };
     Ok(Picture { width, height, format, pixels, exact: true })
 }

@@ -152,7 +152,7 @@ test("cameras that contribute nothing are warnings", async () => {
 });
 
 test("a calibration is checked and refined as by the command line", async (t) => {
-    const api = await import(new URL("index.js", pkg));
+    const api = await import(new URL("calibration.js", pkg));
     await api.ready;
     const source = capture([0], (s) => bump(s.cameras[3], 10), ARC);
     const given = JSON.parse(readFileSync(join(source, "scene.json"), "utf8")).cameras;
@@ -222,7 +222,7 @@ function checkJson(source) {
 }
 
 test("paths of an opened scene are those of the files", async () => {
-    const api = await import(new URL("index.js", pkg));
+    const api = await import(new URL("scene.js", pkg));
     await api.ready;
     const [frame] = scene.frames;
     const plates = scene.cameras.map(({ name }) => `../plates/./${name}.png`);
@@ -290,8 +290,12 @@ test("packed and installed, it works in Node, from a plain script, and through a
         `import { existsSync } from "node:fs";
         import { ready, version } from "pcmvs";
         await ready;
+        import * as calibration from "pcmvs/calibration";
+        import * as scene from "pcmvs/scene";
         const player = ["pcmvs/element", "pcmvs/player"].map((name) => new URL(import.meta.resolve(name)));
-        console.log(version(), player.every((url) => existsSync(url)));`,
+        await Promise.all([calibration.ready, scene.ready]);
+        const versions = new Set([version(), calibration.version(), scene.version()]);
+        console.log(...versions, player.every((url) => existsSync(url)));`,
     );
     const { version } = JSON.parse(readFileSync(new URL("package.json", pkg), "utf8"));
     assert.equal(execFileSync("node", ["node.mjs"], { cwd: app, encoding: "utf8" }).trim(), `${version} true`);

@@ -24,17 +24,24 @@ function samePly(a, b) {
 }
 
 /** The page with the first frames of the sample: what it does is the same for each further one. */
-async function openShort(t, count) {
+async function openShort(t, count, onrequest = () => {}) {
     const short = { ...scene, frames: scene.frames.slice(0, count) };
-    const route = (page) => page.route("**/sample/scene.json*", (asked) => asked.fulfill({ json: short }));
-    return open(t, { prepare: route });
+    const prepare = (page) => {
+        page.on("request", (request) => onrequest(request.url()));
+        return page.route("**/sample/scene.json*", (asked) => asked.fulfill({ json: short }));
+    };
+    return open(t, { prepare });
 }
 
 test("the sample reconstructs by itself, plays, and exports what the command line makes", async (t) => {
-    const { page, problems, shot } = await openShort(t, 4);
+    const modules = new Set();
+    const onrequest = (url) => url.endsWith(".wasm") && modules.add(url.split("/").at(-1).replace(/-.*/, ""));
+    const { page, problems, shot } = await openShort(t, 4, onrequest);
     await page.waitForFunction(() => performance.getEntriesByName("shown-sketch").length > 0, undefined, {
         timeout: 60_000,
     });
+    // Those for calibration and for opening captures come when they are asked for.
+    assert.deepEqual([...modules], ["pcmvs.simd"]);
     await shot("sample-hull");
     await page.waitForFunction(() => performance.getEntriesByName("shown-preview").length > 0, undefined, {
         timeout: 60_000,

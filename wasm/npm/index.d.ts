@@ -1,6 +1,8 @@
+export type { Calibration, CalibrationFit, CalibrationReport } from "./calibration.js";
 export * from "./pcmvs.js";
+export type { FileSource, Scene } from "./scene.js";
 
-/** Whether the build with 128-bit instructions runs here. */
+/** Whether builds with 128-bit instructions run here. */
 export const simd: boolean;
 
 /** Resolves when everything may be called. `memory` is the memory of the instance, which never shrinks. */

@@ -1,13 +1,6 @@
 //! Check and refinement of a calibration.
 
-use crate::{
-    diagnostics::Warning,
-    error::Failed,
-    frame::Frame,
-    progress::Callback,
-    rig::Rig,
-    types::{Calibration, ProgressFunction},
-};
+use crate::{error::Failed, frame::Frame, progress::Callback, rig::Rig, types::ProgressFunction, warning::Warning};
 use pcmvs_core::{
     Camera, Serial, View,
     calibration::{self, CalibrationParams, CameraReport, Finding, Residuals, Verdict, calibrate},
@@ -17,6 +10,61 @@ use serde::Serialize;
 use serde_wasm_bindgen::Serializer;
 use std::rc::Rc;
 use wasm_bindgen::prelude::*;
+
+#[wasm_bindgen(typescript_custom_section)]
+const TYPES: &str = r#"
+/** How well a camera fits the others. What could not be measured is null. */
+export interface CalibrationFit {
+    /** Median distance in pixels by which the tangents from other silhouettes miss this camera's silhouette. */
+    contourPx: number | null;
+    /** Median distance in pixels of this camera's matches with others from their epipolar lines. */
+    epipolarPx: number | null;
+    /** Standard deviation in pixels of single matches, whatever the calibration is. */
+    noisePx: number | null;
+    /** Number of matches with other cameras. */
+    matches: number;
+}
+
+/** What a check of the calibration measured of a camera. What could not be measured is null. */
+export interface CalibrationReport {
+    given: CalibrationFit;
+    /** With the refined cameras, whether they are kept or not. */
+    refined: CalibrationFit;
+    /** How far the refinement moves the object in this camera's picture, in pixels. */
+    movedPx: number;
+    /** Standard deviation in pixels of where the refined camera sees the object. */
+    sigmaPx: number | null;
+    /** Intersection over union of the silhouette and the visual hull's picture with the given cameras, 0..1. */
+    silhouetteOverlap: number | null;
+    /** Brightness of its pictures over the mean of all cameras. */
+    gain: number | null;
+}
+
+/** What a check of the calibration found out. */
+export interface Calibration {
+    /** Whether the refined cameras fit better; with "undecided" there was too little to judge by. */
+    verdict: "improved" | "kept" | "undecided";
+    /** The refined cameras if they fit better, else the given ones. */
+    cameras: Camera[];
+    /** One per camera. */
+    reports: CalibrationReport[];
+    /** Number of points that were matched in two or more views. */
+    points: number;
+    /** By how many pixels epipolar lines miss, as the mean over all pairs of cameras: given, refined. */
+    epipolarBiasPx: [number, number] | null;
+    /** Mean loss over the evidence that was held out; smaller is better: given, refined. */
+    heldOutLoss: [number, number] | null;
+    /** What is wrong with the given calibration. */
+    warnings: Warning[];
+}
+"#;
+
+#[wasm_bindgen]
+extern "C" {
+    /// `Calibration`.
+    #[wasm_bindgen(typescript_type = "Calibration")]
+    pub type Calibration;
+}
 
 /// Checks the calibration of a rig by one or more frames of a take, and looks for cameras that fit them better. Call
 /// `free()` when it is no longer needed.
@@ -41,7 +89,7 @@ impl Calibrator {
         if !Rc::ptr_eq(&self.rig.rig, frame.rig()) {
             return Err(Failed::input("the frame is of another rig: make it with the rig of the calibrator"));
         }
-        self.frames.push(frame.views()?);
+        self.frames.push(views(frame)?);
         Ok(())
     }
 
@@ -58,6 +106,15 @@ impl Calibrator {
         let object = Found::new(&found, &self.rig.names).serialize(&Serializer::json_compatible())?;
         Ok(object.unchecked_into())
     }
+}
+
+/// The views of all cameras in the rig's order.
+fn views(frame: &Frame) -> Result<Vec<View>, Failed> {
+    let view = |&camera: &u32| {
+        let view = calibration::view(frame.rig(), camera as usize, frame.input(camera as usize)?.as_ref());
+        view.map_err(|error| Failed::core(&error, None))
+    };
+    frame.rig().order().iter().map(view).collect()
 }
 
 /// `Calibration`.

@@ -1,19 +1,7 @@
 //! One instant's pictures and silhouettes.
 
-use crate::{
-    error::Failed,
-    photograph::Photograph,
-    presets,
-    progress::Callback,
-    reconstruction::Reconstruction,
-    rig::Rig,
-    sketch,
-    types::{ChromaKeyObject, PresetName, ProgressFunction},
-};
-use pcmvs_core::{
-    ChromaKey, LeftOut, Mask, Params, PixelFormat, Serial, View, ViewInput, calibration, reconstruct,
-    silhouette::{ContourParams, NoSilhouette},
-};
+use crate::{error::Failed, rig::Rig, types::ChromaKeyObject};
+use pcmvs_core::{ChromaKey, Mask, PixelFormat, ViewInput};
 use pcmvs_scene::Picture;
 use std::rc::Rc;
 use wasm_bindgen::prelude::*;
@@ -122,50 +110,6 @@ impl Frame {
         self.slot(camera)?.matte = Matte::Unknown;
         Ok(())
     }
-
-    /// A camera's picture and silhouette without lens distortion, as the stages see them. Throws `PcmvsError`.
-    pub fn photograph(&self, camera: usize) -> Result<Photograph, Failed> {
-        let absent = || Failed::of_camera("image", "this camera has no picture in this frame", camera);
-        let input = self.input(camera)?.ok_or_else(absent)?;
-        let view = View::new(&self.rig, camera, &input, Some(&ContourParams::default()));
-        let view = view.map_err(|error| Failed::core(&error, None))?;
-        if view.left_out == Some(LeftOut::EmptySilhouette) {
-            return Err(Failed::of_camera("silhouette", &NoSilhouette::Empty.to_string(), camera));
-        }
-        Ok(Photograph::new(view))
-    }
-
-    /// Reconstructs. `progress(stage, done, total)` is called on the way; when it returns false, an error of code
-    /// `cancelled` is thrown. Throws `PcmvsError`.
-    pub fn reconstruct(
-        &self,
-        preset: &PresetName,
-        progress: Option<ProgressFunction>,
-    ) -> Result<Reconstruction, Failed> {
-        let inputs: Vec<Option<ViewInput>> = (0..self.slots.len()).map(|i| self.input(i)).collect::<Result<_, _>>()?;
-        run(&self.rig, &inputs, &presets::params(preset)?, progress)
-    }
-
-    /// A coarse visual hull from the cameras that have their pictures so far, to be looked at early. Its only stage output
-    /// is the hull, and it has neither warnings nor figures of views. Throws `PcmvsError`.
-    pub fn sketch(&self) -> Result<Reconstruction, Failed> {
-        let has_picture = |&i: &usize| matches!(self.slots[i].photo, Photo::Given { .. });
-        let present: Vec<usize> = (0..self.slots.len()).filter(has_picture).collect();
-        let inputs: Vec<Option<ViewInput>> = present.iter().map(|&i| self.input(i)).collect::<Result<_, _>>()?;
-        let made = sketch::rig_of(&self.rig, &present).and_then(|rig| run(&rig, &inputs, &sketch::params(), None));
-        made.map(Reconstruction::without_findings).map_err(|failed| failed.of_cameras(&present))
-    }
-}
-
-fn run(
-    rig: &pcmvs_core::Rig,
-    inputs: &[Option<ViewInput>],
-    params: &Params,
-    progress: Option<ProgressFunction>,
-) -> Result<Reconstruction, Failed> {
-    let callback = Callback::new(progress);
-    let made = reconstruct(rig, inputs, params, &Serial, &callback);
-    made.map(|made| Reconstruction::new(made, rig.origin())).map_err(|error| callback.failed(&error))
 }
 
 impl Frame {
@@ -174,22 +118,8 @@ impl Frame {
         &self.rig
     }
 
-    /// The views of all cameras in the rig's order, for the calibration.
-    pub(crate) fn views(&self) -> Result<Vec<View>, Failed> {
-        let view = |&camera: &u32| {
-            let view = calibration::view(&self.rig, camera as usize, self.input(camera as usize)?.as_ref());
-            view.map_err(|error| Failed::core(&error, None))
-        };
-        self.rig.order().iter().map(view).collect()
-    }
-
-    fn slot(&mut self, camera: usize) -> Result<&mut Slot, Failed> {
-        let count = self.slots.len();
-        self.slots.get_mut(camera).ok_or_else(|| no_camera(count))
-    }
-
     /// A camera's view, or `None` if it has no picture in this frame.
-    fn input(&self, camera: usize) -> Result<Option<ViewInput<'_>>, Failed> {
+    pub(crate) fn input(&self, camera: usize) -> Result<Option<ViewInput<'_>>, Failed> {
         let slot = self.slots.get(camera).ok_or_else(|| no_camera(self.slots.len()))?;
         let (image, alpha) = match &slot.photo {
             Photo::NotYet => return Err(Failed::of_camera("image", "this camera has no picture yet", camera)),
@@ -202,6 +132,17 @@ impl Frame {
             (Matte::Alpha | Matte::Unknown, _) => Mask::Unknown,
         };
         Ok(Some(ViewInput { image: image.view(), mask }))
+    }
+
+    /// Whether a camera's picture has been given.
+    #[cfg(feature = "reconstruction")]
+    pub(crate) fn has_picture(&self, camera: usize) -> bool {
+        matches!(self.slots[camera].photo, Photo::Given { .. })
+    }
+
+    fn slot(&mut self, camera: usize) -> Result<&mut Slot, Failed> {
+        let count = self.slots.len();
+        self.slots.get_mut(camera).ok_or_else(|| no_camera(count))
     }
 }
 

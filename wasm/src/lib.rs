@@ -1,32 +1,51 @@
-//! pcmvs for browsers, bundlers and Node: a [`Rig`], its [`Frame`]s, their [`Reconstruction`]s, and a [`Calibrator`] that
-//! checks the rig. Everything runs on the calling thread: call it in a worker.
+//! pcmvs for browsers, bundlers and Node, as three modules that are loaded when they are needed. Each feature is one of them:
+//!
+//! - `reconstruction`: a [`Rig`], its [`Frame`]s and their [`Reconstruction`]s;
+//! - `calibration`: a [`Rig`], its [`Frame`]s and a [`Calibrator`] that checks the rig;
+//! - `scene`: [`open_scene`].
+//!
+//! Everything runs on the calling thread: call it in a worker.
 
+#[cfg(feature = "calibration")]
 mod calibration;
-mod diagnostics;
 mod error;
-mod files;
+#[cfg(feature = "frames")]
 mod frame;
+#[cfg(feature = "frames")]
 mod key;
+#[cfg(feature = "reconstruction")]
 mod photograph;
+#[cfg(feature = "frames")]
 mod presets;
+#[cfg(feature = "frames")]
 mod progress;
+#[cfg(feature = "reconstruction")]
 mod reconstruction;
+#[cfg(feature = "frames")]
 mod rig;
+#[cfg(feature = "scene")]
+mod scene;
+#[cfg(feature = "reconstruction")]
 mod sketch;
+#[cfg(feature = "reconstruction")]
 mod steady;
 mod types;
+#[cfg(feature = "frames")]
+mod warning;
 
+#[cfg(feature = "calibration")]
 pub use calibration::Calibrator;
+#[cfg(feature = "frames")]
 pub use frame::Frame;
+#[cfg(feature = "reconstruction")]
 pub use photograph::Photograph;
+#[cfg(feature = "reconstruction")]
 pub use reconstruction::{Cloud, MeshArrays, Reconstruction};
+#[cfg(feature = "frames")]
 pub use rig::Rig;
+#[cfg(feature = "scene")]
+pub use scene::open_scene;
 
-use error::Failed;
-use files::Given;
-use serde::Serialize;
-use std::{iter, path::Path};
-use types::{FileSource, SceneObject};
 use wasm_bindgen::prelude::*;
 
 /// Turns a defect's panic into a JavaScript error. The instance must not be used afterwards.
@@ -39,19 +58,4 @@ pub fn start() {
 #[wasm_bindgen]
 pub fn version() -> String {
     env!("CARGO_PKG_VERSION").to_owned()
-}
-
-/// Opens the capture among the files, wherever in the tree it is: scene.json, Middlebury's `*_par.txt`, a COLMAP text
-/// model, transforms.json or OpenCV's calibrations. Paths in the scene are those of the files.
-#[wasm_bindgen(js_name = openScene)]
-pub fn open_scene(files: &FileSource) -> Result<SceneObject, Failed> {
-    let mut scene = pcmvs_scene::open(&Given::new(files)?, Path::new(""))?;
-    let folder = scene.resolve(Path::new(""));
-    let of_frames = scene.frames.iter_mut().flat_map(|frame| iter::once(&mut frame.images).chain(&mut frame.masks));
-    let plates = scene.background.iter_mut().filter_map(|background| background.plates.as_mut());
-    for path in of_frames.chain(plates).flatten().flatten() {
-        *path = files::normal(&folder.join(&*path));
-    }
-    let object = scene.serialize(&serde_wasm_bindgen::Serializer::json_compatible())?;
-    Ok(object.unchecked_into())
 }

@@ -1,8 +1,11 @@
 //! A camera's picture and silhouette without lens distortion.
 
-use crate::error::Failed;
+use crate::{error::Failed, frame::Frame};
 use js_sys::Uint8ClampedArray;
-use pcmvs_core::{View, silhouette::Silhouette};
+use pcmvs_core::{
+    LeftOut, View,
+    silhouette::{ContourParams, NoSilhouette, Silhouette},
+};
 use wasm_bindgen::prelude::*;
 use web_sys::ImageData;
 
@@ -13,11 +16,22 @@ pub struct Photograph {
     view: View,
 }
 
-impl Photograph {
-    pub(crate) fn new(view: View) -> Self {
-        Self { view }
+#[wasm_bindgen]
+impl Frame {
+    /// A camera's picture and silhouette without lens distortion, as the stages see them. Throws `PcmvsError`.
+    pub fn photograph(&self, camera: usize) -> Result<Photograph, Failed> {
+        let absent = || Failed::of_camera("image", "this camera has no picture in this frame", camera);
+        let input = self.input(camera)?.ok_or_else(absent)?;
+        let view = View::new(self.rig(), camera, &input, Some(&ContourParams::default()));
+        let view = view.map_err(|error| Failed::core(&error, None))?;
+        if view.left_out == Some(LeftOut::EmptySilhouette) {
+            return Err(Failed::of_camera("silhouette", &NoSilhouette::Empty.to_string(), camera));
+        }
+        Ok(Photograph { view })
     }
+}
 
+impl Photograph {
     fn image(&self, rgba: &[u8]) -> Result<ImageData, Failed> {
         let camera = &self.view.camera;
         // A copy, because image data keeps the array that it is given, and the instance's memory is used again.

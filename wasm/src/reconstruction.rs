@@ -3,15 +3,19 @@
 //! Arrays are copied once, out of the instance's memory into buffers of their own, so that a worker can transfer them.
 
 use crate::{
-    diagnostics::{ViewReport, Warning},
     error::Failed,
-    types::{MeshStage, Up},
+    frame::Frame,
+    presets,
+    progress::Callback,
+    types::{PresetName, ProgressFunction},
+    warning::Warning,
 };
 use glam::DVec3;
 use js_sys::{Float32Array, Object, Reflect, Uint8Array, Uint16Array, Uint32Array};
 use pcmvs_core::{
-    Mesh, PointCloud,
+    Mesh, Params, PointCloud, Rig, Serial, ViewDiagnostics, ViewInput,
     export::{glb, ply},
+    reconstruct,
 };
 use serde::Serialize;
 use serde_wasm_bindgen::Serializer;
@@ -26,6 +30,58 @@ pub struct Reconstruction {
     pub(crate) origin: DVec3,
     /// The mesh of the frame alone, unless that is the one of `result`.
     pub(crate) own: Option<Mesh>,
+}
+
+#[wasm_bindgen(typescript_custom_section)]
+const TYPES: &str = r#"
+/** How well a camera's view agrees with the others. What could not be measured is null. */
+export interface ViewReport {
+    /** Whether the view takes part in the frame. */
+    used: boolean;
+    /** Intersection over union of the silhouette and the visual hull's picture, 0..1. */
+    silhouetteOverlap: number | null;
+    /** Median distance of the hull's outline from the silhouette's contour in pixels. */
+    contourPx: number | null;
+    /** Median distance in pixels of a few matches with other views from their epipolar lines: how far off the calibration is. */
+    epipolarPx: number | null;
+}
+"#;
+
+#[wasm_bindgen]
+extern "C" {
+    /// Name of a stage's mesh.
+    #[wasm_bindgen(typescript_type = "\"hull\" | \"coarse\" | \"mesh\"")]
+    pub type MeshStage;
+    /// A direction.
+    #[wasm_bindgen(typescript_type = "[number, number, number]")]
+    pub type Up;
+}
+
+#[wasm_bindgen]
+impl Frame {
+    /// Reconstructs. `progress(stage, done, total)` is called on the way; when it returns false, an error of code
+    /// `cancelled` is thrown. Throws `PcmvsError`.
+    pub fn reconstruct(
+        &self,
+        preset: &PresetName,
+        progress: Option<ProgressFunction>,
+    ) -> Result<Reconstruction, Failed> {
+        let cameras = 0..self.rig().cameras().len();
+        let inputs: Vec<Option<ViewInput>> = cameras.map(|i| self.input(i)).collect::<Result<_, _>>()?;
+        run(self.rig(), &inputs, &presets::params(preset)?, progress)
+    }
+}
+
+/// Reconstructs the cameras of a rig.
+pub fn run(
+    rig: &Rig,
+    inputs: &[Option<ViewInput>],
+    params: &Params,
+    progress: Option<ProgressFunction>,
+) -> Result<Reconstruction, Failed> {
+    let callback = Callback::new(progress);
+    let made = reconstruct(rig, inputs, params, &Serial, &callback);
+    made.map(|made| Reconstruction::new(made, rig.origin())).map_err(|error| callback.failed(&error))
 }
 
 impl Reconstruction {
@@ -125,6 +181,23 @@ impl Reconstruction {
             Reflect::set(&hashes, &stage.name().into(), &format!("{hash:016x}").into())?;
         }
         Ok(hashes)
+    }
+}
+
+/// `ViewReport`.
+#[derive(Serialize)]
+#[serde(rename_all = "camelCase")]
+struct ViewReport {
+    used: bool,
+    silhouette_overlap: Option<f32>,
+    contour_px: Option<f32>,
+    epipolar_px: Option<f32>,
+}
+
+impl From<&ViewDiagnostics> for ViewReport {
+    fn from(found: &ViewDiagnostics) -> Self {
+        let ViewDiagnostics { used, silhouette_overlap, contour_px, epipolar_px, .. } = *found;
+        Self { used, silhouette_overlap, contour_px, epipolar_px }
     }
 }
 

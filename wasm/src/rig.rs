@@ -21,6 +21,7 @@ const PICTURES_PER_PIXEL: f64 = 4.0;
 pub struct Rig {
     pub(crate) rig: Rc<pcmvs_core::Rig>,
     /// The cameras' names.
+    #[cfg(feature = "calibration")]
     pub(crate) names: Rc<[String]>,
 }
 
@@ -35,7 +36,11 @@ impl Rig {
         };
         let cameras: Vec<Camera> = given.iter().enumerate().map(camera).collect::<Result<_, _>>()?;
         let rig = pcmvs_core::Rig::new(&cameras).map_err(|error| Failed::core(&error, None))?;
-        Ok(Self { rig: Rc::new(rig), names: given.into_iter().map(|camera| camera.name).collect() })
+        Ok(Self {
+            rig: Rc::new(rig),
+            #[cfg(feature = "calibration")]
+            names: given.into_iter().map(|camera| camera.name).collect(),
+        })
     }
 
     /// Number of cameras.

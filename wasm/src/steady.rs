@@ -4,7 +4,7 @@ use crate::{
     error::Failed,
     progress::Callback,
     reconstruction::{MeshArrays, Reconstruction},
-    types::{OwnMesh, ProgressFunction},
+    types::ProgressFunction,
 };
 use glam::{DVec3, Vec3};
 use js_sys::{Array, Float32Array, Object, Reflect, Uint8Array, Uint32Array};
@@ -15,6 +15,32 @@ use pcmvs_core::{
 };
 use std::mem::replace;
 use wasm_bindgen::prelude::*;
+
+#[wasm_bindgen(typescript_custom_section)]
+const TYPES: &str = r#"
+/** The mesh of a frame alone, with all that averaging needs. It can be posted to another worker. */
+export interface OwnMesh {
+    /** x y z of each vertex, relative to the rig's origin. */
+    positions: Float32Array;
+    /** Unit normals, outward. */
+    normals: Float32Array;
+    /** sRGB of each vertex. */
+    colours: Uint8Array;
+    /** Three vertices per triangle, counter-clockwise seen from outside. */
+    triangles: Uint32Array;
+    /** World position of the rig's origin. */
+    origin: number[];
+    /** Size of a pixel at the object, in scene units. */
+    footprint: number;
+}
+"#;
+
+#[wasm_bindgen]
+extern "C" {
+    /// `OwnMesh`.
+    #[wasm_bindgen(typescript_type = "OwnMesh")]
+    pub type OwnMesh;
+}
 
 #[wasm_bindgen]
 impl Reconstruction {

@@ -4,7 +4,7 @@
 import { sampleFiles } from "./page/files";
 import { viewFiles } from "./run/views";
 import { Pool, warm } from "./workers/pool";
-import type { Entries, FrameResult } from "./workers/protocol";
+import type { FrameResult } from "./workers/protocol";
 
 /** The address of a published clip that is shown instead of the sample: `?clip=URL`. An empty one stands for none. */
 export const clipAddress = new URLSearchParams(location.search).get("clip");
@@ -17,9 +17,9 @@ export const sample = clipAddress === null ? sampleFiles() : null;
 /** A sketch of the sample's first frame. */
 export const sketch = sample && sketchSample(sample);
 
-async function sketchSample(sample: Promise<Entries>): Promise<FrameResult> {
-    const entries = await sample;
-    const { cameras, frames, up } = await sidePool.run({ type: "open", entries });
+async function sketchSample(files: NonNullable<typeof sample>): Promise<FrameResult> {
+    const { entries, scene } = await files;
+    const { cameras, frames, up } = scene;
     const views = cameras.map((_, camera) => viewFiles(frames[0], entries, camera, "masks", null));
     const made: FrameResult[] = [];
     const pool = new Pool(1);

@@ -14,20 +14,32 @@ const NEEDED: [&str; 3] = ["Cargo.toml", "README.md", "src/lib.rs"];
 /// Folders of a crate that are for its developers.
 const OURS: [&str; 3] = ["tests/", "benches/", "abi/"];
 /// What the npm package has. It needs no others.
-const NPM: [&str; 13] = [
+const NPM: [&str; 25] = [
     "LICENSE-three",
     "README.md",
+    "calibration.d.ts",
+    "calibration.js",
     "element.d.ts",
     "element.js",
     "index.d.ts",
     "index.js",
+    "load.js",
     "package.json",
+    "pcmvs-calibration.d.ts",
+    "pcmvs-calibration.js",
+    "pcmvs-calibration.scalar.wasm",
+    "pcmvs-calibration.simd.wasm",
+    "pcmvs-scene.d.ts",
+    "pcmvs-scene.js",
+    "pcmvs-scene.scalar.wasm",
     "pcmvs.d.ts",
     "pcmvs.js",
     "pcmvs.scalar.wasm",
     "pcmvs.simd.wasm",
     "player.d.ts",
     "player.js",
+    "scene.d.ts",
+    "scene.js",
 ];
 
 /// Checks the contents of all archives; with `all`, that crates.io would take the crates as far as Cargo can tell.

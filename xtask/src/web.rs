@@ -19,16 +19,49 @@ use std::{
 };
 use wasm_bindgen_cli_support::Bindgen;
 
-/// Maximum size of a build of the package's module, compressed, in bytes.
-const MODULE_BUDGET: usize = 716 << 10;
-/// Inlines little, which keeps the module within its budget. Hot loops are inlined by attribute.
+/// A module of the package.
+struct Module {
+    /// The feature of pcmvs-wasm that is this module.
+    feature: &'static str,
+    /// Name of its files in the package.
+    file: &'static str,
+    /// Maximum size of a build, compressed, in bytes.
+    budget: usize,
+    /// Whether it has a build with 128-bit instructions, too. Reading a calibration takes no time.
+    has_simd: bool,
+}
+
+/// Each is loaded when it is needed, and has its own memory.
+const MODULES: [Module; 3] = [
+    Module { feature: "reconstruction", file: "pcmvs", budget: 412 << 10, has_simd: true },
+    Module { feature: "calibration", file: "pcmvs-calibration", budget: 300 << 10, has_simd: true },
+    Module { feature: "scene", file: "pcmvs-scene", budget: 292 << 10, has_simd: false },
+];
+/// Inlines little, which keeps the modules within their budgets. Hot loops are inlined by attribute.
 const INLINE: &str = "-Cllvm-args=-inline-threshold=15";
-/// The two builds of the module and their further compiler flags. The page uses the first that the browser can run.
-const BUILDS: [(&str, &str); 2] = [("simd", "-Ctarget-feature=+simd128"), ("scalar", "-Ctarget-feature=-simd128")];
+/// Flags of the optimisation across crates only, for the same end: loops are not unrolled any further, and addresses are
+/// reckoned where they are used. Earlier, short loops must be unrolled, or matching takes twice as long.
+const SMALL: [&str; 3] =
+    ["-Cllvm-args=-unroll-threshold=0", "-Cllvm-args=-unroll-runtime=false", "-Cllvm-args=-disable-lsr"];
+/// The builds of a module and their further compiler flags. The page uses the first that the browser can run.
+const BUILDS: [(&str, &str); 2] = [(SIMD, "-Ctarget-feature=+simd128"), ("scalar", "-Ctarget-feature=-simd128")];
+const SIMD: &str = "simd";
 /// The browser.
 const TRIPLE: &str = "wasm32-unknown-unknown";
 /// The files of the package that are written by hand.
-const WRITTEN: [&str; 6] = ["index.js", "index.d.ts", "element.d.ts", "player.d.ts", "package.json", "README.md"];
+const WRITTEN: [&str; 11] = [
+    "index.js",
+    "index.d.ts",
+    "calibration.js",
+    "calibration.d.ts",
+    "scene.js",
+    "scene.d.ts",
+    "load.js",
+    "element.d.ts",
+    "player.d.ts",
+    "package.json",
+    "README.md",
+];
 /// The player's files, each a mode of web/vite.player.ts.
 const PLAYER: [&str; 2] = ["element", "player"];
 /// Maximum size of the player with three.js inside, compressed, in bytes.
@@ -49,57 +82,75 @@ pub const NEEDS: [Need; 5] = [
     Need::Npm("tests/web"),
 ];
 
-/// Builds the npm package in `wasm/pkg`; returns the sizes of its modules.
+/// Builds the npm package in `wasm/pkg`; returns the sizes of its modules and of the player.
 pub fn wasm() -> Result<String> {
     let (package, npm) = (root().join("wasm/pkg"), root().join("wasm/npm"));
     fresh(&package)?;
     let compiler = Compiler::install(&[TRIPLE])?;
     // Most of a build is optimisation across crates, which uses one processor: both run at the same time.
     let bound = thread::scope(|scope| {
-        let builds = BUILDS.map(|(name, flags)| scope.spawn(move || module(compiler, name, flags)));
+        let builds = BUILDS.map(|(name, flags)| scope.spawn(move || modules(compiler, name, flags)));
         builds.map(|build| build.join().unwrap_or_else(|panic| resume_unwind(panic)))
     });
-    let mut glue: Option<String> = None;
+    let [simd, scalar] = bound;
+    let (simd, scalar) = (simd?, scalar?);
     let mut sizes = Vec::new();
-    for ((name, _), bound) in BUILDS.into_iter().zip(bound) {
-        let bound = bound?;
-        let code = read_text(&bound.join("pcmvs.js"))?;
-        if *glue.get_or_insert_with(|| code.clone()) != code {
-            return Err(String::from("the builds need different JavaScript: the package ships one for both"));
-        }
-        for file in ["pcmvs.js", "pcmvs.d.ts"] {
-            copy(&bound.join(file), &package.join(file))?;
-        }
-        let file = package.join(format!("pcmvs.{name}.wasm"));
-        copy(&bound.join("pcmvs_bg.wasm"), &file)?;
-        let bytes = read(&file)?;
-        let compressed = gzip(&bytes)?.len();
-        sizes.push(format!("{name} {} KiB compressed of {} allowed", compressed >> 10, MODULE_BUDGET >> 10));
-        if compressed > MODULE_BUDGET {
-            return Err(format!("{}: {compressed} bytes compressed of {MODULE_BUDGET} allowed", file.display()));
-        }
+    for module in &MODULES {
+        sizes.push(module.add(&package, &simd, &scalar)?);
     }
     WRITTEN.iter().try_for_each(|file| copy(&npm.join(file), &package.join(file)))?;
     sizes.push(player(&package)?);
     Ok(sizes.join(", "))
 }
 
-/// Makes one build of the module; returns the folder that has it with its JavaScript.
-fn module(compiler: Compiler, name: &str, flags: &str) -> Result<PathBuf> {
+impl Module {
+    /// Copies its builds and their JavaScript from the builds' folders into the package; returns its size.
+    fn add(&self, package: &Path, simd: &Path, scalar: &Path) -> Result<String> {
+        let Self { feature, file, budget, has_simd } = *self;
+        let script = format!("{file}.js");
+        if has_simd && read(&simd.join(&script))? != read(&scalar.join(&script))? {
+            return Err(format!("the builds of {feature} need different JavaScript: the package ships one for both"));
+        }
+        for file in [script, format!("{file}.d.ts")] {
+            copy(&scalar.join(&file), &package.join(&file))?;
+        }
+        let mut largest = 0;
+        for (folder, build) in [(scalar, "scalar"), (simd, SIMD)] {
+            if build == SIMD && !has_simd {
+                continue;
+            }
+            let wasm = package.join(format!("{file}.{build}.wasm"));
+            copy(&folder.join(format!("{file}_bg.wasm")), &wasm)?;
+            let compressed = gzip(&read(&wasm)?)?.len();
+            if compressed > budget {
+                return Err(format!("{}: {compressed} bytes compressed of {budget} allowed", wasm.display()));
+            }
+            largest = largest.max(compressed);
+        }
+        Ok(format!("{feature} {} KiB compressed of {} allowed", largest >> 10, budget >> 10))
+    }
+}
+
+/// Makes one build of all modules that have it; returns the folder that has them with their JavaScript.
+fn modules(compiler: Compiler, name: &str, flags: &str) -> Result<PathBuf> {
     let target = target().join(format!("wasm-{name}"));
-    let mut build = compiler.cargo("build --profile wasm --package pcmvs-wasm", TRIPLE, "std,panic_abort")?;
-    let flags = [flags, INLINE].join("\u{1f}");
-    run(build.env("CARGO_TARGET_DIR", &target).env("CARGO_ENCODED_RUSTFLAGS", flags))?;
     let bound = target.join("bound");
-    Bindgen::new()
-        .input_path(target.join(TRIPLE).join("wasm/pcmvs_wasm.wasm"))
-        .out_name("pcmvs")
-        .web(true)
-        .and_then(|bindgen| {
-            let bindgen = bindgen.typescript(true).omit_default_module_path(true);
-            bindgen.remove_name_section(true).remove_producers_section(true).generate(&bound)
-        })
-        .map_err(|e| format!("wasm-bindgen: {e:#}"))?;
+    for Module { feature, file, .. } in MODULES.iter().filter(|module| module.has_simd || name != SIMD) {
+        let arguments = format!("rustc --profile wasm --package pcmvs-wasm --no-default-features --features {feature}");
+        let mut build = compiler.cargo(&arguments, TRIPLE, "std,panic_abort")?;
+        let flags = [flags, INLINE].join("\u{1f}");
+        build.arg("--").args(SMALL);
+        run(build.env("CARGO_TARGET_DIR", &target).env("CARGO_ENCODED_RUSTFLAGS", flags))?;
+        Bindgen::new()
+            .input_path(target.join(TRIPLE).join("wasm/pcmvs_wasm.wasm"))
+            .out_name(file)
+            .web(true)
+            .and_then(|bindgen| {
+                let bindgen = bindgen.typescript(true).omit_default_module_path(true);
+                bindgen.remove_name_section(true).remove_producers_section(true).generate(&bound)
+            })
+            .map_err(|e| format!("wasm-bindgen: {feature}: {e:#}"))?;
+    }
     Ok(bound)
 }
 
@@ -225,10 +276,6 @@ fn fresh(folder: &Path) -> Result<()> {
 
 fn read(path: &Path) -> Result<Vec<u8>> {
     fs::read(path).map_err(|e| format!("{}: {e}", path.display()))
-}
-
-fn read_text(path: &Path) -> Result<String> {
-    fs::read_to_string(path).map_err(|e| format!("{}: {e}", path.display()))
 }
 
 fn copy(from: &Path, to: &Path) -> Result<()> {

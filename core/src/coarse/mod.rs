@@ -21,6 +21,7 @@ use crate::{
     point_cloud::{Mesh, Point, PointCloud, concat},
     progress::Part,
     silhouette::Silhouette,
+    sort::short,
     stage::Stage,
     view::View,
     workspace::Workspace,
@@ -60,7 +61,7 @@ pub(crate) fn further_octaves(views: &[View]) -> u32 {
 
 /// The number of octaves for the numbers of the object's pixels in the pictures.
 fn octaves_of(mut areas: Vec<usize>) -> u32 {
-    areas.sort_unstable();
+    short(&mut areas);
     let mut area = areas.get(areas.len() / 2).copied().unwrap_or(0);
     let mut octaves = 0;
     while area / 4 >= SEARCHED {

@@ -5,7 +5,7 @@ use super::candidate::Candidate;
 use crate::{
     executor::Executor,
     linear::solve_symmetric,
-    math::{from_ordered, ordered},
+    math::{from_ordered, ordered, select},
     workspace::Workspace,
 };
 use alloc::{vec, vec::Vec};
@@ -65,7 +65,10 @@ impl Overlap {
     pub(super) fn solve(&mut self, params: &GainParams, executor: &dyn Executor) -> Vec<Vec3> {
         let n = self.views;
         let mut gains = vec![Vec3::ONE; n];
-        self.samples.sort_unstable_by_key(|&(vertex, view, _)| (vertex, view));
+        let key = |(i, &(vertex, view, _)): (usize, &Sample)| (u64::from(vertex) << 16 | u64::from(view), i as u32);
+        let mut order: Vec<(u64, u32)> = self.samples.iter().enumerate().map(key).collect();
+        order.sort_unstable();
+        self.samples = order.into_iter().map(|(_, i)| self.samples[i as usize]).collect();
         let solved = executor.map(3, |channel| {
             let mut matrix = vec![0.0f64; n * n];
             let mut right = vec![0.0f64; n];
@@ -124,7 +127,7 @@ impl Overlap {
             let middle = logs.len() / 2;
             (!logs.is_empty()).then(|| Ratio {
                 pair: [pair / n, pair % n],
-                median: f64::from(from_ordered(*logs.select_nth_unstable(middle).1)),
+                median: f64::from(from_ordered(select(logs, middle))),
                 weight: logs.len() as f64,
             })
         };

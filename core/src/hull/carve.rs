@@ -16,6 +16,7 @@ use crate::{
     progress::{self, Progress},
     rig::MIN_VIEWS,
     simd::Simd,
+    sort::short,
     stage::Stage,
     view::View,
     workspace::Workspace,
@@ -166,7 +167,7 @@ fn footprint(carvers: &[Carver], p: Vec3) -> Option<f32> {
             (depth > 0.0).then(|| c.camera.footprint(depth).to_bits())
         })
         .collect();
-    sizes.sort_unstable();
+    short(&mut sizes);
     let median = f32::from_bits(*sizes.get(sizes.len() / 2)?);
     (median > 0.0 && median.is_finite()).then_some(median)
 }

@@ -3,6 +3,7 @@
 use crate::{
     error::Result,
     executor::Executor,
+    math::select,
     point_cloud::Mesh,
     progress::{self, Progress},
     raster::cover,
@@ -34,7 +35,7 @@ pub struct Comparison {
 struct Scratch {
     projected: Vec<Vec3>,
     covered: Vec<bool>,
-    distances: Vec<u16>,
+    distances: Vec<u32>,
 }
 
 /// Compares every view's silhouette with the picture of the hull's mesh. The results are in the order of the views.
@@ -135,7 +136,7 @@ impl Part<'_> {
 
     /// Median distance of the covered part's outline from the contour, in pixels. The outline passes between pairs of
     /// neighbouring pixels of which one is covered. The picture's edge is none.
-    fn contour(&self, distances: &mut Vec<u16>) -> Option<f32> {
+    fn contour(&self, distances: &mut Vec<u32>) -> Option<f32> {
         distances.clear();
         if self.silhouette.is_full() {
             return None;
@@ -143,7 +144,7 @@ impl Part<'_> {
         let mut between = |a: i16, b: i16| {
             if a != Silhouette::UNKNOWN && b != Silhouette::UNKNOWN {
                 // The sum of two distances is twice the one in the middle.
-                distances.push((i32::from(a) + i32::from(b)).unsigned_abs() as u16);
+                distances.push((i32::from(a) + i32::from(b)).unsigned_abs());
             }
         };
         for y in 0..self.size[1] {
@@ -163,6 +164,6 @@ impl Part<'_> {
             }
         }
         let middle = distances.len() / 2;
-        (!distances.is_empty()).then(|| f32::from(*distances.select_nth_unstable(middle).1) * 0.5 / Silhouette::UNITS)
+        (!distances.is_empty()).then(|| select(distances, middle) as f32 * 0.5 / Silhouette::UNITS)
     }
 }

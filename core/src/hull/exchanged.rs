@@ -1,7 +1,14 @@
 //! Finds cameras whose pictures are exchanged: each silhouette fits the hull of the others as the other camera sees it.
 
 use super::comparison::compare;
-use crate::{error::Result, executor::Executor, math::ordered, point_cloud::Mesh, progress::Progress, view::View};
+use crate::{
+    error::Result,
+    executor::Executor,
+    point_cloud::Mesh,
+    progress::Progress,
+    sort::{short, short_by},
+    view::View,
+};
 use alloc::{vec, vec::Vec};
 
 /// Only views whose silhouettes overlap with the hull by less than this are suspected,
@@ -31,7 +38,7 @@ pub fn exchanged(
     let all: Vec<&View> = views.iter().filter(not_carving).collect();
     let own = overlaps(all.iter().map(|view| in_place_of(view, view)).collect(), mesh, executor, progress)?;
     let mut suspects: Vec<(f32, &View)> = own.into_iter().zip(all).filter(|(own, _)| *own < SUSPICIOUS).collect();
-    suspects.sort_by_key(|(own, view)| (ordered(*own), view.index));
+    short_by(&mut suspects, |(a, one), (b, other)| a.total_cmp(b).then(one.index.cmp(&other.index)));
     suspects.truncate(MOST);
     let mut fitting: Vec<(f32, [u16; 2])> = Vec::new();
     for (i, &(own_a, a)) in suspects.iter().enumerate() {
@@ -47,14 +54,14 @@ pub fn exchanged(
             }
         }
     }
-    fitting.sort_by_key(|&(sum, pair)| (ordered(-sum), pair));
+    short_by(&mut fitting, |(a, one), (b, other)| b.total_cmp(a).then(one.cmp(other)));
     let mut pairs: Vec<[u16; 2]> = Vec::new();
     for (_, pair) in fitting {
         if pairs.iter().flatten().all(|place| !pair.contains(place)) {
             pairs.push(pair);
         }
     }
-    pairs.sort_unstable();
+    short(&mut pairs);
     Ok(pairs)
 }
 

@@ -4,6 +4,7 @@
 use crate::{
     camera::Camera,
     error::{Error, Result},
+    sort::short_by,
 };
 use alloc::{format, string::String, vec::Vec};
 use glam::{DVec2, DVec3};
@@ -113,7 +114,7 @@ pub(super) fn check_pictures(cameras: &[Camera]) -> Result<()> {
 pub(super) fn check_distances(cameras: &[Camera], meeting: DVec3) -> Result<()> {
     let distances: Vec<f64> = cameras.iter().map(|camera| (camera.centre() - meeting).length()).collect();
     let mut sorted = distances.clone();
-    sorted.sort_by(f64::total_cmp);
+    short_by(&mut sorted, f64::total_cmp);
     let median = sorted[sorted.len() / 2];
     if !(DISTANCE[0]..=DISTANCE[1]).contains(&median) {
         let problem = format!(

@@ -10,6 +10,7 @@ mod strangers;
 use crate::{
     camera::{Camera, Pinhole},
     error::{Error, Result},
+    sort::short_by,
     undistort::Undistortion,
 };
 use alloc::{format, vec::Vec};
@@ -187,7 +188,7 @@ fn canonical_order(cameras: &[Camera]) -> Vec<u32> {
         [c.x, c.y, c.z, d.x, d.y, d.z, camera.k[0][0], camera.k[0][2], camera.k[1][2]]
     };
     let mut order: Vec<u32> = (0..cameras.len() as u32).collect();
-    order.sort_by(|&a, &b| {
+    short_by(&mut order, |&a, &b| {
         let unequal = key(a).into_iter().zip(key(b)).map(|(a, b)| a.total_cmp(&b)).find(|o| o.is_ne());
         unequal.unwrap_or(core::cmp::Ordering::Equal)
     });

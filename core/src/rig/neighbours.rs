@@ -1,6 +1,6 @@
 //! The views that a view is compared with: N(P) of eq. 1 (§4.1), selected by angle.
 
-use crate::{camera::Pinhole, math::ordered};
+use crate::{camera::Pinhole, math::ordered, sort::short};
 use alloc::vec::Vec;
 
 /// Cosine of 6°: views closer than this have too little parallax.
@@ -21,6 +21,6 @@ pub fn neighbours(cameras: &[Pinhole], view: usize) -> Vec<u16> {
         .filter(|&(cosine, _)| cosine < MAX_COSINE && cosine > MIN_COSINE)
         .map(|(cosine, i)| u64::from(ordered(-cosine)) << 16 | i)
         .collect();
-    others.sort_unstable();
+    short(&mut others);
     others.into_iter().map(|key| key as u16).collect()
 }

@@ -5,6 +5,7 @@ use super::meeting::{MIN_VIEWS, meeting_point};
 use crate::{
     camera::Camera,
     error::{Error, Result},
+    sort::short_by,
 };
 use alloc::{format, vec::Vec};
 use glam::DVec3;
@@ -24,12 +25,12 @@ pub(super) fn check(cameras: &[Camera]) -> Result<()> {
     let centres: Vec<DVec3> = cameras.iter().map(Camera::centre).collect();
     let middle = DVec3::from_array([0, 1, 2].map(|axis| {
         let mut along: Vec<f64> = centres.iter().map(|centre| centre[axis]).collect();
-        along.sort_by(f64::total_cmp);
+        short_by(&mut along, f64::total_cmp);
         along[(along.len() - 1) / 2]
     }));
     let reach: Vec<f64> = centres.iter().map(|centre| (*centre - middle).length()).collect();
     let mut sorted = reach.clone();
-    sorted.sort_by(f64::total_cmp);
+    short_by(&mut sorted, f64::total_cmp);
     let near = STRANGE * sorted[sorted.len() / 4];
     let rest: Vec<Camera> = cameras.iter().zip(&reach).filter(|(_, reach)| **reach <= near).map(|(c, _)| *c).collect();
     if rest.len() == cameras.len() || rest.len() < MIN_VIEWS as usize {

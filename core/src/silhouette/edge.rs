@@ -5,7 +5,10 @@
 //! that is too narrow outside. Texture and backdrop have edges at all distances and make no peak.
 
 use super::Silhouette;
-use crate::math::{max, min, ordered, sqrt};
+use crate::{
+    math::{max, min, sqrt},
+    sort::short_by,
+};
 
 /// Largest distance from the contour that is looked at, in pixels.
 const REACH: usize = 24;
@@ -121,7 +124,7 @@ impl Profile {
         if found < LEAST {
             return None;
         }
-        sorted[..found].sort_unstable_by_key(|&mean| ordered(mean));
+        short_by(&mut sorted[..found], f32::total_cmp);
         let usual = sorted[found / 2];
         Some(ContourEdge {
             other: if inside { strongest as f32 } else { -(strongest as f32) },

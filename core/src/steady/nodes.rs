@@ -22,15 +22,16 @@ impl Nodes {
     /// Nodes at a distance of about `spacing` pixels along the mesh, so that parts that only touch do not move each other.
     pub fn new(mesh: &Target, spacing: f32) -> Self {
         let (places, owners) = spread(mesh, spacing);
-        let mut edges: Vec<[u32; 2]> = Vec::new();
+        // As numbers with the smaller index in the upper half, which are sorted like pairs.
+        let mut edges: Vec<u64> = Vec::new();
         for triangle in &mesh.mesh.triangles {
             let [a, b, c] = triangle.map(|v| owners[v as usize]);
-            edges.extend(
-                [[a, b], [b, c], [c, a]].into_iter().filter(|[a, b]| a != b).map(|[a, b]| [a.min(b), a.max(b)]),
-            );
+            let sides = [[a, b], [b, c], [c, a]].into_iter().filter(|[a, b]| a != b);
+            edges.extend(sides.map(|[a, b]| u64::from(a.min(b)) << 32 | u64::from(a.max(b))));
         }
         edges.sort_unstable();
         edges.dedup();
+        let edges: Vec<[u32; 2]> = edges.into_iter().map(|key| [(key >> 32) as u32, key as u32]).collect();
         let mut adjacent = vec![Vec::new(); places.len()];
         for &[a, b] in &edges {
             adjacent[a as usize].push(b);

@@ -6,20 +6,19 @@ import type { Entries } from "../workers/protocol";
 
 const hidden = (path: string) => path.split("/").some((part) => part.startsWith(".") || part === "__MACOSX");
 
-/** The sample, which is on the page's own host. */
-export async function sampleFiles(): Promise<Entries> {
+/** The sample, which is on the page's own host. Its scene.json is as the library would return it. */
+export async function sampleFiles(): Promise<{ entries: Entries; scene: Scene }> {
     const base = new URL("sample/", document.baseURI);
     const url = (path: string) => new URL(`${path}?${sampleHash}`, base).href;
     const response = await fetch(url("scene.json"));
     if (!response.ok) throw new Error("the sample is missing on this host: drop a capture of your own");
-    const scene = await response.blob();
-    const { frames } = JSON.parse(await scene.text()) as Pick<Scene, "frames">;
-    const entries: Entries = new Map([["scene.json", { kind: "blob", blob: scene }]]);
+    const scene: Scene = await response.json();
+    const entries: Entries = new Map();
     // Workers fetch the pictures, because this thread is busy while the page loads.
-    for (const path of frames.flatMap(({ images, masks }) => [...images, ...(masks ?? [])])) {
+    for (const path of scene.frames.flatMap(({ images, masks }) => [...images, ...(masks ?? [])])) {
         if (path !== null) entries.set(path, { kind: "url", url: url(path) });
     }
-    return entries;
+    return { entries, scene };
 }
 
 /** Picked files. Those of a picked folder have paths. */

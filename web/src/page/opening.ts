@@ -1,5 +1,6 @@
 // Opens captures to reconstruct and clips to play.
 
+import type { Scene } from "pcmvs";
 import { Clip } from "../clip/clip";
 import { inspectGlb } from "../clip/glb";
 import { sidePool } from "../early";
@@ -10,6 +11,7 @@ import type { Entries, Entry, FrameResult } from "../workers/protocol";
 import { offerChoices, shownRig } from "./choices";
 import { setCapture, setScene } from "./current";
 import { $, button } from "./dom";
+import type { sampleFiles } from "./files";
 import { showCameras } from "./look";
 import { clearErrors, setStatus, showError } from "./messages";
 import { keepForOffline } from "./offline";
@@ -20,30 +22,50 @@ import { strip, viewer } from "./view";
 /** Frames of a published clip that are kept ready to be drawn. */
 const READY_OF_STREAM = 10;
 
-/** Opens files that are being found. With `run` it reconstructs at once, with a sketch if one has been started. */
-export async function open(name: string, found: Promise<Entries>, run: boolean, sketch?: Promise<FrameResult>) {
+/** Opens the sample and reconstructs it at once, with a sketch if one has been started. */
+export function openSample(name: string, files: ReturnType<typeof sampleFiles>, sketch?: Promise<FrameResult>) {
+    return opening(async (turn) => {
+        const { entries, scene } = await files;
+        if (turn !== state.turn) return;
+        showScene(name, scene, entries, false);
+        setStatus("Starting…");
+        reconstruct(sketch);
+    });
+}
+
+/** Opens a person's files that are being found. */
+export function open(name: string, found: Promise<Entries>) {
+    return opening(async (turn) => {
+        const entries = await found;
+        const isClip = [...entries.keys()].some((path) => path.toLowerCase().endsWith(".glb"));
+        if (isClip) return openClip(name, entries, turn);
+        const scene = await sidePool.run({ type: "open", entries });
+        if (turn !== state.turn) return;
+        showScene(name, scene, entries, true);
+        strip.load(shownRig());
+        setStatus("Ready: check cameras and silhouettes, then reconstruct");
+    });
+}
+
+async function opening(work: (turn: number) => Promise<void>) {
     const turn = ++state.turn;
     stop();
     clearErrors();
     setStatus("Opening…");
     try {
-        const entries = await found;
-        const isClip = [...entries.keys()].some((path) => path.toLowerCase().endsWith(".glb"));
-        if (isClip) return await openClip(name, entries, turn);
-        const scene = await sidePool.run({ type: "open", entries });
-        if (turn !== state.turn) return;
-        setScene(name, { scene, entries, given: null, checked: null });
-        offerChoices(scene);
-        if (!run) strip.load(shownRig());
-        showCameras(!run);
-        setStatus(run ? "Starting…" : "Ready: check cameras and silhouettes, then reconstruct");
-        if (run) reconstruct(sketch);
+        await work(turn);
     } catch (error) {
         if (turn !== state.turn) return;
         setStatus("Nothing opened");
         keepForOffline();
         throw error;
     }
+}
+
+function showScene(name: string, scene: Scene, entries: Entries, withCameras: boolean) {
+    setScene(name, { scene, entries, given: null, checked: null });
+    offerChoices(scene);
+    showCameras(withCameras);
 }
 
 /** Opens a published clip at an address. */

@@ -4,7 +4,7 @@ import { clipAddress, sample, sidePool, sketch } from "../early";
 import { $, input, on } from "./dom";
 import { droppedFiles, pickedFiles, sampleFiles } from "./files";
 import { attempt, setStatus } from "./messages";
-import { open, openPublished } from "./opening";
+import { open, openPublished, openSample } from "./opening";
 
 const SAMPLE_NAME = "Sample: 20 synthetic cameras";
 
@@ -18,11 +18,11 @@ export function openFirst() {
     }
     if (address !== null) return void attempt(() => openPublished(address));
     const files = sample;
-    if (files) void attempt(() => open(SAMPLE_NAME, files, true, sketch ?? undefined));
+    if (files) void attempt(() => openSample(SAMPLE_NAME, files, sketch ?? undefined));
 }
 
 export function listenToSources() {
-    on("sample", "click", () => void attempt(() => open(SAMPLE_NAME, sampleFiles(), true)));
+    on("sample", "click", () => void attempt(() => openSample(SAMPLE_NAME, sampleFiles())));
     on("pick-folder", "click", () => input("folder-input").click());
     on("pick-files", "click", () => input("file-input").click());
     for (const id of ["folder-input", "file-input"]) on(id, "change", () => openPicked(input(id).files));
@@ -32,7 +32,7 @@ export function listenToSources() {
 function openPicked(files: FileList | null) {
     if (!files?.length) return;
     const name = files[0].webkitRelativePath.split("/")[0] || files[0].name;
-    void attempt(() => open(name, pickedFiles(files, sidePool), false));
+    void attempt(() => open(name, pickedFiles(files, sidePool)));
 }
 
 function listenToDrops() {
@@ -56,6 +56,6 @@ function listenToDrops() {
         const name = transfer.items[0].webkitGetAsEntry()?.name ?? "Capture";
         // Files can be taken only while the event is handled.
         const found = droppedFiles(transfer, sidePool);
-        void attempt(() => open(name, found, false));
+        void attempt(() => open(name, found));
     });
 }

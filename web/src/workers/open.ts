@@ -1,6 +1,6 @@
 // Opens captures.
 
-import { openScene, type Scene } from "pcmvs";
+import { openScene, ready, type Scene } from "pcmvs/scene";
 import { inputError } from "./failure";
 import type { Entries, Entry } from "./protocol";
 import { read } from "./reading";
@@ -12,6 +12,7 @@ import { read } from "./reading";
  * with the files that it asked for, until it asks for no others. It reads few: those of the calibration.
  */
 export async function open(entries: Entries): Promise<Scene> {
+    await ready;
     const files = new Map<string, Uint8Array>();
     for (;;) {
         const asked = new Set<string>();

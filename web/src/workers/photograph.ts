@@ -2,9 +2,10 @@
 
 import type { Photograph } from "pcmvs";
 import { failureOf, inputError } from "./failure";
-import { setSilhouette, withFrame } from "./frame";
+import { withFrame } from "./frame";
 import type { PhotographJob, PhotographResult } from "./protocol";
 import { readView } from "./reading";
+import { setSilhouette } from "./views";
 
 /** Colour of a silhouette over its picture: red, green, blue. */
 const TINT = [61, 220, 151] as const;

@@ -1,5 +1,6 @@
 // A mesh as binary PLY, in the same layout as the command line's.
-import { version } from "pcmvs";
+
+import { version } from "../version";
 import type { PlyInput } from "./protocol";
 
 const properties = (type: string, names: string[]) => names.map((name) => `property ${type} ${name}\n`);
@@ -15,7 +16,7 @@ export function writePly({ offset, positions, normals, colours, triangles }: Ply
         ...(colours ? properties("uchar", ["red", "green", "blue"]) : []),
     ];
     const header = new TextEncoder().encode(
-        `ply\nformat binary_little_endian 1.0\ncomment pcmvs ${version()}\nelement vertex ${vertices}\n${layout.join("")}` +
+        `ply\nformat binary_little_endian 1.0\ncomment pcmvs ${version}\nelement vertex ${vertices}\n${layout.join("")}` +
             `element face ${corners.length / 3}\nproperty list uchar uint vertex_indices\nend_header\n`,
     );
     const row = (far ? 24 : 12) + (normals ? 12 : 0) + (colours ? 3 : 0);

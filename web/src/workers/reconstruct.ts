@@ -2,9 +2,10 @@
 
 import type { Cloud, Frame, Reconstruction, Rig, Stage } from "pcmvs";
 import { failureOf, isFatal } from "./failure";
-import { loadViews, withFrame } from "./frame";
+import { withFrame } from "./frame";
 import type { FrameJob, FrameStages, QualityLevel, Reply, StageCloud } from "./protocol";
 import { pack } from "./steady";
+import { loadViews } from "./views";
 
 /** Cameras that a sketch needs at least. */
 const SKETCH_CAMERAS = 8;

@@ -1,7 +1,7 @@
 // Averages a frame with its neighbours in time.
 
 import { type OwnMesh, Reconstruction } from "pcmvs";
-import { using } from "./frame";
+import { using } from "./objects";
 import type { PackedMesh, Reply, SteadyJob, SteadyResult } from "./protocol";
 
 /** The mesh of a frame alone, packed so that the page can hand it on without a copy. */

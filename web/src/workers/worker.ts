@@ -1,10 +1,11 @@
 // A worker: reads files, decodes, reconstructs. It does one job at a time; the page cancels a job by terminating it.
+//
+// Every worker loads the module for reconstruction when it starts, so that it is compiled when a job comes. The modules for
+// calibration and for opening captures are loaded by the first job that needs them.
 
 import { ready } from "pcmvs";
-import { calibrate } from "./calibrate";
 import { failureOf } from "./failure";
 import { memoryOf } from "./frame";
-import { open } from "./open";
 import { photograph } from "./photograph";
 import { writePly } from "./ply";
 import type { Job, Reply } from "./protocol";
@@ -32,7 +33,7 @@ scope.onmessage = async (event: MessageEvent<Job>) => {
 async function run(job: Job): Promise<[unknown, Transferable[]]> {
     switch (job.type) {
         case "open":
-            return [await open(job.entries), []];
+            return [await (await import("./open")).open(job.entries), []];
         case "memory":
             return [memoryOf(job.cameras, job.preset), []];
         case "frame":
@@ -47,7 +48,7 @@ async function run(job: Job): Promise<[unknown, Transferable[]]> {
             return [result, result.silhouette ? [result.picture, result.silhouette] : [result.picture]];
         }
         case "calibrate":
-            return [await calibrate(job, send), []];
+            return [await (await import("./calibrate")).calibrate(job, send), []];
         case "read": {
             const bytes = await read(job.entry);
             return [bytes, [bytes.buffer]];

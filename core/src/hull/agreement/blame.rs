@@ -1,6 +1,7 @@
 //! Finds the smallest number of views at fault that explains the uncovered pixels.
 
 use super::excluders::{Excluders, NOBODY, Sets, TOLERATED, size};
+use crate::sort::short_by;
 use alloc::{vec, vec::Vec};
 
 /// Number of views whose uncovered pixels do not count against another view: those with the most. A matte that shows more
@@ -73,7 +74,7 @@ impl Blame {
         by_view
             .chunks_exact_mut(self.views.max(1))
             .map(|pixels| {
-                pixels.sort_unstable_by(|a, b| b.total_cmp(a));
+                short_by(pixels, |a, b| b.total_cmp(a));
                 pixels.iter().skip(NOT_COUNTED).sum()
             })
             .collect()

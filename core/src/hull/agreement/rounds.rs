@@ -8,6 +8,7 @@ use crate::{
     point_cloud::Mesh,
     progress::Progress,
     rig::MIN_VIEWS,
+    sort::short,
     view::View,
     workspace::Workspace,
 };
@@ -89,7 +90,7 @@ pub fn carve_agreeing(
             }
             carved?;
             let mut contradicting = found.places;
-            contradicting.sort_unstable();
+            short(&mut contradicting);
             return Ok(Agreement { contradicting, too_many });
         }
         rounds_left -= 1;

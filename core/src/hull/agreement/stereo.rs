@@ -5,6 +5,7 @@ use crate::{
     camera::Pinhole,
     image::bilinear,
     math::{max, sqrt},
+    sort::short_by,
     view::View,
 };
 use alloc::vec::Vec;
@@ -71,8 +72,8 @@ impl Stereo<'_> {
             .map(|view| ((p - view.camera.centre).normalize().dot(ray), view))
             .filter(|&(cosine, _)| cosine >= MIN_COSINE)
             .collect();
-        // A stable sort: among equals the earlier view comes first.
-        found.sort_by(|a, b| b.0.total_cmp(&a.0));
+        // Among equals the earlier view comes first.
+        short_by(&mut found, |a, b| b.0.total_cmp(&a.0));
         found.into_iter().map(|(_, view)| view).collect()
     }
 

@@ -15,6 +15,7 @@ use super::{
     likeness::Likeness,
     potts,
 };
+use crate::math::{from_ordered, ordered, select};
 use crate::silhouette::parts::{Connected, Parts, keep_large};
 use alloc::{vec, vec::Vec};
 
@@ -109,10 +110,10 @@ fn diagonal(w: usize, object: &[bool]) -> f32 {
 /// Number of wall pixels among those near the core: their weight over the wall's probability, in colours that are hardly
 /// more frequent near the core.
 fn wall_scale(all: &Histogram, wall: &impl Fn(usize) -> f32, bins: impl Iterator<Item = usize>) -> f32 {
-    let mut ratios: Vec<f32> = bins.map(|bin| all.weights[bin] / wall(bin).max(FLOOR)).collect();
+    let mut ratios: Vec<u32> = bins.map(|bin| ordered(all.weights[bin] / wall(bin).max(FLOOR))).collect();
     let middle = (WALL_QUANTILE * ratios.len() as f32) as usize;
     let middle = middle.min(ratios.len() - 1);
-    *ratios.select_nth_unstable_by(middle, f32::total_cmp).1
+    from_ordered(select(&mut ratios, middle))
 }
 
 /// Closes notches and gaps up to twice `radius` wide, in thirds of a pixel, where `may`.

@@ -5,7 +5,10 @@ use super::{
     profile::{Costs, OFFSETS, Profiles, offset},
     trace::Loops,
 };
-use crate::{math::min, silhouette::refill::refill};
+use crate::{
+    math::{from_ordered, min, ordered, select},
+    silhouette::refill::refill,
+};
 use alloc::vec::Vec;
 use glam::Vec2;
 
@@ -48,7 +51,8 @@ pub(super) struct Fusion {
     matte: Vec<Option<f32>>,
     /// Variance of each point in pixel², once the loops are at their most probable places.
     pub variances: Vec<f32>,
-    errors: Vec<f32>,
+    /// Errors of the matte, as ordered integers.
+    errors: Vec<u32>,
     path: Path,
 }
 
@@ -105,7 +109,7 @@ impl Fusion {
                 if let Some(matte) = matte
                     && offset.precision > CLEAR
                 {
-                    errors.push(offset.value - matte);
+                    errors.push(ordered(offset.value - matte));
                 }
             }
         }
@@ -113,7 +117,7 @@ impl Fusion {
             return Belief { bias: 0.0, precision: 1.0 / (UNKNOWN_SPREAD * UNKNOWN_SPREAD), max_cost: MAX_COST };
         }
         let bias = median(errors);
-        errors.iter_mut().for_each(|e| *e = (*e - bias).abs());
+        errors.iter_mut().for_each(|e| *e = ordered((from_ordered(*e) - bias).abs()));
         // Of a normal distribution the median error is 0.674 σ.
         let spread = median(errors) / 0.674;
         let variance = spread * spread - PICTURE_SPREAD * PICTURE_SPREAD;
@@ -146,9 +150,9 @@ fn variance(offset: &Offset, picture: &Costs) -> f32 {
     1.0 / offset.precision.max(1e-4) + 1.0 / (UNSEEN_PRECISION * (1.0 + seen * seen))
 }
 
-fn median(values: &mut [f32]) -> f32 {
-    let middle = values.len() / 2;
-    *values.select_nth_unstable_by(middle, f32::total_cmp).1
+/// The median of numbers as ordered integers.
+fn median(values: &mut [u32]) -> f32 {
+    from_ordered(select(values, values.len() / 2))
 }
 
 /// Outward unit normals of a closed loop that has the object on its right-hand side.

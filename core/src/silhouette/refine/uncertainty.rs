@@ -11,8 +11,8 @@ use alloc::{vec, vec::Vec};
 /// Steps in a pixel of the stored standard deviations.
 const UNITS: f32 = 32.0;
 
-/// Row, column and standard deviation of a pixel that the contour passes.
-pub(super) type Passed = (u32, u16, u8);
+/// A pixel that the contour passes: its row, its column and the standard deviation, from the upper bits to the lower ones.
+pub(super) type Passed = u64;
 
 /// Standard deviation of a contour across itself, for every pixel that it passes.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
@@ -41,21 +41,22 @@ impl Uncertainty {
                 continue;
             }
             let sigma = min(UNITS * sqrt(variance) + 0.5, 255.0) as u8;
-            found.push(((patch.top + y as usize) as u32, (patch.left + x as usize) as u16, sigma));
+            let (row, column) = ((patch.top + y as usize) as u32, (patch.left + x as usize) as u16);
+            found.push(u64::from(row) << 24 | u64::from(column) << 8 | u64::from(sigma));
         }
         found.sort_unstable();
         let Self { mut starts, mut columns, mut sigmas } = old;
         refill(&mut starts, height + 1, 0);
         columns.clear();
         sigmas.clear();
-        for (i, &(y, x, sigma)) in found.iter().enumerate() {
+        for (i, &passed) in found.iter().enumerate() {
             // Sorted: the last of a pixel's is its largest.
-            if found.get(i + 1).is_some_and(|&(ny, nx, _)| (ny, nx) == (y, x)) {
+            if found.get(i + 1).is_some_and(|next| next >> 8 == passed >> 8) {
                 continue;
             }
-            columns.push(x);
-            sigmas.push(sigma);
-            starts[y as usize + 1] = columns.len() as u32;
+            columns.push((passed >> 8) as u16);
+            sigmas.push(passed as u8);
+            starts[(passed >> 24) as usize + 1] = columns.len() as u32;
         }
         for y in 0..height {
             starts[y + 1] = starts[y + 1].max(starts[y]);

@@ -1,0 +1,37 @@
+//! Sorting of short lists, such as those with an entry per camera. The sorts of the standard library are fast for long lists,
+//! but each use of them is several kilobytes of code, which the npm package has no room for.
+
+use core::cmp::Ordering;
+
+/// Sorts a short list by binary insertion. Equal entries stay in their order.
+pub fn short_by<T: Copy>(list: &mut [T], order: impl Fn(&T, &T) -> Ordering) {
+    for i in 1..list.len() {
+        let entry = list[i];
+        let place = list[..i].partition_point(|other| order(other, &entry).is_le());
+        list.copy_within(place..i, place + 1);
+        list[place] = entry;
+    }
+}
+
+/// Sorts a short list of numbers, or of what is compared like them.
+pub fn short<T: Copy + Ord>(list: &mut [T]) {
+    short_by(list, T::cmp);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use alloc::vec::Vec;
+    use proptest::prelude::*;
+
+    proptest! {
+        #[test]
+        fn short_lists_are_sorted_as_by_the_standard_library(keys in proptest::collection::vec(0_u8..8, 0..40)) {
+            let mut list: Vec<(u8, usize)> = keys.into_iter().enumerate().map(|(i, key)| (key, i)).collect();
+            let mut expected = list.clone();
+            expected.sort_by_key(|&(key, _)| key);
+            short_by(&mut list, |a, b| a.0.cmp(&b.0));
+            prop_assert_eq!(list, expected);
+        }
+    }
+}
