@@ -10,7 +10,6 @@ use crate::executor::Executor;
 use crate::grid::{BLOCK, BLOCK_NODES, SparseGrid};
 use crate::math::{max, min, sqrt};
 use crate::point_cloud::Point;
-use crate::sort::short_by;
 use crate::workspace::Workspace;
 
 /// Points that one job of an executor works on.
@@ -126,7 +125,7 @@ fn merged_cells(keyed: &mut [(u64, u32)], points: &[Point], grid: &SparseGrid) -
     keyed.sort_unstable();
     let mut samples = Vec::with_capacity(keyed.len() / 2);
     for cell in keyed.chunk_by_mut(|a, b| a.0 == b.0) {
-        short_by(cell, |a, b| bits(a).cmp(&bits(b)));
+        cell.sort_unstable_by_key(bits);
         samples.push(merged(cell, points, grid));
     }
     samples

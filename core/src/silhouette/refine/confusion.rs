@@ -97,3 +97,40 @@ fn means_evidence(background: &Sums, object: &Sums) -> f32 {
     let gap = mean(object) - mean(background);
     gap * gap / (variance(background) + variance(object))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use alloc::vec;
+
+    const SIZE: usize = 64;
+    /// Evidence of a pixel that looks like one of the mean colours.
+    const SURE: f32 = 6.0;
+
+    /// What remains of [`SURE`] against the object at a contour along the middle column, if every fifth of the object's
+    /// pixels looks like background and shares of the object vary by ±`spread`.
+    fn remaining(spread: f32) -> f32 {
+        let coverage: Vec<u8> = (0..SIZE * SIZE).map(|i| if i % SIZE < SIZE / 2 { 255 } else { 0 }).collect();
+        let rgb = vec![0; 3 * SIZE * SIZE];
+        let patch = Patch::around(SIZE, SIZE, &rgb, &coverage).unwrap();
+        let (mut distance, mut alphas) = (Vec::new(), Vec::new());
+        for (x, y) in (0..patch.height).flat_map(|y| (0..patch.width).map(move |x| (x, y))) {
+            let inside = x < SIZE / 2;
+            let looks_inside = inside && !(x + 2 * y).is_multiple_of(5);
+            let varied = if (x / 2 + y / 3).is_multiple_of(2) { spread } else { -spread };
+            distance.push(((SIZE / 2) as i16 - x as i16) * 64 - 32);
+            alphas.push(f32::from(u8::from(looks_inside)) + varied);
+        }
+        let evidence: Vec<f32> = alphas.iter().map(|&alpha| if alpha > 0.5 { SURE } else { -SURE }).collect();
+        let mut confusion = Confusion::default();
+        confusion.count(&patch, &distance, &alphas, &evidence);
+        -confusion.limit(SIZE / 2, SIZE / 2, -SURE)
+    }
+
+    #[test]
+    fn colours_of_both_sides_are_little_evidence_unless_the_sides_differ_clearly() {
+        let ratio = libm::logf(5.0);
+        assert!((remaining(0.4) - ratio).abs() < 0.3, "cluttered: {} instead of {ratio}", remaining(0.4));
+        assert!(remaining(0.05) >= SURE, "clear: {}", remaining(0.05));
+    }
+}
