@@ -33,7 +33,7 @@ struct Module {
 
 /// Each is loaded when it is needed, and has its own memory.
 const MODULES: [Module; 3] = [
-    Module { feature: "reconstruction", file: "pcmvs", budget: 412 << 10, has_simd: true },
+    Module { feature: "reconstruction", file: "pcmvs", budget: 420 << 10, has_simd: true },
     Module { feature: "calibration", file: "pcmvs-calibration", budget: 300 << 10, has_simd: true },
     Module { feature: "scene", file: "pcmvs-scene", budget: 292 << 10, has_simd: false },
 ];
