@@ -16,11 +16,10 @@ use crate::workspace::Workspace;
 /// say on which side of the surface a node lies.
 const FAR: f32 = 2.5;
 
-/// For each node the share of the finest detail that goes: 1 where there are no points.
-pub(super) fn shares(
+/// For each node the variance of the points around it, in their own unit. Infinite where there are no points.
+pub(super) fn variances(
     cells: &Cells,
     nodes: usize,
-    half: f32,
     workspace: &mut Workspace,
     executor: &dyn Executor,
 ) -> Vec<f32> {
@@ -30,21 +29,26 @@ pub(super) fn shares(
         sum[0] += weight * cell.sigma;
         sum[1] += weight;
     });
-    let mut shares = workspace.empty(nodes);
-    shares.extend(sums.iter().map(|&[sigma, weight]| {
-        // Multiplied out, so that there is no division of zero by zero.
-        let (variance, kept) = (sigma * sigma, half * half * (weight * weight));
-        if variance + kept > 0.0 { variance / (variance + kept) } else { 1.0 }
+    let mut variances = workspace.empty(nodes);
+    variances.extend(sums.iter().map(|&[sigma, weight]| {
+        if weight > 0.0 {
+            let sigma = sigma / weight;
+            sigma * sigma
+        } else {
+            f32::INFINITY
+        }
     }));
     workspace.recycle(sums);
-    shares
+    variances
 }
 
-/// Takes the shares of the finest detail out of the signed distances at a grid's nodes, in voxels.
+/// Takes the finest detail out of the signed distances at a grid's nodes, in voxels. `half` is the standard deviation at
+/// which half of it goes.
 pub(super) fn calm(
     grid: &SparseGrid,
     distances: &mut [f32],
-    shares: &[f32],
+    variances: &[f32],
+    half: f32,
     workspace: &mut Workspace,
     executor: &dyn Executor,
 ) {
@@ -52,8 +56,10 @@ pub(super) fn calm(
         *distance = distance.clamp(-FAR, FAR);
     }
     let smoothed = smooth::smooth(grid, distances, [FAR, -FAR], workspace, executor);
-    for ((distance, smoothed), share) in distances.iter_mut().zip(&smoothed).zip(shares) {
-        *distance += share * (smoothed - *distance);
+    for ((distance, smoothed), &variance) in distances.iter_mut().zip(&smoothed).zip(variances) {
+        // 1 for an infinite variance. Written so that zero by zero is not divided.
+        let kept = if half > 0.0 { half * half / (variance + half * half) } else { 0.0 };
+        *distance = *smoothed + kept * (*distance - *smoothed);
     }
     workspace.recycle(smoothed);
 }

@@ -9,6 +9,7 @@
 
 mod calm;
 mod cells;
+mod denoise;
 mod domain;
 mod level;
 mod patch;
@@ -145,10 +146,10 @@ pub(super) fn solve(
     steps.step()?;
     let at_points = cells.median(&distances, workspace).unwrap_or(0.0);
     distances.iter_mut().for_each(|distance| *distance -= at_points);
-    let calm_shares = calm.map(|half| calm::shares(&cells, distances.len(), half, workspace, executor));
+    let calm = calm.map(|half| (calm::variances(&cells, distances.len(), workspace, executor), half));
     cells.recycle_into(workspace);
     workspace.recycle(finest.chi);
-    Ok(Solution { grid: finest.grid, distances, calm_shares, envelope: held })
+    Ok(Solution { grid: finest.grid, distances, calm, envelope: held })
 }
 
 /// The level to solve.

@@ -13,8 +13,9 @@ pub(in crate::mesh) struct Solution {
     pub(super) grid: SparseGrid,
     /// Signed distance to the surface in voxels, positive inside. Its median over the points is 0.
     pub(super) distances: Vec<f32>,
-    /// For each node the share of the finest detail that goes.
-    pub(super) calm_shares: Option<Vec<f32>>,
+    /// For each node the variance of the points around it ([`super::calm`]), and the standard deviation at which half of the
+    /// finest detail goes.
+    pub(super) calm: Option<(Vec<f32>, f32)>,
     /// Signed distance to the envelope in voxels, if there is one. Exact within ± [`MARGIN`].
     pub(super) envelope: Option<Vec<f32>>,
 }

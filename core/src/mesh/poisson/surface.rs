@@ -4,6 +4,7 @@ use alloc::vec::Vec;
 use glam::Vec3;
 
 use super::calm;
+use super::denoise;
 use super::level::GridLevel;
 use super::profile::{SMOOTHED, SOLVED};
 use super::smooth;
@@ -44,17 +45,21 @@ pub(super) fn distances(
 
 impl Solution {
     /// The surface, clipped at the envelope, calmed and clipped again: calming smooths the edges that the first clip
-    /// leaves, where the hull has creases, and may move the surface over the envelope again.
+    /// leaves, where the hull has creases, and may move the surface over the envelope again. What noise is left goes from the
+    /// mesh.
     pub(in crate::mesh) fn surface(self, workspace: &mut Workspace, executor: &dyn Executor) -> Mesh {
-        let Self { grid, mut distances, calm_shares, envelope } = self;
+        let Self { grid, mut distances, calm, envelope } = self;
         clip(&mut distances, envelope.as_deref());
-        if let Some(shares) = calm_shares {
-            calm::calm(&grid, &mut distances, &shares, workspace, executor);
+        if let Some((variances, half)) = &calm {
+            calm::calm(&grid, &mut distances, variances, *half, workspace, executor);
             clip(&mut distances, envelope.as_deref());
-            workspace.recycle(shares);
         }
         let unstored = Unstored { inside: 1.0, outside: -1.0 };
-        let mesh = marching_cubes(&grid, &distances, 0.0, unstored, workspace, executor);
+        let mut mesh = marching_cubes(&grid, &distances, 0.0, unstored, workspace, executor);
+        if let Some((variances, _)) = calm {
+            denoise::denoise(&mut mesh, &grid, &variances, workspace, executor);
+            workspace.recycle(variances);
+        }
         workspace.recycle(distances);
         envelope.into_iter().for_each(|envelope| workspace.recycle(envelope));
         mesh
