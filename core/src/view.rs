@@ -12,7 +12,7 @@ use crate::{
     rig::Rig,
     silhouette::{
         ChromaKey, ContourEdge, ContourParams, NoSilhouette, Silhouette, Uncertainty, chroma, clean_plate,
-        refine::{RefineScratch, refine},
+        refine::{Moved, RefineScratch, refine},
     },
     window::Window,
 };
@@ -265,6 +265,7 @@ impl View {
             undistortion.rgb(picture, &mut rgb);
         }
         let mut left_out = None;
+        let mut moved = Moved::default();
         let is_masked = !matches!(input.mask, Mask::Unknown);
         let coverage = match undistortion {
             Some(undistortion) if is_masked => {
@@ -287,8 +288,10 @@ impl View {
             None
         } else {
             let known = |i: usize| known.is_empty() || known[i];
-            let refined = contour
-                .and_then(|params| refine(w as usize, &rgb, coverage, known, params, contour_scratch, uncertainty));
+            let (refined, by) = contour
+                .and_then(|params| refine(w as usize, &rgb, coverage, known, params, contour_scratch, uncertainty))
+                .unzip();
+            moved = by.unwrap_or_default();
             match Silhouette::with_buffers(w, h, coverage, known, &mut contour_scratch.distance, distance) {
                 Ok(silhouette) => Some(silhouette.with_uncertainty(refined)),
                 Err(NoSilhouette::Empty) => {
@@ -301,7 +304,7 @@ impl View {
         luma.clear();
         luma.extend(rgb.chunks_exact(3).map(|p| image::luma([p[0], p[1], p[2]])));
         let cut_out = silhouette.as_ref().is_some_and(|silhouette| is_cut_out(&rgb, silhouette));
-        let edge = silhouette.as_ref().and_then(|silhouette| ContourEdge::new(&rgb, silhouette, octave));
+        let edge = silhouette.as_ref().and_then(|silhouette| ContourEdge::new(&rgb, silhouette, octave, moved));
         let silhouette = silhouette.map(Arc::new);
         let camera = rig.pinholes()[index].at_octave(octave);
         Ok(Self { octave, rgb, luma, cut_out, edge, left_out, ..Self::of_silhouette(place as u16, camera, silhouette) })

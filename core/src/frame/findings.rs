@@ -67,17 +67,25 @@ impl<R: Deref<Target = Rig>> Frame<R> {
         let faults = self.contour_faults();
         warnings.extend(faults.iter().map(|&fault| Warning::Contour(fault)));
         let cameras = || (0..self.cameras()).filter_map(|camera| Some((camera as u32, self.rig().place(camera)?)));
+        // Masks that are all at fault explain what they lack and exclude: nothing of it tells about single cameras.
+        let is_of_all = faults.iter().any(|fault| fault.camera().is_none());
+        let blamed = |warning: Warning| match warning {
+            Warning::CameraContradicts { camera, overlap } if is_of_all => {
+                Some(Warning::SilhouetteSetAside { camera, overlap })
+            }
+            Warning::SilhouetteCompleted { .. } if is_of_all => None,
+            _ => Some(warning),
+        };
         for (camera, place) in cameras() {
             // Until the stage is complete, the views are where they arrived.
             warnings.extend(match self.views().get(place) {
-                Some(view) => self.of_complete(view, camera),
+                Some(view) => self.of_complete(view, camera).and_then(blamed),
                 None => self.incoming[place].lock().as_ref().and_then(|view| of_view(view, camera)),
             });
         }
         // What is known to be wrong with a silhouette explains why it disagrees.
-        let is_explained = |warning: &Warning| {
-            faults.iter().any(|fault| fault.camera().is_none() || fault.camera() == warning.camera())
-        };
+        let is_explained =
+            |warning: &Warning| is_of_all || faults.iter().any(|fault| fault.camera() == warning.camera());
         warnings.extend(self.disagreements().into_iter().filter(|warning| !is_explained(warning)));
         if self.require(Stage::Detect).is_ok() && self.params().method == Method::Pcmvs {
             let silent = cameras().filter(|&(_, place)| self.views()[place].is_used() && !self.has_stereo[place]);

@@ -1,13 +1,16 @@
 //! What the pictures say about the contours of several cameras.
 
 use super::ContourEdge;
-use crate::math::median;
+use crate::math::{max, median};
 use alloc::vec::Vec;
 use core::fmt;
 
 /// The masks as a whole are at fault if in more than half of the pictures another edge is stronger than this share of the
-/// contour's own.
+/// contour's own, or more than half of the contour was moved far to one side.
 const BESIDE_MOST: f32 = 0.2;
+/// The masks as a whole are not those of their pictures if in more than half of them at least this share of the contour was
+/// moved far inwards, and as much outwards. Mattes as studios have them reach 0.02.
+const ACROSS_MOST: f32 = 0.1;
 /// One camera's mask is at fault if another edge is stronger than this share of its contour's own.
 const BESIDE_ONE: f32 = 0.5;
 /// An edge that is this many times stronger than the contour's own is the object's, even if the contour is without edge.
@@ -19,14 +22,19 @@ const CLEARLY: f32 = 5.0;
 pub enum ContourFault {
     /// Most pictures show the object's edge beside the contour.
     BesideEdges {
-        /// The median over these pictures of how far the edge lies inside the contour, in pixels; negative outside.
+        /// The median over these pictures of how far the edge lies inside the mask's contour, in pixels; negative outside.
         pixels: f32,
+    },
+    /// Most pictures show the object's edge far inside the contour in some places, and far outside in others.
+    AcrossEdges {
+        /// The median over these pictures of the share of the contour that lies far from the edge, 0 to 1.
+        share: f32,
     },
     /// A camera's picture shows the object's edge beside the contour.
     BesideEdge {
         /// Index of the camera.
         camera: u32,
-        /// How far the edge lies inside the contour, in pixels; negative outside.
+        /// How far the edge lies inside the mask's contour, in pixels; negative outside.
         pixels: f32,
     },
     /// A camera's picture shows no edge along the contour.
@@ -39,15 +47,21 @@ pub enum ContourFault {
 impl ContourFault {
     /// The faults of cameras, each with what its picture shows around its contour.
     pub(crate) fn of(edges: impl Iterator<Item = (u32, ContourEdge)> + Clone) -> Vec<Self> {
-        let beside = || edges.clone().filter(|(_, edge)| edge.strength > BESIDE_MOST).map(|(_, edge)| edge.other);
-        if 2 * beside().count() > edges.clone().count() {
+        let count = edges.clone().count();
+        let across = || edges.clone().filter(|(_, edge)| edge.far.iter().all(|&share| share > ACROSS_MOST));
+        if 2 * across().count() > count {
+            let share = median(across().map(|(_, edge)| edge.far[0] + edge.far[1]));
+            return share.map(|share| Self::AcrossEdges { share }).into_iter().collect();
+        }
+        let beside = || edges.clone().filter(|(_, edge)| edge.is_beside()).map(|(_, edge)| edge.off(BESIDE_MOST));
+        if 2 * beside().count() > count {
             return median(beside()).map(|pixels| Self::BesideEdges { pixels }).into_iter().collect();
         }
         let fault = |(camera, edge): (u32, ContourEdge)| {
             if !edge.is_along() && edge.strength < CLEARLY {
                 Some(Self::WithoutEdge { camera })
             } else {
-                (edge.strength > BESIDE_ONE).then_some(Self::BesideEdge { camera, pixels: edge.other })
+                (edge.strength > BESIDE_ONE).then_some(Self::BesideEdge { camera, pixels: edge.off(BESIDE_ONE) })
             }
         };
         edges.clone().filter_map(fault).collect()
@@ -57,6 +71,7 @@ impl ContourFault {
     pub const fn code(&self) -> &'static str {
         match self {
             Self::BesideEdges { .. } => "contours-beside-edges",
+            Self::AcrossEdges { .. } => "contours-across-edges",
             Self::BesideEdge { .. } => "contour-beside-edge",
             Self::WithoutEdge { .. } => "contour-without-edge",
         }
@@ -65,10 +80,31 @@ impl ContourFault {
     /// Index of the camera that the fault is about, if it is about one.
     pub const fn camera(&self) -> Option<u32> {
         match self {
-            Self::BesideEdges { .. } => None,
+            Self::BesideEdges { .. } | Self::AcrossEdges { .. } => None,
             Self::BesideEdge { camera, .. } | Self::WithoutEdge { camera } => Some(*camera),
         }
     }
+}
+
+impl ContourEdge {
+    /// Whether the picture shows the object's edge beside the mask's contour, which has perhaps been moved there.
+    fn is_beside(&self) -> bool {
+        self.strength > BESIDE_MOST || self.far.iter().any(|&share| share > 0.5)
+    }
+
+    /// How far the object's edge lies inside the mask's contour: how far the contour was moved, and how far the other edge
+    /// lies inside of where it is now, if that is at least so strong. In pixels, negative outside.
+    fn off(&self, strong: f32) -> f32 {
+        self.moved + if self.strength > strong { self.other } else { 0.0 }
+    }
+}
+
+/// How far the contours as a whole may lie beside the object's edges, in pixels of the pictures as they were given: further than
+/// contours usually do.
+pub(crate) fn beyond_usual(edges: impl Iterator<Item = ContourEdge> + Clone) -> f32 {
+    let faults = ContourFault::of(edges.map(|edge| (0, edge)));
+    let of = |fault: &ContourFault| if let ContourFault::BesideEdges { pixels } = fault { pixels.abs() } else { 0.0 };
+    faults.iter().map(of).fold(0.0, max)
 }
 
 impl fmt::Display for ContourFault {
@@ -77,6 +113,15 @@ impl fmt::Display for ContourFault {
         let (whose, pixels) = match self {
             Self::BesideEdges { pixels } => ("the masks are", pixels),
             Self::BesideEdge { pixels, .. } => ("its mask is", pixels),
+            Self::AcrossEdges { share } => {
+                return write!(
+                    f,
+                    "the masks do not follow the object's outlines in their pictures: {:.0} % of the contours lie more than two \
+                     pixels beside them, inside in some places and outside in others. Check that the masks are those of these \
+                     pictures and not of another instant, and that they were not drawn roughly",
+                    100.0 * share
+                );
+            }
             Self::WithoutEdge { .. } => {
                 return f.write_str(
                     "its picture shows no edge along the contour of its mask: check that the mask belongs to this picture and \
@@ -88,8 +133,8 @@ impl fmt::Display for ContourFault {
             if *pixels > 0.0 { ("wide", "inside", "shrink") } else { ("narrow", "outside", "widen") };
         write!(
             f,
-            "{whose} too {how}: the object's edge in the picture lies about {:.0} px {side} the contour, although that was moved \
-             as far as is certain. Correct the mask, or {remedy} it",
+            "{whose} too {how}: the object's edge in the picture lies about {:.0} px {side} the mask's contour, which \
+             was moved there only as far as is certain. Correct the mask, or {remedy} it",
             pixels.abs()
         )
     }
@@ -100,10 +145,10 @@ mod tests {
     use super::*;
     use alloc::string::ToString;
 
-    const GOOD: ContourEdge = ContourEdge { other: 6.0, strength: 0.1, usual: 0.1 };
-    const WIDE: ContourEdge = ContourEdge { other: 8.0, strength: 3.0, usual: 0.3 };
-    const NARROW: ContourEdge = ContourEdge { other: -9.0, strength: 0.3, usual: 0.1 };
-    const STRANGE: ContourEdge = ContourEdge { other: 8.0, strength: 0.2, usual: 0.9 };
+    const GOOD: ContourEdge = ContourEdge { other: 6.0, strength: 0.1, usual: 0.1, moved: 0.0, far: [0.2, 0.04] };
+    const WIDE: ContourEdge = ContourEdge { other: 8.0, strength: 3.0, usual: 0.3, ..GOOD };
+    const NARROW: ContourEdge = ContourEdge { other: -9.0, strength: 0.3, usual: 0.1, ..GOOD };
+    const STRANGE: ContourEdge = ContourEdge { other: 8.0, strength: 0.2, usual: 0.9, ..GOOD };
 
     fn faults(edges: [ContourEdge; 5]) -> Vec<ContourFault> {
         ContourFault::of((0..).zip(edges))
@@ -115,6 +160,27 @@ mod tests {
         assert_eq!(faults([NARROW, GOOD, NARROW, GOOD, NARROW]), [ContourFault::BesideEdges { pixels: -9.0 }]);
         let [fault] = faults([WIDE; 5])[..] else { panic!("one of all") };
         assert!(fault.to_string().contains("too wide") && fault.to_string().contains("8 px inside"), "{fault}");
+    }
+
+    #[test]
+    fn how_far_contours_were_moved_counts() {
+        let moved = ContourEdge { moved: -5.0, far: [0.0, 0.9], ..GOOD };
+        assert_eq!(faults([moved; 5]), [ContourFault::BesideEdges { pixels: -5.0 }]);
+        assert_eq!(faults([moved, GOOD, GOOD, GOOD, moved]), [], "what is corrected in few is no fault");
+        // Moved by a part of the way only.
+        let partly = ContourEdge { moved: 4.0, far: [0.9, 0.0], other: 6.0, ..WIDE };
+        assert_eq!(faults([partly; 5]), [ContourFault::BesideEdges { pixels: 10.0 }]);
+        assert_eq!(beyond_usual([partly; 5].into_iter()), 10.0);
+        assert_eq!(beyond_usual([GOOD; 5].into_iter()), 0.0);
+    }
+
+    #[test]
+    fn contours_that_cross_the_edges_are_not_those_of_the_pictures() {
+        let across = ContourEdge { far: [0.3, 0.2], ..GOOD };
+        let [fault] = faults([across, across, WIDE, across, GOOD])[..] else { panic!("one of all") };
+        assert!(matches!(fault, ContourFault::AcrossEdges { share } if (share - 0.5).abs() < 1e-6), "{fault:?}");
+        assert_eq!((fault.code(), fault.camera()), ("contours-across-edges", None));
+        assert!(fault.to_string().contains("50 %") && fault.to_string().contains("another instant"), "{fault}");
     }
 
     #[test]

@@ -4,7 +4,7 @@
 //! distance from the contour, has a sharp peak at the contour. With a mask that is too wide the peak lies inside, and with one
 //! that is too narrow outside. Texture and backdrop have edges at all distances and make no peak.
 
-use super::Silhouette;
+use super::{Silhouette, refine::Moved};
 use crate::{
     math::{max, min, sqrt},
     sort::short_by,
@@ -37,6 +37,12 @@ pub struct ContourEdge {
     /// Strength of the edges that are usual on both sides, over that of the contour's own edge. Good contours have less than
     /// 0.1, and those that have nothing to do with the picture about 1.
     pub usual: f32,
+    /// How far the picture has moved the contour of the mask, the median in pixels of the picture as it was given, positive
+    /// inwards.
+    pub moved: f32,
+    /// Shares of the contour that the picture has moved by more than two pixels of the picture as it was read: inwards, and
+    /// outwards.
+    pub far: [f32; 2],
 }
 
 /// Mean strength of the edges at every distance from the contour, in grey levels per pixel.
@@ -47,8 +53,8 @@ struct Profile {
 }
 
 impl ContourEdge {
-    /// That of a picture, packed sRGB, that was read at an octave. `None` if too little of it lies around the contour.
-    pub(crate) fn new(rgb: &[u8], silhouette: &Silhouette, octave: u32) -> Option<Self> {
+    /// That of a picture, packed sRGB, that was read at an octave and has moved the mask's contour. `None` if too little of it lies around the contour.
+    pub(crate) fn new(rgb: &[u8], silhouette: &Silhouette, octave: u32, moved: Moved) -> Option<Self> {
         let profile = Profile::new(rgb, silhouette);
         let own = profile.own()?;
         let found = match [true, false].map(|inside| profile.side(inside, own)) {
@@ -56,7 +62,8 @@ impl ContourEdge {
             [Some(a), Some(b)] => Self { usual: min(a.usual, b.usual), ..if b.strength > a.strength { b } else { a } },
             [side, None] | [None, side] => Self { usual: 0.0, ..side? },
         };
-        Some(Self { other: found.other * (1u32 << octave) as f32, ..found })
+        let scale = (1u32 << octave) as f32;
+        Some(Self { other: found.other * scale, moved: moved.median * scale, far: moved.far, ..found })
     }
 
     /// Whether the picture shows an edge along the contour.
@@ -130,6 +137,7 @@ impl Profile {
             other: if inside { strongest as f32 } else { -(strongest as f32) },
             strength: (self.means[bin(strongest)] - usual) / max(own - usual, FAINT),
             usual: usual / max(own, FAINT),
+            ..ContourEdge::default()
         })
     }
 }
@@ -149,7 +157,7 @@ mod tests {
         let rgb: Vec<u8> = (0..SIZE * SIZE).flat_map(|i| [level(i); 3]).collect();
         let mask: Vec<u8> = (0..SIZE * SIZE).map(|i| if distance(i) < radius { 255 } else { 0 }).collect();
         let silhouette = Silhouette::from_coverage(SIZE, SIZE, &mask, |_| true).expect("there is a disc");
-        ContourEdge::new(&rgb, &silhouette, 0).expect("there is room on both sides")
+        ContourEdge::new(&rgb, &silhouette, 0, Moved::default()).expect("there is room on both sides")
     }
 
     #[test]

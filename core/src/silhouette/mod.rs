@@ -16,6 +16,7 @@ pub(crate) mod refine;
 
 pub use chroma::{ChromaKey, MORE_COLOURS};
 pub use contour_fault::ContourFault;
+pub(crate) use contour_fault::beyond_usual;
 pub(crate) use distance::SilhouetteScratch;
 pub use edge::ContourEdge;
 pub use no_silhouette::NoSilhouette;

@@ -34,9 +34,9 @@ impl Coverage {
         }
     }
 
-    /// Pixels well inside a silhouette that the mesh does not cover.
-    pub(super) fn uncovered(&self, silhouette: &Silhouette) -> Vec<[u16; 2]> {
-        let deep = (DEEP * Silhouette::UNITS) as i16;
+    /// Pixels well inside a silhouette that the mesh does not cover. Contours may lie `off` by so many pixels more than usual.
+    pub(super) fn uncovered(&self, silhouette: &Silhouette, off: f32) -> Vec<[u16; 2]> {
+        let deep = ((DEEP + off) * Silhouette::UNITS) as i16;
         let w = self.width;
         let mut found = Vec::new();
         for y in 1..self.height.saturating_sub(1) {
@@ -57,7 +57,7 @@ impl Coverage {
         let rim = (RIM * Silhouette::UNITS) as i16;
         let d = |x: usize, y: usize| silhouette.distances()[y * self.width + x];
         let all = silhouette.distances().iter().filter(|&&d| d >= (DEEP * Silhouette::UNITS) as i16 && d < rim).count();
-        let uncovered = self.uncovered(silhouette);
+        let uncovered = self.uncovered(silhouette, 0.0);
         let open = uncovered.iter().filter(|&&[x, y]| d(usize::from(x), usize::from(y)) < rim).count();
         open as f32 * PIXELS_PER_SAMPLE / all.max(1) as f32
     }

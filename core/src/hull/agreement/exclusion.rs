@@ -24,12 +24,14 @@ const PLACES_PER_CELL: f32 = 8.0;
 const MOST: usize = 1000;
 
 /// Follows the rays of a view's uncovered `pixels`. Returns, for each of them that is not in doubt, which views exclude its
-/// most plausible places, those that the fewest views exclude, and the number of pixels that each of them stands for.
+/// most plausible places, those that the fewest views exclude, and the number of pixels that each of them stands for. Contours may lie `off`
+/// by so many pixels more than usual.
 pub(super) fn follow_rays(
     carvers: &[Carver],
     space: &Space,
     own: usize,
     pixels: &[[u16; 2]],
+    off: f32,
     progress: &dyn Progress,
 ) -> Result<(f32, Vec<Sets>)> {
     let every = pixels.len().div_ceil(MOST).max(1);
@@ -38,14 +40,14 @@ pub(super) fn follow_rays(
         if n % 64 == 0 {
             progress::step(progress, Stage::Hull, own as u32, carvers.len() as u32)?;
         }
-        found.extend(follow_ray(carvers, space, own, f32::from(x), f32::from(y)));
+        found.extend(follow_ray(carvers, space, own, [f32::from(x), f32::from(y)], off));
     }
     Ok((PIXELS_PER_SAMPLE * every as f32, found))
 }
 
 /// The sets of views that exclude the places of a pixel's ray. `None` if some place is excluded by no view, or if all
 /// places are implausible: then the pixel itself is in doubt.
-fn follow_ray(carvers: &[Carver], space: &Space, own: usize, x: f32, y: f32) -> Option<Sets> {
+fn follow_ray(carvers: &[Carver], space: &Space, own: usize, [x, y]: [f32; 2], off: f32) -> Option<Sets> {
     let camera = &carvers[own].camera;
     let ray = camera.ray(x, y);
     let unit = 1.0 / ray.length();
@@ -63,7 +65,7 @@ fn follow_ray(carvers: &[Carver], space: &Space, own: usize, x: f32, y: f32) -> 
         let (mut set, mut excluding, mut support) = (NOBODY, 0, 1);
         for (u, carver) in carvers.iter().enumerate().filter(|&(u, _)| u != own) {
             match carver.pixels(p) {
-                Some(d) if d < OUTSIDE => {
+                Some(d) if d < OUTSIDE - off => {
                     if excluding == TOLERATED {
                         excluding += 1;
                         break;

@@ -26,6 +26,7 @@ use crate::{
     math::{max, median},
     point_cloud::Mesh,
     progress::{self, Progress},
+    silhouette::beyond_usual,
     stage::Stage,
     view::View,
     workspace::Workspace,
@@ -88,13 +89,17 @@ pub fn contradicting(
 ) -> Result<Contradicting> {
     let carvers = carvers(views);
     let count = carvers.len() as u32;
+    // In pixels of the carvers.
+    let edges = views.iter().filter(|view| view.is_used()).filter_map(|view| view.edge);
+    let octave = views.iter().map(|view| view.octave).max().unwrap_or(0);
+    let off = beyond_usual(edges) / (1u32 << octave) as f32;
     let drawn = executor.map_with(&mut Vec::<Coverage>::new(), carvers.len(), |coverage, i| {
         progress::step(progress, Stage::Hull, i as u32, count)?;
         coverage.draw(mesh, &carvers[i].camera);
         let silhouette = &carvers[i].silhouette;
         // A silhouette that does not follow its picture accuses nobody.
         let is_believed = views[usize::from(carvers[i].index)].edge.is_none_or(|edge| edge.is_along());
-        let uncovered = if is_believed { coverage.uncovered(silhouette) } else { Vec::new() };
+        let uncovered = if is_believed { coverage.uncovered(silhouette, off) } else { Vec::new() };
         let share = uncovered.len() as f32 * coverage::PIXELS_PER_SAMPLE / coverage::area(silhouette).max(1) as f32;
         Ok((uncovered, (coverage::contour_length(silhouette), share)))
     });
@@ -107,8 +112,8 @@ pub fn contradicting(
         return Ok(Contradicting::default());
     }
     let space = Space::new(&carvers, excluders::TOLERATED, workspace, executor, progress)?;
-    let followed =
-        executor.map(carvers.len(), |own| exclusion::follow_rays(&carvers, &space, own, &uncovered[own], progress));
+    let followed = executor
+        .map(carvers.len(), |own| exclusion::follow_rays(&carvers, &space, own, &uncovered[own], off, progress));
     let mut blame = Blame::new(carvers.len());
     for (own, followed) in followed.into_iter().enumerate() {
         let (weight, sets) = followed?;

@@ -86,7 +86,7 @@ fn what_a_mesh_leaves_uncovered_is_measured() {
     let mut coverage = Coverage::default();
     let mut area = |radius: f32| {
         coverage.draw(&sphere(Vec3::ZERO, radius), &camera);
-        coverage.uncovered(silhouette).len() as f32 * PIXELS_PER_SAMPLE
+        coverage.uncovered(silhouette, 0.0).len() as f32 * PIXELS_PER_SAMPLE
     };
     assert_eq!(area(0.6), 0.0);
     // Radii in pixels; the rim begins 1.5 pixels inside the contour and 1 to 1.5 pixels outside the smaller ball.
@@ -101,6 +101,28 @@ fn what_a_mesh_leaves_uncovered_is_measured() {
     assert!((length / expected - 1.0).abs() < 0.05, "{length}, not {expected}");
     coverage.draw(&sphere(Vec3::ZERO, 0.5), &camera);
     assert!(coverage.uncovered_rim(silhouette) > 0.95);
+}
+
+/// Two silhouettes lack what the other four show. If all masks are known to be too narrow, only what is deeper counts.
+#[test]
+fn masks_that_are_all_too_narrow_contradict_nobody_for_that_alone() {
+    let found = |shown: f32, left: f32, edge: Option<ContourEdge>| {
+        let view = |(place, from): (u16, Vec3)| {
+            let radius = if place < 4 { shown } else { left };
+            View { edge, ..silhouette_of(&[(Vec3::ZERO, radius)], &pinhole(from, Vec3::ZERO, 200, 300.0), place) }
+        };
+        let views: Vec<View> = (0..).zip(ring(6, 4.0, 1.0)).map(view).collect();
+        let mesh = sphere(Vec3::ZERO, left);
+        let found = contradicting(&views, &mesh, AgreementParams::BLAME, &mut Workspace::default(), &Serial, &Silent);
+        let mut places = found.expect("nobody cancels").places;
+        places.sort_unstable();
+        places
+    };
+    let narrow = Some(ContourEdge { moved: -6.0, far: [0.0, 0.9], ..ContourEdge::default() });
+    // The radii differ by 5 and by 24 pixels.
+    assert_eq!(found(0.5, 0.43, None), [4, 5]);
+    assert!(found(0.5, 0.43, narrow).is_empty());
+    assert_eq!(found(0.8, 0.5, narrow), [4, 5]);
 }
 
 /// Four silhouettes show more than the other two leave. If they do not follow their pictures, the two are not to blame.

@@ -19,6 +19,7 @@ mod fusion;
 mod islands;
 mod labels;
 mod likelihoods;
+mod moved;
 mod patch;
 mod path;
 mod profile;
@@ -28,6 +29,7 @@ mod uncertainty;
 #[cfg(test)]
 mod tests;
 
+pub(crate) use moved::Moved;
 pub use uncertainty::Uncertainty;
 
 use super::distance::{SilhouetteScratch, signed_distance};
@@ -94,8 +96,8 @@ pub(crate) struct RefineScratch {
 }
 
 /// Moves the half-level contour of a matte's `coverage` to where the picture, packed sRGB, has it. Pixels that are not
-/// `known` stay. Returns how certain the contour is, in the memory of `old`. Without a contour, or with one that is noise,
-/// nothing changes.
+/// `known` stay. Returns how certain the contour is, in the memory of `old`, and how far it has moved. Without a contour, or
+/// with one that is noise, nothing changes.
 pub(crate) fn refine(
     width: usize,
     rgb: &[u8],
@@ -104,7 +106,7 @@ pub(crate) fn refine(
     params: &ContourParams,
     scratch: &mut RefineScratch,
     old: Uncertainty,
-) -> Option<Uncertainty> {
+) -> Option<(Uncertainty, Moved)> {
     let height = coverage.len() / width;
     let patch = Patch::around(width, height, rgb, coverage)?;
     let (w, h) = (patch.width, patch.height);
@@ -136,7 +138,9 @@ pub(crate) fn refine(
     if loops.points.len() > patch.len() / MIN_PIXELS_PER_POINT {
         return None;
     }
-    fusion.settle(loops, &Profiles::new(&patch, near, model, planes), given);
+    let profiles = Profiles::new(&patch, near, model, planes);
+    fusion.settle(loops, &profiles, given);
+    let by = Moved::new(loops, &profiles, given);
     fill::fill(w, h, loops, &mut planes[0], matte);
     for y in 0..h {
         for x in 0..w {
@@ -146,5 +150,5 @@ pub(crate) fn refine(
             }
         }
     }
-    Some(Uncertainty::new(&patch, height, loops, &fusion.variances, old, passed))
+    Some((Uncertainty::new(&patch, height, loops, &fusion.variances, old, passed), by))
 }

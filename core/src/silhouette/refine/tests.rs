@@ -55,6 +55,7 @@ fn picture(object: [f32; 3], background: impl Fn(f32, f32) -> [f32; 3], noise: f
 fn moved(rgb: &[u8], coverage: &mut [u8], known: impl Fn(usize) -> bool) -> Option<Uncertainty> {
     let scratch = &mut RefineScratch::default();
     refine(W, rgb, coverage, known, &ContourParams::default(), scratch, Uncertainty::default())
+        .map(|(uncertainty, _)| uncertainty)
 }
 
 struct Refined {
@@ -236,4 +237,23 @@ fn a_matte_of_noise_is_left_alone() {
     let mut coverage = given.clone();
     assert_eq!(moved(&rgb, &mut coverage, |_| true), None);
     assert_eq!(coverage, given);
+}
+
+/// How far a matte was off, and to which sides, is known after its contour has moved.
+#[test]
+fn how_far_a_contour_has_moved_is_measured() {
+    let by = |error: &dyn Fn(f32, f32) -> f32| {
+        let (scratch, params) = (&mut RefineScratch::default(), ContourParams::default());
+        let rgb = picture(SKIN, |_, _| GREEN, 4.0);
+        refine(W, &rgb, &mut matte(error), |_| true, &params, scratch, Uncertainty::default()).expect("a contour").1
+    };
+    assert_eq!(by(&|_, _| 0.0), Moved { median: 0.0, far: [0.0; 2] });
+    for wider in [-4.0, 4.0] {
+        let Moved { median, far: [inwards, outwards] } = by(&|_, _| wider);
+        assert!((median - wider).abs() < 0.3, "{wider}: {median}");
+        assert_eq!([inwards, outwards], if wider > 0.0 { [1.0, 0.0] } else { [0.0, 1.0] });
+    }
+    // The disc's matte four pixels to the left: two thirds of the contour are more than two pixels off.
+    let Moved { median, far } = by(&|x, _| -4.0 * (x - 98.7) / RADIUS);
+    assert!(median.abs() < 0.6 && far.iter().all(|share| (0.25..0.4).contains(share)), "{median} {far:?}");
 }
