@@ -35,7 +35,8 @@ pub struct MeshingParams {
     pub screening: Option<f32>,
     /// Smooths the surface where its points are imprecise. This is the standard deviation of points, in pixels of
     /// footprint, at which half of the finest detail is removed. Around points that are less precise more of it is
-    /// removed, around more precise ones less. Without it all detail is kept. Not in the paper.
+    /// removed, around more precise ones less. Wider noise goes from the mesh, as far as the points' precision explains it.
+    /// Without it all detail is kept. Not in the paper.
     pub calm: Option<f32>,
     /// Space constraint (§6.2). Without it the surface may leave the hull.
     pub space_constraint: Option<SpaceConstraint>,

@@ -17,12 +17,7 @@ use crate::workspace::Workspace;
 const FAR: f32 = 2.5;
 
 /// For each node the variance of the points around it, in their own unit. Infinite where there are no points.
-pub(super) fn variances(
-    cells: &Cells,
-    nodes: usize,
-    workspace: &mut Workspace,
-    executor: &dyn Executor,
-) -> Vec<f32> {
+pub(super) fn variances(cells: &Cells, nodes: usize, workspace: &mut Workspace, executor: &dyn Executor) -> Vec<f32> {
     let mut sums = workspace.filled([0.0_f32; 2], nodes);
     cells.scatter(&mut sums, executor, |sum, cell, share| {
         let weight = cell.area * share;

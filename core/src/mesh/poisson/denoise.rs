@@ -75,3 +75,54 @@ fn variance(grid: &SparseGrid, variances: &[f32], position: Vec3) -> f32 {
     let [x, y, z] = ((position - grid.origin) / grid.voxel + 0.5).to_array().map(|v| max(v, 0.0) as i32);
     grid.value(variances, x, y, z, f32::INFINITY, f32::INFINITY)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::executor::Serial;
+    use crate::grid::BLOCK_NODES;
+    use crate::math::sqrt;
+    use crate::surface::{Unstored, marching_cubes};
+    use alloc::vec::Vec;
+    use studio::noise::Random;
+
+    const RADIUS: f32 = 9.0;
+
+    /// Root mean square of the distances, in voxels, of a ball's vertices from it: with noise, and after [`denoise`] with
+    /// points of so many pixels of standard deviation.
+    fn errors(sigma: f32) -> [f32; 2] {
+        let grid = SparseGrid::new(Vec3::ZERO, 0.5, [4; 3], |_| 0);
+        let middle = Vec3::splat(7.8);
+        let distances: Vec<f32> = (0..grid.blocks.len() * BLOCK_NODES)
+            .map(|i| {
+                let (block, local) = (grid.blocks[i / BLOCK_NODES], i % BLOCK_NODES);
+                let at = [local % 8, local / 8 % 8, local / 64];
+                let [x, y, z] = core::array::from_fn(|k| (usize::from(block[k]) * 8 + at[k]) as f32);
+                RADIUS - (grid.node(0, 0, 0) + Vec3::new(x, y, z) * grid.voxel - middle).length() / grid.voxel
+            })
+            .collect();
+        let unstored = Unstored { inside: 1.0, outside: -1.0 };
+        let mut mesh = marching_cubes(&grid, &distances, 0.0, unstored, &mut Workspace::default(), &Serial);
+        let mut random = Random::new(7, 0);
+        for p in &mut mesh.positions {
+            *p += (*p - middle).normalize() * (0.3 * grid.voxel * random.signed() as f32);
+        }
+        let error = |mesh: &Mesh| {
+            let distances = mesh.positions.iter().map(|p| (*p - middle).length() / grid.voxel - RADIUS);
+            sqrt(distances.map(|d| d * d).sum::<f32>() / mesh.positions.len() as f32)
+        };
+        let before = error(&mesh);
+        let variances = alloc::vec![sigma * sigma; distances.len()];
+        denoise(&mut mesh, &grid, &variances, &mut Workspace::default(), &Serial);
+        [before, error(&mesh)]
+    }
+
+    #[test]
+    fn noise_goes_as_far_as_the_points_are_imprecise() {
+        let [noisy, exact] = errors(0.0);
+        assert_eq!(noisy, exact, "exact points keep their detail");
+        let [_, precise] = errors(0.2);
+        let [_, unknown] = errors(f32::INFINITY);
+        assert!(precise < 0.95 * noisy && unknown < 0.35 * noisy, "{noisy}: {precise}, {unknown}");
+    }
+}
