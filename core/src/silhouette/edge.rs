@@ -53,7 +53,8 @@ struct Profile {
 }
 
 impl ContourEdge {
-    /// That of a picture, packed sRGB, that was read at an octave and has moved the mask's contour. `None` if too little of it lies around the contour.
+    /// That of a picture, packed sRGB, that was read at an octave and has moved the mask's contour. `None` if too little of
+    /// it lies around the contour.
     pub(crate) fn new(rgb: &[u8], silhouette: &Silhouette, octave: u32, moved: Moved) -> Option<Self> {
         let profile = Profile::new(rgb, silhouette);
         let own = profile.own()?;

@@ -24,8 +24,8 @@ const PLACES_PER_CELL: f32 = 8.0;
 const MOST: usize = 1000;
 
 /// Follows the rays of a view's uncovered `pixels`. Returns, for each of them that is not in doubt, which views exclude its
-/// most plausible places, those that the fewest views exclude, and the number of pixels that each of them stands for. Contours may lie `off`
-/// by so many pixels more than usual.
+/// most plausible places, those that the fewest views exclude, and the number of pixels that each of them stands for.
+/// Contours may lie `off` by so many pixels more than usual.
 pub(super) fn follow_rays(
     carvers: &[Carver],
     space: &Space,
