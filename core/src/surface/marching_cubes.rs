@@ -245,8 +245,8 @@ fn crossing([before, a, b, after]: [f32; 4]) -> f32 {
     if (0.0..=1.0).contains(&t) { t } else { chord }
 }
 
-/// Sets normals where the gradient vanishes: the mean of the triangles' normals, weighted by area.
-fn complete_normals(mesh: &mut Mesh) {
+/// Sets the normals that are zero: the mean of the triangles' normals, weighted by area.
+pub(crate) fn complete_normals(mesh: &mut Mesh) {
     if mesh.normals.iter().all(|&n| n != Vec3::ZERO) {
         return;
     }

@@ -1,7 +1,7 @@
 //! Takes noise out of the mesh that is too coarse for [`super::calm`], as far as the precision of the points explains it.
 //!
 //! W moves each vertex halfway to the mean of its neighbours (Taubin, A Signal Processing Approach to Fair Surface Design,
-//! SIGGRAPH 1995). The filter 3 A - 3 A² + A³ with A = Wⁿ has no effect on shapes that are larger than about eight voxels:
+//! SIGGRAPH 1995). The filter 3 A - 3 A² + A³ with A = Wⁿ has hardly any effect on shapes that are larger than about eight voxels:
 //! unlike A alone it does not shrink limbs. A vertex moves by the full distance d that the filter asks for only if d is
 //! small against what the standard deviation σ of the points around allows: by the share h² σ² / (h² σ² + d²). So precise
 //! points keep their detail, and edges and fingertips, which the filter would move far, stay where they are.
@@ -12,7 +12,7 @@ use crate::executor::Executor;
 use crate::grid::SparseGrid;
 use crate::math::max;
 use crate::point_cloud::Mesh;
-use crate::surface::VertexNeighbours;
+use crate::surface::{VertexNeighbours, complete_normals};
 use crate::workspace::Workspace;
 
 /// n: how often W is applied for A.
@@ -24,7 +24,7 @@ const HALF: f32 = 1.0 / 3.0;
 /// Vertices that one job of an executor works on.
 const VERTICES_PER_JOB: usize = 1 << 12;
 
-/// Moves the vertices of a closed mesh. `variances` is σ² at the nodes of the grid.
+/// Moves the vertices of a closed mesh, and sets their normals. `variances` is σ² at the nodes of the grid.
 pub(super) fn denoise(
     mesh: &mut Mesh,
     grid: &SparseGrid,
@@ -53,6 +53,9 @@ pub(super) fn denoise(
         let share = if distance > 0.0 { 1.0 - distance / (allowed + distance) } else { 1.0 };
         *position += way * share;
     }
+    // Those of the surface as it was are as noisy as it.
+    mesh.normals.fill(Vec3::ZERO);
+    complete_normals(mesh);
     for buffer in [filtered, from, to] {
         workspace.recycle(buffer);
     }
