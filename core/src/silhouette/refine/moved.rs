@@ -4,9 +4,11 @@ use super::{profile::Profiles, trace::Loops};
 
 /// Contours that moved by more than this have moved far, in pixels. Mattes that are made well are more exact.
 const FAR: f32 = 2.0;
-/// Bins of a pixel, and the largest distance that is told from larger ones, in pixels.
+/// Number of bins of the histogram per pixel of distance.
 const BINS: f32 = 4.0;
+/// Range of the histogram on either side of 0, in pixels. Larger distances count in its outermost bins.
 const REACH: f32 = 32.0;
+/// Number of bins of the histogram.
 const COUNT: usize = 2 * (REACH * BINS) as usize + 1;
 
 /// How far the picture has moved a matte's contour, in pixels of the picture as it was read.
@@ -21,7 +23,7 @@ pub(crate) struct Moved {
 impl Moved {
     /// From the moved loops and the signed distance to the matte's contour.
     pub(super) fn new(loops: &Loops, profiles: &Profiles, given: &[i16]) -> Self {
-        // Bins instead of a sorted list, because views are read without allocations.
+        // A histogram instead of a sorted list, because views are read without allocations.
         let (mut bins, mut all, mut far) = ([0u32; COUNT], 0u32, [0u32; 2]);
         for distance in loops.points.iter().filter_map(|&p| profiles.interpolate(given, p)) {
             let bin = (distance.clamp(-REACH, REACH) + REACH) * BINS + 0.5;
