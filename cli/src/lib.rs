@@ -1,6 +1,7 @@
 //! The command `pcmvs` as a function. It adds what the core leaves to its host: files, threads, clocks and the terminal.
 
 mod arguments;
+mod at_once;
 mod calibration;
 mod check;
 mod compress;

@@ -2,6 +2,7 @@
 
 use crate::{
     arguments::Reconstruct,
+    at_once::AtOnce,
     calibration,
     fingerprint::Fingerprint,
     frame::Job,
@@ -22,10 +23,6 @@ use std::{
     panic::{AssertUnwindSafe, catch_unwind},
     sync::{Mutex, MutexGuard, PoisonError, atomic::AtomicBool},
 };
-
-/// Largest number of frames in memory at a time, because each takes hundreds of MiB. Further threads work on the views of
-/// these frames.
-const MAX_FRAMES: usize = 8;
 
 /// Runs the command.
 pub fn run(options: &Reconstruct, cancelled: &AtomicBool) -> Result<(), Failure> {
@@ -222,7 +219,11 @@ fn make_missing<'a>(job: &'a Job<'a>, kept: &[u32], outcome: Outcome<'a>) -> Out
     // Frames are read one after another, in their order, because that is how videos are read. No other work of the pool is
     // done meanwhile, which could wait for the same lock.
     let turn = Mutex::new(0);
-    job.threads.map_at_most(MAX_FRAMES, plan.len(), |_| {
+    let at_once = AtOnce::new(job.rig, job.params);
+    if let Some(text) = at_once.explanation(job.threads.count(), plan.len()) {
+        job.console.line(&text);
+    }
+    job.threads.map_at_most(at_once.frames(), plan.len(), |_| {
         let mut next = lock(&turn);
         let place = *next;
         *next += 1;

@@ -42,10 +42,15 @@ impl Threads {
         Ok(Self { pool })
     }
 
+    /// The number of threads.
+    pub fn count(&self) -> usize {
+        self.pool.current_num_threads()
+    }
+
     /// `(0..count).map(job)` with at most `most` jobs at a time, and no more than there are threads.
     pub fn map_at_most<T: Send>(&self, most: usize, count: usize, job: impl Fn(usize) -> T + Sync) -> Vec<T> {
         let queue = Queue { job, count, next: AtomicUsize::new(0), done: Mutex::default() };
-        let tasks = count.min(most).min(self.pool.current_num_threads());
+        let tasks = count.min(most).min(self.count());
         self.pool.scope(|scope| (0..tasks).for_each(|_| queue.spawn(scope)));
         let mut done = queue.done.into_inner().unwrap_or_else(PoisonError::into_inner);
         done.sort_unstable_by_key(|&(i, _)| i);
