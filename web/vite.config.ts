@@ -18,6 +18,22 @@ function hashOf(folder: string): string {
     return hash.digest("hex").slice(0, 8);
 }
 
+/**
+ * The built page runs its own code only, whatever a dropped file has in it. Addresses elsewhere are those of published clips
+ * (`?clip=URL`): their meshes, posters and sound. Vite's development server needs inline scripts and goes without.
+ */
+const POLICY = [
+    "default-src 'none'",
+    "script-src 'self' 'wasm-unsafe-eval'",
+    "worker-src 'self'",
+    "style-src 'self'",
+    "img-src 'self' blob: data: https: http:",
+    "media-src 'self' blob: https: http:",
+    "connect-src 'self' blob: data: https: http:",
+    "base-uri 'none'",
+    "form-action 'none'",
+].join("; ");
+
 export default defineConfig({
     base: "./",
     // Addresses other than those of files are errors.
@@ -35,6 +51,17 @@ export default defineConfig({
     server: { fs: { allow: [".."] } },
     preview: { host: "127.0.0.1", port: 8420 },
     plugins: [
+        {
+            name: "content-security-policy",
+            apply: "build",
+            transformIndexHtml: () => [
+                {
+                    tag: "meta",
+                    attrs: { "http-equiv": "Content-Security-Policy", content: POLICY },
+                    injectTo: "head-prepend",
+                },
+            ],
+        },
         VitePWA({
             strategies: "injectManifest",
             srcDir: "src",

@@ -220,7 +220,7 @@ impl Job<'_> {
         made.keep_views(false);
         // Pictures are decoded one after the other, as their views are read, because all of them together take two thirds of
         // the memory of their views.
-        let files = files.into_views();
+        let files = files.into_views(self.threads);
         let read = made.read_views(self.threads, &progress, |camera, give| {
             let decoded = files.decode(camera)?;
             let input = decoded.as_ref().map(DecodedView::input);

@@ -3,6 +3,7 @@
 use crate::{
     failure::Failure,
     files::Files,
+    levels,
     pictures::Picture,
     scene::{Background, Scene, SceneFrame, SilhouetteFiles},
 };
@@ -10,7 +11,10 @@ use pcmvs_core::{ChromaKey, Executor, Mask, ViewInput, silhouette::MORE_COLOURS}
 use std::{
     io,
     path::Path,
-    sync::{Mutex, PoisonError},
+    sync::{
+        Mutex, PoisonError,
+        atomic::{AtomicU16, Ordering},
+    },
 };
 
 /// Where the silhouettes come from.
@@ -90,7 +94,7 @@ impl Videos for NoVideos {
 enum Content {
     /// A file, not yet decoded.
     File(Vec<u8>),
-    /// A picture of a video.
+    /// A picture of a video, or one that has been decoded.
     Decoded(Picture),
     /// Nothing, and why.
     Missing(String),
@@ -200,14 +204,26 @@ impl<'s> FrameFiles<'s> {
         contents.map(|content| content.as_ref().and_then(Content::bytes))
     }
 
-    /// The files, to be decoded one by one.
-    pub fn into_views(self) -> UndecodedViews<'s> {
-        let Self { scene, frame, silhouettes, views, .. } = self;
-        let mut brightest = 0;
-        for view in &views {
-            // Once it is more than any fewer bits have, the range is known.
-            if let Some(Content::File(file)) = view.image.as_ref().filter(|_| brightest < 1 << 12) {
-                brightest = Picture::brightest(file).max(brightest);
+    /// The files, to be decoded one by one. Pictures of fewer than 16 bits in 16 are decoded here, because the brightest pixel
+    /// of all decides how many bits they have.
+    pub fn into_views(self, executor: &dyn Executor) -> UndecodedViews<'s> {
+        let Self { scene, frame, silhouettes, mut views, .. } = self;
+        let brightest = AtomicU16::new(0);
+        // Once it is more than any fewer bits have, the range is known.
+        let is_open = || levels::may_be_of_fewer_bits(brightest.load(Ordering::Relaxed));
+        let early = executor.map(views.len(), |camera| match &views[camera].image {
+            Some(Content::File(file)) if is_open() && Picture::has_16_bits(file) => {
+                // What cannot be decoded is an error when its turn comes.
+                let picture = Picture::decode(file).ok()?;
+                brightest.fetch_max(picture.brightest(), Ordering::Relaxed);
+                Some(picture)
+            }
+            _ => None,
+        });
+        let brightest = brightest.into_inner();
+        for (view, picture) in views.iter_mut().zip(early) {
+            if let Some(picture) = picture.filter(|picture| picture.is_right_among(brightest)) {
+                view.image = Some(Content::Decoded(picture));
             }
         }
         let views = views.into_iter().map(|files| Mutex::new(Some(files))).collect();
@@ -217,7 +233,7 @@ impl<'s> FrameFiles<'s> {
     /// Decodes all files.
     pub fn decode(self, executor: &dyn Executor) -> Result<Pictures, Failure> {
         let silhouettes = self.silhouettes;
-        let views = self.into_views();
+        let views = self.into_views(executor);
         let decoded = executor.map(views.views.len(), |camera| views.decode(camera));
         let of = |view: DecodedView| (view.image, view.mask);
         let views = decoded.into_iter().map(|view| Ok(view?.map(of)));
@@ -337,3 +353,6 @@ impl Pictures {
         views.map(|view| view.map(|(image, mask)| self.silhouettes.input(image, mask.as_ref()))).collect()
     }
 }
+
+#[cfg(test)]
+mod tests;

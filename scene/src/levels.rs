@@ -22,6 +22,11 @@ pub fn range(used: u16) -> u16 {
     FEWER_BITS.into_iter().find(|&bits| used > 0 && used <= bits).unwrap_or(u16::MAX)
 }
 
+/// Whether pictures whose brightest pixel has the level `used` so far may be of fewer than 16 bits.
+pub fn may_be_of_fewer_bits(used: u16) -> bool {
+    used == 0 || range(used) < u16::MAX
+}
+
 /// The nearest of 256 levels for one of `brightest` levels. With all 16 bits it is rounded as `into_rgb8` does.
 pub fn to_byte(level: u16, brightest: u16) -> u8 {
     let brightest = u32::from(brightest);

@@ -23,12 +23,15 @@ pub struct Picture {
     pixels: Vec<u8>,
     /// Whether the levels are exactly those that a program wrote.
     exact: bool,
+    /// The level of the brightest pixel of a file of 16 bits, and the level that was made white; 0 for other files.
+    brightest: u16,
+    white: u16,
 }
 
 impl Picture {
     /// A picture from pixels without padding.
     pub fn new(pixels: Vec<u8>, width: u32, height: u32, format: PixelFormat) -> Self {
-        Self { width, height, format, pixels, exact: false }
+        Self { width, height, format, pixels, exact: false, brightest: 0, white: 0 }
     }
 
     /// The picture as the core borrows it.
@@ -69,19 +72,26 @@ impl Picture {
         Self::decode_among(file, 0)
     }
 
-    /// Decodes a picture among others of the same kind of camera: the brightest pixel of all has the level `brightest`
-    /// ([`Self::brightest`]).
-    pub(crate) fn decode_among(file: &[u8], brightest: u16) -> Result<Self, String> {
+    /// Decodes a picture among others of the same kind of camera. `brightest` is the level of their brightest pixel
+    /// ([`Self::brightest`]), so that a dark picture of 12 bits is not taken for one of 10.
+    pub fn decode_among(file: &[u8], brightest: u16) -> Result<Self, String> {
         if is_jpeg(file)? { decode_jpeg(file) } else { decode_png(file, brightest) }
     }
 
-    /// The level of the brightest pixel of a PNG file of 16 bits; 0 of other files, and of those that cannot be decoded.
-    pub(crate) fn brightest(file: &[u8]) -> u16 {
+    /// Whether a file is a PNG of 16 bits, whose levels depend on the pictures around it.
+    pub fn has_16_bits(file: &[u8]) -> bool {
         // The depth stands in the first chunk, IHDR (PNG 3, §11.2.1).
-        if !matches!(is_jpeg(file), Ok(false)) || file.get(24) != Some(&16) || png_header(file).is_err() {
-            return 0;
-        }
-        png_file::decode(file).map_or(0, |decoded| levels::brightest(&decoded))
+        file.get(24) == Some(&16) && matches!(is_jpeg(file), Ok(false))
+    }
+
+    /// The level of the brightest pixel that its file of 16 bits had; 0 for other files.
+    pub const fn brightest(&self) -> u16 {
+        self.brightest
+    }
+
+    /// Whether [`Self::decode_among`] gives the same picture if the brightest pixel of all pictures has this level.
+    pub fn is_right_among(&self, brightest: u16) -> bool {
+        self.brightest == 0 || levels::range(self.brightest.max(brightest)) == self.white
     }
 
     /// Width and height of the picture that [`Self::decode`] gives, from the header alone. Both are those of the stored pixels:
@@ -170,8 +180,9 @@ fn png_header(file: &[u8]) -> Result<[u32; 2], String> {
 fn decode_png(file: &[u8], brightest: u16) -> Result<Picture, String> {
     png_header(file)?;
     let decoded = png_file::decode(file).map_err(damaged)?;
-    let range = levels::range(levels::brightest(&decoded).max(brightest));
-    let colour = |v: u16| levels::to_byte(v, range);
+    let own = levels::brightest(&decoded);
+    let white = levels::range(own.max(brightest));
+    let colour = |v: u16| levels::to_byte(v, white);
     let alpha = |v: u16| levels::to_byte(v, u16::MAX);
     let Pixels { width, height, channels, samples } = decoded;
     let (format, pixels) = match (samples, channels) {
@@ -183,7 +194,7 @@ fn decode_png(file: &[u8], brightest: u16) -> Result<Picture, String> {
         (Samples::Sixteen(rgb), 3) => (PixelFormat::Rgb8, rgb.into_iter().map(colour).collect()),
         (Samples::Sixteen(samples), channels) => (PixelFormat::Rgba8, rgba_of(&samples, channels, colour, alpha)),
     };
-    Ok(Picture { width, height, format, pixels, exact: true })
+    Ok(Picture { width, height, format, pixels, exact: true, brightest: own, white })
 }
 
 /// RGBA from pixels with 2 channels, grey and alpha, or 4, which are RGBA. Grey is red, green and blue at once.
@@ -213,8 +224,15 @@ mod tests {
     fn the_range_of_levels_is_that_of_all_pictures() {
         let file = |level: u16| png(&[0, level].map(u16::to_ne_bytes).concat(), ColorType::L16);
         let (dark, bright) = (file(800), file(3000));
-        assert_eq!([&dark, &bright].map(|file| Picture::brightest(file)), [800, 3000]);
-        assert_eq!(Picture::brightest(&png(&[1, 2], ColorType::L8)), 0);
+        let alone = [&dark, &bright].map(|file| Picture::decode(file).unwrap());
+        assert_eq!([alone[0].brightest(), alone[1].brightest()], [800, 3000]);
+        for (picture, brightest, expected) in [(0, 1023, true), (0, 3000, false), (1, 800, true), (1, 5000, false)] {
+            assert_eq!(alone[picture].is_right_among(brightest), expected, "{picture} among {brightest}");
+        }
+        let eight = png(&[1, 2], ColorType::L8);
+        assert_eq!(Picture::decode(&eight).unwrap().brightest(), 0);
+        assert!(Picture::decode(&eight).unwrap().is_right_among(3000));
+        assert_eq!([&dark, &eight].map(|file| Picture::has_16_bits(file)), [true, false]);
         let last = |picture: Picture| *picture.pixels().last().unwrap();
         assert_eq!(last(Picture::decode(&dark).unwrap()), levels::to_byte(800, 1023));
         assert_eq!(last(Picture::decode_among(&dark, 3000).unwrap()), levels::to_byte(800, 4095));

@@ -249,6 +249,35 @@ static void check_formats(const struct capture *capture, pcmvs_frame *frame, con
     free(views);
 }
 
+/* A buffer belongs to the caller again once `pcmvs_frame_view` has returned: one for all cameras is enough. */
+static void check_buffers(const struct capture *capture, pcmvs_frame *frame, const struct bytes *expected) {
+    uint32_t n = capture->count, i;
+    size_t pixels = (size_t)capture->pictures[0].width * capture->pictures[0].height;
+    unsigned char *buffer = malloc(4 * pixels);
+    struct bytes bytes;
+    if (buffer == NULL) {
+        exit(3);
+    }
+    OK(pcmvs_frame_begin(frame, NULL));
+    for (i = 0; i < n; i++) {
+        pcmvs_image picture = capture->pictures[i], mask = capture->pictures[n + i];
+        pcmvs_view view = capture->views[i];
+        memcpy(buffer, picture.data, 3 * pixels);
+        memcpy(buffer + 3 * pixels, mask.data, pixels);
+        picture.data = buffer;
+        mask.data = buffer + 3 * pixels;
+        view.image = &picture;
+        view.mask = &mask;
+        OK(pcmvs_frame_view(frame, i, &view));
+        memset(buffer, 0x55, 4 * pixels);
+    }
+    OK(pcmvs_frame_step(frame, PCMVS_STAGE_COLOUR));
+    bytes = glb(frame);
+    CHECK(same(&bytes, expected));
+    free(bytes.data);
+    free(buffer);
+}
+
 static void check_outputs(const struct capture *capture, const pcmvs_rig *rig, pcmvs_frame *frame) {
     struct vertex {
         float position[3];
@@ -442,6 +471,7 @@ int main(int argc, char **argv) {
     check_stages(&capture, frame, &expected);
     check_left_out_stages(&capture, frame, &expected);
     check_formats(&capture, frame, &expected);
+    check_buffers(&capture, frame, &expected);
     /* A frame outlives its rig. */
     OK(pcmvs_rig_free(rig));
     OK(pcmvs_frame_reconstruct(frame, capture.views, capture.count, NULL));

@@ -199,6 +199,26 @@ test("warnings are listed, and their cameras are marked", async (t) => {
     assert.deepEqual(problems, []);
 });
 
+test("the page runs no code but its own, and sends no form", async (t) => {
+    const { page, problems } = await open(t, { query: "?clip=" });
+    const ran = await page.evaluate(async () => {
+        const names = [];
+        globalThis.note = (name) => names.push(name);
+        const script = Object.assign(document.createElement("script"), { textContent: "note('inline')" });
+        const remote = Object.assign(document.createElement("script"), { src: "data:text/javascript,note('data')" });
+        const picture = document.createElement("img");
+        picture.setAttribute("onerror", "note('handler')");
+        picture.src = "data:image/png,none";
+        document.body.append(script, remote, picture);
+        setTimeout("note('text')", 0);
+        await new Promise((resolve) => setTimeout(resolve, 300));
+        return names;
+    });
+    assert.deepEqual(ran, []);
+    const refused = problems.filter((problem) => /Content Security Policy/.test(problem));
+    assert.ok(refused.length >= 3 && refused.length === problems.length, problems.join("\n"));
+});
+
 test("a run starts while the page looks through a camera", async (t) => {
     const { page, problems } = await openWith(t, capture([0]));
     await page.focus("#canvas");

@@ -28,6 +28,8 @@ enum Photo {
         image: Picture,
         /// The mask in the alpha channel of the picture's file.
         alpha: Option<Picture>,
+        /// The file, if its levels depend on the other pictures of the frame.
+        file: Option<Vec<u8>>,
     },
 }
 
@@ -56,35 +58,37 @@ impl Frame {
     }
 
     /// Decodes a camera's photograph, JPEG or PNG. Where a PNG is partly transparent, its alpha channel is the mask unless
-    /// another one is set. Throws `PcmvsError`.
+    /// another one is set. Of PNGs of 16 bits, the brightest pixel of all pictures of the frame tells whether 8, 10, 12 or 16
+    /// bits are used. Throws `PcmvsError`.
     #[wasm_bindgen(js_name = setImage)]
     pub fn set_image(&mut self, camera: usize, file: &[u8]) -> Result<(), Failed> {
-        let image = decode("image", camera, file)?;
+        let image = decode("image", camera, file, 0)?;
+        let file = Picture::has_16_bits(file).then(|| file.to_vec());
         let alpha = image.alpha();
-        self.slot(camera)?.photo = Photo::Given { image, alpha };
-        Ok(())
+        self.slot(camera)?.photo = Photo::Given { image, alpha, file };
+        self.agree_on_levels()
     }
 
     /// Declares that a camera has no picture in this frame: it contributes nothing, which is a warning of the result.
     #[wasm_bindgen(js_name = setAbsent)]
     pub fn set_absent(&mut self, camera: usize) -> Result<(), Failed> {
         self.slot(camera)?.photo = Photo::Absent;
-        Ok(())
+        self.agree_on_levels()
     }
 
     /// Takes a camera's photograph as RGBA pixels by rows, such as a canvas' image data. Alpha is ignored.
     #[wasm_bindgen(js_name = setPixels)]
     pub fn set_pixels(&mut self, camera: usize, rgba: Vec<u8>, width: u32, height: u32) -> Result<(), Failed> {
         let image = Picture::new(rgba, width, height, PixelFormat::Rgba8);
-        self.slot(camera)?.photo = Photo::Given { image, alpha: None };
-        Ok(())
+        self.slot(camera)?.photo = Photo::Given { image, alpha: None, file: None };
+        self.agree_on_levels()
     }
 
     /// Decodes a camera's mask, JPEG or PNG, which is white on the object. Of a PNG that is partly transparent, the alpha
     /// channel is the mask. Throws `PcmvsError`.
     #[wasm_bindgen(js_name = setMask)]
     pub fn set_mask(&mut self, camera: usize, file: &[u8]) -> Result<(), Failed> {
-        let picture = decode("silhouette", camera, file)?;
+        let picture = decode("silhouette", camera, file, 0)?;
         self.slot(camera)?.matte = Matte::Picture(picture.into_mask());
         Ok(())
     }
@@ -124,7 +128,7 @@ impl Frame {
         let (image, alpha) = match &slot.photo {
             Photo::NotYet => return Err(Failed::of_camera("image", "this camera has no picture yet", camera)),
             Photo::Absent => return Ok(None),
-            Photo::Given { image, alpha } => (image, alpha),
+            Photo::Given { image, alpha, .. } => (image, alpha),
         };
         let mask = match (&slot.matte, alpha) {
             (Matte::Picture(picture), _) | (Matte::Alpha, Some(picture)) => Mask::Given(picture.view()),
@@ -140,6 +144,23 @@ impl Frame {
         matches!(self.slots[camera].photo, Photo::Given { .. })
     }
 
+    /// Decodes those pictures of 16 bits again whose range of levels is not that of all pictures.
+    fn agree_on_levels(&mut self) -> Result<(), Failed> {
+        let own = |slot: &Slot| match &slot.photo {
+            Photo::Given { image, .. } => image.brightest(),
+            _ => 0,
+        };
+        let brightest = self.slots.iter().map(own).max().unwrap_or(0);
+        for (camera, slot) in self.slots.iter_mut().enumerate() {
+            if let Photo::Given { image, file: Some(file), .. } = &mut slot.photo
+                && !image.is_right_among(brightest)
+            {
+                *image = decode("image", camera, file, brightest)?;
+            }
+        }
+        Ok(())
+    }
+
     fn slot(&mut self, camera: usize) -> Result<&mut Slot, Failed> {
         let count = self.slots.len();
         self.slots.get_mut(camera).ok_or_else(|| no_camera(count))
@@ -151,6 +172,7 @@ fn no_camera(count: usize) -> Failed {
     Failed::input(&format!("there are cameras 0 to {}", count - 1))
 }
 
-fn decode(code: &'static str, camera: usize, file: &[u8]) -> Result<Picture, Failed> {
-    Picture::decode(file).map_err(|problem| Failed::of_camera(code, &problem, camera))
+/// Decodes a file among pictures whose brightest pixel has a level.
+fn decode(code: &'static str, camera: usize, file: &[u8], brightest: u16) -> Result<Picture, Failed> {
+    Picture::decode_among(file, brightest).map_err(|problem| Failed::of_camera(code, &problem, camera))
 }

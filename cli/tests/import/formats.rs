@@ -21,6 +21,8 @@ mod panoptic;
 mod realitycapture;
 #[path = "formats/realitycapture_csv.rs"]
 mod realitycapture_csv;
+#[path = "formats/stereo.rs"]
+mod stereo;
 #[path = "formats/zju.rs"]
 mod zju;
 

@@ -7,7 +7,8 @@ pub enum Source {
     Middlebury,
     /// A folder with a model: cameras and images, as text or binary.
     Colmap,
-    /// A YAML or JSON file of OpenCV's FileStorage, or a folder with one such file per camera.
+    /// A YAML, JSON or XML file of OpenCV's FileStorage, or a folder with one such file per camera, or with those of a stereo
+    /// pair.
     Opencv,
     /// transforms.json or its folder.
     Transforms,

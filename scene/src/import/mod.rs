@@ -19,6 +19,8 @@ mod kalibr;
 mod keys;
 mod lens;
 #[cfg(feature = "formats")]
+mod marks;
+#[cfg(feature = "formats")]
 mod metashape;
 mod middlebury;
 #[cfg(feature = "formats")]
@@ -28,6 +30,14 @@ mod names;
 mod neus;
 mod notes;
 mod opencv;
+#[cfg(feature = "formats")]
+mod opencv_chain;
+mod opencv_contents;
+mod opencv_keys;
+#[cfg(feature = "formats")]
+mod opencv_pair;
+#[cfg(feature = "formats")]
+mod opencv_part;
 mod opencv_storage;
 #[cfg(feature = "formats")]
 mod opencv_xml;

@@ -15,49 +15,41 @@
 //! - picture: `image`, `image_path`, `file`; default: a picture with the camera's name, in this folder or in `images`, or a
 //!   folder of that name with one per instant
 //! - mask: `mask`, `mask_path`; default: searched for in `masks`
+//!
+//! Stereo pairs have other keys ([`super::opencv_pair`]).
 
 use super::{
     found::Found,
-    keys::{listed, unread},
+    keys::unread,
     lens,
     notes::Notes,
+    opencv_contents::{Contents, has_camera, note_unread},
+    opencv_keys::{
+        DISTORTION, HARMLESS, IMAGE, K, MASK, Object, ROTATION, SIZE, SIZES, TRANSLATION, as_map, check_matrices,
+        spelled,
+    },
     opencv_storage,
     source::{failure, find_picture},
-    values::{self, Levels, find, number, numbers, text, to_array},
+    values::{self, Levels, find, numbers, text, to_array},
     view::{ImportedView, rotation, rows},
 };
+#[cfg(feature = "formats")]
+use super::{opencv_pair, opencv_part};
 use crate::{failure::Failure, files::Files};
 use pcmvs_core::Lens;
-use serde_json::{Map, Value};
+use serde_json::Map;
+#[cfg(feature = "formats")]
+use serde_json::Value;
 use std::path::{Path, PathBuf};
-
-const K: &[&str] = &["camera_matrix", "cameraMatrix", "K", "intrinsic_matrix", "mtx"];
-const DISTORTION: &[&str] =
-    &["distortion_coefficients", "distCoeffs", "dist_coeffs", "distortion_coeffs", "D", "distortion", "dist"];
-const ROTATION: &[&str] = &["R", "rotation_matrix", "rotation", "rvec", "rotation_vector"];
-const TRANSLATION: &[&str] = &["t", "tvec", "T", "translation", "translation_vector"];
-const SIZES: [[&str; 2]; 2] = [["image_width", "image_height"], ["width", "height"]];
-const SIZE: &[&str] = &["image_size"];
-const SIZE_PARTS: &[&str] = &["image_width", "image_height", "width", "height"];
-const NAME: &[&str] = &["name"];
-const IMAGE: &[&str] = &["image", "image_path", "file"];
-const MASK: &[&str] = &["mask", "mask_path"];
-/// Keys that look like calibration but do not change it: OpenCV's and ROS' tools write them beside the calibration.
-const HARMLESS: &[&str] = &[
-    "extrinsic_parameters",
-    "projection_matrix",
-    "rectification_matrix",
-    "std_deviations_intrinsics",
-    "std_deviations_extrinsics",
-];
-
-type Object = Map<String, Value>;
 
 /// Reads a file, or all YAML, JSON and XML files of a folder that contain a camera.
 pub fn read(files: &dyn Files, path: &Path, notes: &mut Notes) -> Result<Vec<ImportedView>, Failure> {
     let mut views = Vec::new();
-    for file in calibrations(files, path)? {
-        let value = spelled(opencv_storage::read(files, &file)?);
+    let load = |file: PathBuf| Ok((file.clone(), spelled(opencv_storage::read(files, &file)?)));
+    let read = calibrations(files, path)?.into_iter().map(load).collect::<Result<Vec<_>, Failure>>()?;
+    #[cfg(feature = "formats")]
+    let read = opencv_pair::join(files, read, || beside(files, path), notes)?;
+    for (file, value) in read {
         let stem = file.file_stem().unwrap_or_default().to_string_lossy().into_owned();
         let wrong = |problem: String| Failure::Input(format!("{}: {problem}", file.display()));
         let contents = Contents::new(&value, stem).map_err(wrong)?;
@@ -100,35 +92,29 @@ fn calibrations(files: &dyn Files, path: &Path) -> Result<Vec<PathBuf>, Failure>
     Ok(entries.into_iter().filter(known).collect())
 }
 
+/// The other calibrations in the folder of a file. What cannot be read is none.
+#[cfg(feature = "formats")]
+fn beside(files: &dyn Files, path: &Path) -> Result<Vec<(PathBuf, Value)>, Failure> {
+    if files.is_folder(path) {
+        return Ok(Vec::new());
+    }
+    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    let others = calibrations(files, folder)?.into_iter().filter(|file| file.file_name() != path.file_name());
+    Ok(others.filter_map(|file| Some((file.clone(), spelled(opencv_storage::read(files, &file).ok()?)))).collect())
+}
+
 /// Whether a file has a camera, and nothing else is known of it.
 pub fn is_camera_file(files: &dyn Files, file: &Path) -> bool {
     let Ok(value) = opencv_storage::read(files, file) else { return false };
-    Contents::new(&spelled(value), String::new()).is_ok_and(|contents| !contents.cameras.is_empty())
-}
-
-/// The same values, where keys of the file and of its maps that are known in another letter case or with other underscores,
-/// such as `Camera_Matrix`, have the known spelling. Short keys differ by their case (`t` and `T`), and those of maps may be
-/// names of cameras. Where a key has two spellings, one stays and is refused later.
-fn spelled(value: Value) -> Value {
-    let map = match value {
-        Value::Array(list) => return list.into_iter().map(spelled).collect(),
-        Value::Object(map) => map,
-        other => return other,
-    };
-    let known = || [K, DISTORTION, ROTATION, TRANSLATION, SIZE, SIZE_PARTS, NAME, IMAGE, MASK].into_iter().flatten();
-    let usual = |key: &str| {
-        let name = lens::plain(key);
-        known().find(|known| name.len() > 2 && lens::plain(known) == name).filter(|usual| !map.contains_key(**usual))
-    };
-    let mut result = Map::new();
-    for (key, value) in &map {
-        let usual = usual(key).filter(|usual| as_map(value).is_none() && !result.contains_key(**usual));
-        result.insert(usual.map_or_else(|| key.clone(), |usual| String::from(*usual)), spelled(value.clone()));
+    let value = spelled(value);
+    #[cfg(feature = "formats")]
+    if opencv_part::has_lens(&value) {
+        return true;
     }
-    result.into()
+    has_camera(&value)
 }
 
-/// Refuses the files of a stereo pair, which have one pose for two cameras.
+/// Refuses a stereo pair that is not read as one: it has one pose for two cameras.
 fn check_pair(top: Option<&Object>) -> Result<(), String> {
     let numbered = ["M", "K", "cameraMatrix", "camera_matrix", "CM"].map(|key| [format!("{key}1"), format!("{key}2")]);
     match top.and_then(|top| numbered.iter().find(|pair| pair.iter().all(|key| top.contains_key(key)))) {
@@ -138,125 +124,6 @@ fn check_pair(top: Option<&Object>) -> Result<(), String> {
         )),
         None => Ok(()),
     }
-}
-
-/// A map that is not a matrix.
-fn as_map(value: &Value) -> Option<&Object> {
-    value.as_object().filter(|map| !map.contains_key("data"))
-}
-
-/// Refuses keys that hold a matrix with 3 or 4 rows and columns: what is not understood may be a camera.
-fn check_matrices(keys: &Object) -> Result<(), String> {
-    let of_camera = |count: usize| (3..=4).contains(&count);
-    let is_matrix = |value: &Value| match value {
-        Value::Array(rows) => {
-            let row = |row: &Value| row.as_array().is_some_and(|row| of_camera(row.len()));
-            of_camera(rows.len()) && rows.iter().all(row) && numbers(value).is_ok()
-        }
-        Value::Object(matrix) => {
-            let count = |key: &str| matrix.get(key).and_then(|count| number(key, count).ok());
-            matrix.contains_key("data") && ["rows", "cols"].iter().all(|key| matches!(count(key), Some(3.0 | 4.0)))
-        }
-        _ => false,
-    };
-    match keys.iter().find(|(key, value)| !HARMLESS.contains(&key.as_str()) && is_matrix(value)) {
-        Some((key, _)) => Err(format!(
-            "`{key}` is a matrix that is not understood: if it is that of a camera, use the keys {K:?}, {ROTATION:?} and \
-             {TRANSLATION:?}, or else move it away"
-        )),
-        None => Ok(()),
-    }
-}
-
-/// The cameras of a file, with their names, and the keys beside them.
-struct Contents<'a> {
-    cameras: Vec<(String, &'a Object)>,
-    shared: Object,
-}
-
-impl<'a> Contents<'a> {
-    fn new(value: &'a Value, stem: String) -> Result<Self, String> {
-        let named = |camera: &Object, otherwise: String| camera.get("name").and_then(text).unwrap_or(otherwise);
-        let object = |name: &str, value: &'a Value| {
-            value.as_object().ok_or_else(|| format!("camera `{name}` is not a map of keys and values"))
-        };
-        if let Some(list) = value.as_array() {
-            return Self::list(list, Object::new());
-        }
-        let Some(top) = value.as_object() else { return Ok(Self { cameras: Vec::new(), shared: Object::new() }) };
-        let beside = |skipped: &dyn Fn(&str, &Value) -> bool| -> Object {
-            top.iter().filter(|(key, value)| !skipped(key, value)).map(|(k, v)| (k.clone(), v.clone())).collect()
-        };
-        match top.get("cameras") {
-            Some(Value::Array(list)) => return Self::list(list, beside(&|key, _| key == "cameras")),
-            Some(Value::Object(map)) => {
-                let cameras: Result<Vec<_>, String> = map
-                    .iter()
-                    .map(|(key, camera)| object(key, camera).map(|camera| (named(camera, key.clone()), camera)))
-                    .collect();
-                return Ok(Self { cameras: cameras?, shared: beside(&|key, _| key == "cameras") });
-            }
-            _ => {}
-        }
-        let is_camera = |value: &Value| {
-            value.as_object().is_some_and(|o| [K, ROTATION, TRANSLATION].iter().any(|keys| find(o, keys).is_some()))
-        };
-        let entries =
-            top.iter().filter_map(|(key, value)| Some((key, value.as_object().filter(|_| is_camera(value))?)));
-        let cameras: Vec<_> = entries.map(|(key, camera)| (named(camera, key.clone()), camera)).collect();
-        if !cameras.is_empty() {
-            return Ok(Self { cameras, shared: beside(&|_, value| is_camera(value)) });
-        }
-        let single = find(top, K).is_some().then(|| (named(top, stem), top));
-        Ok(Self { cameras: single.into_iter().collect(), shared: Object::new() })
-    }
-
-    fn list(list: &'a [Value], shared: Object) -> Result<Self, String> {
-        let camera = |(i, value): (usize, &'a Value)| {
-            let camera = value.as_object().ok_or_else(|| format!("camera {i} is not a map of keys and values"))?;
-            Ok((camera.get("name").and_then(text).unwrap_or_else(|| format!("cam{i:02}")), camera))
-        };
-        Ok(Self { cameras: list.iter().enumerate().map(camera).collect::<Result<_, String>>()?, shared })
-    }
-
-    fn check_shared(&self, file: &Path, notes: &mut Notes) -> Result<(), String> {
-        lens::model(&self.shared)?;
-        // One pose for all cameras would put them into the same place: it means something else, such as a stereo pair's.
-        for keys in [ROTATION, TRANSLATION] {
-            if let Some((key, _)) = find(&self.shared, keys) {
-                return Err(format!(
-                    "`{key}` stands beside the cameras: give every camera its own pose, world to camera"
-                ));
-            }
-        }
-        for (name, keys) in self.shared.iter().filter_map(|(name, value)| Some((name, as_map(value)?))) {
-            let of_map = |problem| format!("{name}: {problem}");
-            unread(keys, &[], HARMLESS).map_err(of_map)?;
-            check_matrices(keys).map_err(of_map)?;
-        }
-        note_unread(&self.shared, file, notes)
-    }
-}
-
-fn note_unread(object: &Object, file: &Path, notes: &mut Notes) -> Result<(), String> {
-    let sizes = [SIZE, SIZE_PARTS];
-    let own = [K, DISTORTION, ROTATION, TRANSLATION, NAME, IMAGE, MASK, lens::NAMED, lens::MODEL_KEYS];
-    let understood: Vec<&[&str]> = own.into_iter().chain(sizes).collect();
-    let ignored = unread(object, &understood, HARMLESS)?;
-    if !ignored.is_empty() {
-        notes.add(format!("{}: ignored: {}", file.display(), listed(ignored)));
-    }
-    for keys in [K, DISTORTION, ROTATION, TRANSLATION] {
-        let present: Vec<&str> =
-            keys.iter().copied().filter(|&key| object.get(key).is_some_and(|v| !v.is_null())).collect();
-        if let [used, rest @ ..] = present.as_slice()
-            && !rest.is_empty()
-        {
-            let rest = listed(rest.iter().copied());
-            notes.add(format!("{}: `{used}` is used, and {rest} ignored", file.display()));
-        }
-    }
-    Ok(())
 }
 
 /// The views of a camera: one per picture.
