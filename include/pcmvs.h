@@ -1234,8 +1234,9 @@ pcmvs_status pcmvs_calibration_warning_count(const struct pcmvs_calibration *cal
                                              uint32_t *count);
 
 // Returns a warning. `index` is less than `pcmvs_calibration_warning_count`. Its code is "camera-bumped",
-// "cameras-swapped", "camera-contradicts", "calibration-inconsistent", "contours-beside-edges", "contours-across-edges",
-// "contour-beside-edge" or "contour-without-edge"; later versions may add codes. `size` is `sizeof *warning`.
+// "focal-length-wrong", "distortion-wrong", "cameras-swapped", "camera-contradicts", "silhouette-set-aside",
+// "calibration-inconsistent", "contours-beside-edges", "contours-across-edges", "contour-beside-edge",
+// "contour-across-edge" or "contour-without-edge"; later versions may add codes. `size` is `sizeof *warning`.
 pcmvs_status pcmvs_calibration_get_warning(const struct pcmvs_calibration *calibration,
                                            uint32_t index,
                                            struct pcmvs_warning *warning,

@@ -18,6 +18,22 @@ pub enum Finding {
         camera: u32,
         /// How far it is off in pixels at the object.
         pixels: f64,
+        /// Whether it may also be that its focal length or distortion is wrong: the pictures do not tell.
+        or_lens: bool,
+    },
+    /// The focal length of one camera is wrong, or that of all.
+    FocalLengthWrong {
+        /// Index of the camera; `None` if all focal lengths are wrong by the same factor.
+        camera: Option<u32>,
+        /// The given focal length over the right one.
+        factor: f64,
+    },
+    /// The distortion of one camera is wrong.
+    DistortionWrong {
+        /// Index of the camera.
+        camera: u32,
+        /// By how many pixels the object's picture is off: the root of the mean square.
+        pixels: f64,
     },
     /// The pictures of two cameras are exchanged.
     CamerasSwapped {
@@ -33,6 +49,15 @@ pub enum Finding {
         /// How far its contour misses the tangents of the others, in pixels, if it has been measured.
         contour_px: Option<f64>,
     },
+    /// A camera's silhouette lacks parts of the object that the other cameras show, wherever the camera stands.
+    SilhouetteSetAside {
+        /// Index of the camera.
+        camera: u32,
+        /// Number of frames in which it does,
+        frames: u32,
+        /// and of frames that were looked at.
+        of: u32,
+    },
     /// The pictures show the object's edge elsewhere than along the contours of silhouettes, in every frame.
     Contour(ContourFault),
 }
@@ -47,7 +72,10 @@ impl Finding {
             Self::CalibrationInconsistent { .. } => "calibration-inconsistent",
             Self::CameraBumped { .. } => "camera-bumped",
             Self::CamerasSwapped { .. } => "cameras-swapped",
+            Self::FocalLengthWrong { .. } => "focal-length-wrong",
+            Self::DistortionWrong { .. } => "distortion-wrong",
             Self::CameraContradicts { .. } => "camera-contradicts",
+            Self::SilhouetteSetAside { .. } => "silhouette-set-aside",
             Self::Contour(fault) => fault.code(),
         }
     }
@@ -57,7 +85,11 @@ impl Finding {
         match self {
             Self::CalibrationInconsistent { .. } => [None, None],
             Self::Contour(fault) => [fault.camera(), None],
-            Self::CameraBumped { camera, .. } | Self::CameraContradicts { camera, .. } => [Some(*camera), None],
+            Self::FocalLengthWrong { camera, .. } => [*camera, None],
+            Self::CameraBumped { camera, .. }
+            | Self::DistortionWrong { camera, .. }
+            | Self::CameraContradicts { camera, .. }
+            | Self::SilhouetteSetAside { camera, .. } => [Some(*camera), None],
             Self::CamerasSwapped { first, second } => [Some(*first), Some(*second)],
         }
     }
@@ -72,6 +104,36 @@ impl fmt::Display for Finding {
                 "the calibration does not fit the pictures: epipolar lines miss matches by {pixels:.2} px. Refine it, or \
                  calibrate again"
             ),
+            Self::CameraBumped { pixels, or_lens: true, .. } => write!(
+                f,
+                "the camera is off by {pixels:.1} px: it has moved since it was calibrated, or its focal length or its \
+                 distortion is wrong, which the pictures do not tell apart. Calibrate it again"
+            ),
+            Self::FocalLengthWrong { camera, factor } => {
+                let [whose, than, of_k] = match camera {
+                    Some(_) => ["its focal length is", "the camera has", "its"],
+                    None => ["the focal lengths of all cameras are", "cameras have", "every"],
+                };
+                let (long, percent) = (if *factor > 1.0 { "long" } else { "short" }, 100.0 * (factor - 1.0).abs());
+                write!(
+                    f,
+                    "{whose} probably too {long} by about {percent:.1} %: this explains the pictures better than that {than} \
+                     moved. Divide fx and fy of {of_k} K by about {factor:.3} and check again, or calibrate again"
+                )
+            }
+            Self::DistortionWrong { pixels, .. } => write!(
+                f,
+                "the distortion of its lens is probably wrong, by {pixels:.1} px on average: this explains its pictures \
+                 better than that the camera has moved. Check the coefficients and their order (k1, k2, p1, p2, k3), or \
+                 calibrate again"
+            ),
+            Self::SilhouetteSetAside { frames, of, .. } => {
+                f.write_str("its silhouette lacks parts of the object that the other cameras show")?;
+                if *of > 1 {
+                    write!(f, ", in {frames} of {of} frames")?;
+                }
+                f.write_str(": correct its mask")
+            }
             Self::CameraBumped { pixels, .. } => write!(
                 f,
                 "the camera has moved by {pixels:.1} px since it was calibrated. Refine the calibration, or calibrate \

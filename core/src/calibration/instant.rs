@@ -87,7 +87,7 @@ impl Instant {
         progress: &dyn Progress,
     ) -> Result<Guide> {
         let mut carved = Carved {
-            views: self.views(models, excluded),
+            views: self.views(models, &excluded),
             mesh: Mesh::default(),
             footprint: 0.0,
             params: params.hull,
@@ -96,8 +96,17 @@ impl Instant {
         let agreement = params.agreement.as_ref();
         let rounds = if agreement.is_some() { ROUNDS } else { 0 };
         carve_agreeing(&mut carved, agreement, rounds, executor, progress)?;
+        let is_set_aside: Vec<bool> = carved.views.iter().map(View::is_set_aside).collect();
+        for (i, view) in carved.views.iter_mut().enumerate().filter(|&(i, _)| excluded(i)) {
+            view.given.clone_from(&self.pictures[i].silhouette);
+        }
         let apart = agreement.map(|params| apart(&carved.views, &carved.mesh, params, executor)).unwrap_or_default();
-        Ok(Guide { mesh: carved.mesh, footprint: carved.footprint, views: carved.views, apart })
+        let lacking = |place: &u16| {
+            agreement.is_some() && carved.views[usize::from(*place)].is_set_aside() && !apart.contains(place)
+        };
+        let lacking = (0..models.len() as u16).filter(lacking).collect();
+        let apart = apart.into_iter().filter(|&place| is_set_aside[usize::from(place)]).collect();
+        Ok(Guide { lacking, mesh: carved.mesh, footprint: carved.footprint, views: carved.views, apart })
     }
 }
 
@@ -133,6 +142,8 @@ pub(super) struct Guide {
     pub(super) views: Vec<View>,
     /// Places of the cameras whose silhouettes show what the hull of the others does not have, and lack what it has.
     pub(super) apart: Vec<u16>,
+    /// Places of the cameras whose silhouettes only lack what the hull of the others has.
+    pub(super) lacking: Vec<u16>,
 }
 
 /// How the hull is carved.

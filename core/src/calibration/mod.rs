@@ -9,10 +9,13 @@
 
 mod adjust;
 mod brightness;
+mod cause;
 mod corners;
+mod evidence;
 mod finding;
 mod in_step;
 mod instant;
+mod judge;
 mod matching;
 mod model;
 mod outline;

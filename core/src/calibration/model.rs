@@ -1,6 +1,9 @@
 //! A camera whose calibration is being adjusted, in double precision and relative to the rig's origin.
 
-use crate::camera::{Camera, Pinhole, matrix};
+use crate::{
+    camera::{Camera, Pinhole, matrix},
+    lens::Lens,
+};
 use glam::{DMat2, DMat3, DVec2, DVec3};
 
 /// Parameters per camera: turn about its own x, y and z axes (radians), shift along them (scene units), logarithm of the
@@ -79,6 +82,15 @@ impl Model {
         k[1][2] += step[FOCAL + 2];
         let t = turn * self.t + DVec3::new(step[SHIFT], step[SHIFT + 1], step[SHIFT + 2]);
         Self { r: turn * self.r, t, k, ..*self }
+    }
+
+    /// The same camera with its lens's first radial coefficient changed.
+    pub(super) fn distorted(&self, by: f64) -> Self {
+        let mut given = self.given;
+        match &mut given.lens {
+            Lens::OpenCv([k1, ..]) | Lens::Fisheye([k1, ..]) => *k1 += by,
+        }
+        Self { given, ..*self }
     }
 
     /// How far the parameters are from those of another model of the same camera. The shift is that of the centre.
@@ -199,7 +211,7 @@ impl Model {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{lens::Lens, testing::camera};
+    use crate::testing::camera;
     use glam::Vec3;
 
     /// The same camera with each kind of lens.

@@ -70,7 +70,7 @@ impl<R: Deref<Target = Rig>> Frame<R> {
         // Masks that are all at fault explain what they lack and exclude: nothing of it tells about single cameras.
         let is_of_all = faults.iter().any(|fault| fault.camera().is_none());
         let blamed = |warning: Warning| match warning {
-            Warning::CameraContradicts { camera, overlap } if is_of_all => {
+            Warning::CameraContradicts { camera, overlap, .. } if is_of_all => {
                 Some(Warning::SilhouetteSetAside { camera, overlap })
             }
             Warning::SilhouetteCompleted { .. } if is_of_all => None,
@@ -107,7 +107,10 @@ impl<R: Deref<Target = Rig>> Frame<R> {
         match view.left_out {
             Some(LeftOut::Contradicts) => Some(match self.exchanged_with(view.index) {
                 Some(other) => Warning::PicturesExchanged { camera, other },
-                None => Warning::CameraContradicts { camera, overlap },
+                None => {
+                    let mask_follows = view.edge.is_some_and(|edge| edge.is_followed());
+                    Warning::CameraContradicts { camera, overlap, mask_follows }
+                }
             }),
             None if view.is_set_aside() => Some(Warning::SilhouetteSetAside { camera, overlap }),
             None if view.added > 0 => Some(Warning::SilhouetteCompleted { camera, pixels: view.added }),

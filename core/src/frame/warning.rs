@@ -7,6 +7,9 @@ use alloc::{
 };
 use core::fmt;
 
+/// Where more is told about a camera than a frame can tell.
+const CHECK: &str = " (`pcmvs check` tells more)";
+
 /// Something in a frame that may make its result worse. Cameras are numbered as given to [`crate::Rig::new`].
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
@@ -68,6 +71,8 @@ pub enum Warning {
         camera: u32,
         /// Overlap of the silhouette with the hull of the others, 0 to 1.
         overlap: f32,
+        /// Whether its mask follows the object's edge in its picture, so that not the mask is at fault.
+        mask_follows: bool,
     },
     /// A camera's picture is that of another camera, and the other way round. Neither is used.
     PicturesExchanged {
@@ -201,17 +206,19 @@ impl Warning {
                 .into(),
             Self::SilhouetteSetAside { overlap, .. } => format!(
                 "its silhouette lacks parts of the object that the other views show, and agrees with them to {:.1} %, so that \
-                 it is not used: correct its mask",
+                 it is not used: correct its mask. If the mask is complete, check the calibration{CHECK}",
                 100.0 * overlap
             ),
             Self::SilhouetteCompleted { pixels, .. } => format!(
                 "its silhouette lacked {pixels} pixels that the other views show as object; they have been added: look for \
                  holes in its mask"
             ),
-            Self::CameraContradicts { overlap, .. } => format!(
-                "its picture contradicts the other views, which it agrees with to {:.1} %, so that it is not used: check \
-                 whether the camera was moved since its calibration, was exchanged with another one, or is out of step",
-                100.0 * overlap
+            Self::CameraContradicts { overlap, mask_follows, .. } => format!(
+                "its picture contradicts the other views, which it agrees with to {:.1} %, so that it is not used: {} whether \
+                 the camera was moved since its calibration, has another focal length, was exchanged with another one, or is \
+                 out of step{CHECK}",
+                100.0 * overlap,
+                if *mask_follows { "its mask follows its picture, so check" } else { "check its mask, and" }
             ),
             Self::PicturesExchanged { other, .. } => format!(
                 "its picture seems to be exchanged with that of {}: each silhouette fits the other camera, so that neither is \
@@ -230,7 +237,7 @@ impl Warning {
                 };
                 format!(
                     "its silhouette disagrees with the other views: {reason}: check whether its mask lacks a part, whether the \
-                     camera was moved since its calibration, and whether its picture is of the same instant and of this camera"
+                     camera was moved since its calibration, and whether its picture is of the same instant and of this camera{CHECK}"
                 )
             }
             Self::SilhouettesContradict { median, worst, overlap } => format!(

@@ -11,6 +11,11 @@ const BESIDE_MOST: f32 = 0.2;
 /// The masks as a whole are not those of their pictures if in more than half of them at least this share of the contour was
 /// moved far inwards, and as much outwards. This is so in none of the clean, rough and real captures.
 const ACROSS_MOST: f32 = 0.1;
+/// One camera's mask is not that of its picture if at least this share of its contour was moved far inwards, and as much
+/// outwards. In no view of the clean, rough and real captures it is more than a fifth of this.
+const ACROSS_ONE: f32 = 0.05;
+/// A mask follows its picture if less than this share of its contour was moved far.
+const FOLLOWS: f32 = 0.1;
 /// One camera's mask is at fault if another edge is stronger than this share of its contour's own.
 const BESIDE_ONE: f32 = 0.5;
 /// An edge that is this many times stronger than the contour's own is the object's, even if the contour is without edge.
@@ -37,6 +42,13 @@ pub enum ContourFault {
         /// How far the edge lies inside the mask's contour, in pixels; negative outside.
         pixels: f32,
     },
+    /// A camera's picture shows the object's edge far inside the contour in some places, and far outside in others.
+    AcrossEdge {
+        /// Index of the camera.
+        camera: u32,
+        /// The share of the contour that lies far from the edge, 0 to 1.
+        share: f32,
+    },
     /// A camera's picture shows no edge along the contour.
     WithoutEdge {
         /// Index of the camera.
@@ -48,9 +60,9 @@ impl ContourFault {
     /// The faults of cameras, each with what its picture shows around its contour.
     pub(crate) fn of(edges: impl Iterator<Item = (u32, ContourEdge)> + Clone) -> Vec<Self> {
         let count = edges.clone().count();
-        let across = || edges.clone().filter(|(_, edge)| edge.far.iter().all(|&share| share > ACROSS_MOST));
+        let across = || edges.clone().filter(|(_, edge)| edge.is_across(ACROSS_MOST));
         if 2 * across().count() > count {
-            let share = median(across().map(|(_, edge)| edge.far[0] + edge.far[1]));
+            let share = median(across().map(|(_, edge)| edge.far_share()));
             return share.map(|share| Self::AcrossEdges { share }).into_iter().collect();
         }
         let beside = || edges.clone().filter(|(_, edge)| edge.is_beside()).map(|(_, edge)| edge.off(BESIDE_MOST));
@@ -60,6 +72,8 @@ impl ContourFault {
         let fault = |(camera, edge): (u32, ContourEdge)| {
             if !edge.is_along() && edge.strength < CLEARLY {
                 Some(Self::WithoutEdge { camera })
+            } else if edge.is_across(ACROSS_ONE) {
+                Some(Self::AcrossEdge { camera, share: edge.far_share() })
             } else {
                 (edge.strength > BESIDE_ONE).then_some(Self::BesideEdge { camera, pixels: edge.off(BESIDE_ONE) })
             }
@@ -73,6 +87,7 @@ impl ContourFault {
             Self::BesideEdges { .. } => "contours-beside-edges",
             Self::AcrossEdges { .. } => "contours-across-edges",
             Self::BesideEdge { .. } => "contour-beside-edge",
+            Self::AcrossEdge { .. } => "contour-across-edge",
             Self::WithoutEdge { .. } => "contour-without-edge",
         }
     }
@@ -81,12 +96,30 @@ impl ContourFault {
     pub const fn camera(&self) -> Option<u32> {
         match self {
             Self::BesideEdges { .. } | Self::AcrossEdges { .. } => None,
-            Self::BesideEdge { camera, .. } | Self::WithoutEdge { camera } => Some(*camera),
+            Self::BesideEdge { camera, .. } | Self::AcrossEdge { camera, .. } | Self::WithoutEdge { camera } => {
+                Some(*camera)
+            }
         }
     }
 }
 
 impl ContourEdge {
+    /// Whether the mask's contour follows the object's edge in the picture, so that the mask is not that of another picture and
+    /// was not shifted.
+    pub fn is_followed(&self) -> bool {
+        self.is_along() && self.strength <= BESIDE_MOST && self.far_share() < FOLLOWS
+    }
+
+    /// The share of the contour that was moved far, to either side.
+    fn far_share(&self) -> f32 {
+        self.far[0] + self.far[1]
+    }
+
+    /// Whether more than a share of the contour was moved far inwards, and as much outwards.
+    fn is_across(&self, share: f32) -> bool {
+        self.far.iter().all(|&far| far > share)
+    }
+
     /// Whether the picture shows the object's edge beside the mask's contour, which has perhaps been moved there.
     fn is_beside(&self) -> bool {
         self.strength > BESIDE_MOST || self.far.iter().any(|&share| share > 0.5)
@@ -113,12 +146,15 @@ impl fmt::Display for ContourFault {
         let (whose, pixels) = match self {
             Self::BesideEdges { pixels } => ("the masks are", pixels),
             Self::BesideEdge { pixels, .. } => ("its mask is", pixels),
-            Self::AcrossEdges { share } => {
+            Self::AcrossEdges { share } | Self::AcrossEdge { share, .. } => {
+                let [whose, remedy] = match self.camera() {
+                    None => ["the masks do", "the masks are those of these pictures and not of another instant"],
+                    Some(_) => ["its mask does", "the mask is that of this picture and was not shifted"],
+                };
                 return write!(
                     f,
-                    "the masks do not follow the object's outlines in their pictures: {:.0} % of the contours lie more than two \
-                     pixels beside them, inside in some places and outside in others. Check that the masks are those of these \
-                     pictures and not of another instant, and that they were not drawn roughly",
+                    "{whose} not follow the object's outline in the picture: {:.0} % of the contour lies more than two pixels \
+                     beside it, inside in some places and outside in others. Check that {remedy}",
                     100.0 * share
                 );
             }
@@ -189,5 +225,31 @@ mod tests {
             faults([GOOD, WIDE, GOOD, NARROW, STRANGE]),
             [ContourFault::BesideEdge { camera: 1, pixels: 8.0 }, ContourFault::WithoutEdge { camera: 4 }]
         );
+    }
+
+    #[test]
+    fn a_contour_that_crosses_the_edge_is_not_that_of_its_picture() {
+        let across = ContourEdge { far: [0.06, 0.2], ..GOOD };
+        let [fault] = faults([GOOD, across, GOOD, GOOD, GOOD])[..] else { panic!("one camera's") };
+        assert!(
+            matches!(fault, ContourFault::AcrossEdge { camera: 1, share } if (share - 0.26).abs() < 1e-6),
+            "{fault:?}"
+        );
+        assert_eq!((fault.code(), fault.camera()), ("contour-across-edge", Some(1)));
+        assert!(fault.to_string().contains("26 %") && fault.to_string().contains("shifted"), "{fault}");
+        // Most of a contour on one side is a matter of its width.
+        assert_eq!(faults([GOOD, ContourEdge { far: [0.3, 0.04], ..GOOD }, GOOD, GOOD, GOOD]), []);
+    }
+
+    #[test]
+    fn only_a_contour_along_the_edge_follows_it() {
+        let sharp = ContourEdge { far: [0.02, 0.01], ..GOOD };
+        assert!(sharp.is_followed());
+        let off = [
+            ContourEdge { strength: 0.3, ..sharp },
+            ContourEdge { usual: 0.9, ..sharp },
+            ContourEdge { far: [0.0, 0.2], ..sharp },
+        ];
+        assert!(off.iter().all(|edge| !edge.is_followed()));
     }
 }

@@ -5,6 +5,7 @@ use glam::DVec3;
 use pcmvs_core::{
     Camera, Executor, Params, Preset, Serial, Silent, View, Warning,
     calibration::{Calibration, CalibrationParams, Finding, Verdict, calibrate},
+    silhouette::ContourFault,
 };
 use std::sync::LazyLock;
 use studio::{Capture, Faults, Ring, Subject, score};
@@ -122,13 +123,57 @@ fn a_bumped_camera_is_named_and_corrected() {
         let found = calibrated(&shot);
         let pixels = libm::hypot(by[0], by[1]);
         assert!(
-            matches!(found.findings[..], [Finding::CameraBumped { camera: 4, pixels: p }] if (p / pixels - 1.0).abs() < 0.1),
+            matches!(found.findings[..], [Finding::CameraBumped { camera: 4, pixels: p, or_lens: false }] if (p / pixels - 1.0).abs() < 0.1),
             "{by:?}: {:?}",
             found.findings
         );
         let errors = epipolar_errors(&found.cameras, &points(&shot));
         assert!(quantile(&errors, 0.95) < 0.1, "{by:?}: {}", quantile(&errors, 0.95));
     }
+}
+
+/// Its picture is larger than its calibration says, as that of a camera that went nearer. Where matches do not tell the two apart,
+/// neither is called certain.
+#[test]
+fn a_wrong_focal_length_is_not_called_a_movement() {
+    let mut shot = CLEAN.clone();
+    (0..2).for_each(|i| shot.cameras[4].k[i][i] *= 1.04);
+    let findings = calibrated(&shot).findings;
+    let is_named = match findings[..] {
+        [Finding::FocalLengthWrong { camera: Some(4), factor }] => (factor - 1.04).abs() < 0.01,
+        [Finding::CameraBumped { camera: 4, or_lens, .. }] => or_lens,
+        _ => false,
+    };
+    assert!(is_named, "{findings:?}");
+}
+
+#[test]
+fn focal_lengths_that_are_all_wrong_are_named() {
+    let mut shot = CLEAN.clone();
+    shot.cameras.iter_mut().for_each(|camera| (0..2).for_each(|i| camera.k[i][i] *= 1.05));
+    let findings = calibrated(&shot).findings;
+    let [Finding::FocalLengthWrong { camera: None, factor }] = findings[..] else { panic!("{findings:?}") };
+    // The given focal lengths count for something, too.
+    assert!((1.03..1.06).contains(&factor), "{factor}");
+}
+
+#[test]
+fn a_mask_without_half_of_the_object_is_named() {
+    let mut shot = CLEAN.clone();
+    let mask = shot.frame.masks[4].as_mut().expect("every camera has one");
+    let first = mask.iter().position(|&v| v > 0).expect("it shows the object");
+    let last = mask.iter().rposition(|&v| v > 0).expect("it shows the object");
+    mask[..(first + last) / 2].fill(0);
+    let findings = calibrated(&shot).findings;
+    assert_eq!(findings, [Finding::SilhouetteSetAside { camera: 4, frames: 1, of: 1 }]);
+}
+
+/// Masks that are all too wide blame no camera.
+#[test]
+fn masks_that_are_all_at_fault_blame_no_camera() {
+    let findings = calibrated(&record(&Faults { wider_masks: 10.0, ..Faults::default() })).findings;
+    let [Finding::Contour(ContourFault::BesideEdges { pixels })] = findings[..] else { panic!("{findings:?}") };
+    assert!((8.0..12.0).contains(&pixels), "{pixels}");
 }
 
 /// The other cameras, and with them the world, stay where they are.

@@ -178,3 +178,24 @@ fn masks_of_another_instant_than_the_pictures_are_named() {
     let is_about_mask = |warning: &Warning| is_across(warning) || matches!(warning, Warning::SilhouetteSetAside { .. });
     assert!(warnings.iter().any(is_across) && warnings.iter().all(is_about_mask), "{warnings:?}");
 }
+
+/// A camera that contradicts the others is at fault if its mask follows its picture, and its mask is if it was shifted.
+#[test]
+fn a_camera_that_was_moved_is_told_from_a_mask_that_was_shifted() {
+    let cameras = Ring { count: 8, ..Ring::default() }.sized(640, 480).cameras();
+    let shot = Shot::new(Subject::Figure, &cameras, &Faults::default());
+    let mut moved = shot.clone();
+    moved.cameras[4].k[0][2] += 40.0;
+    let warnings = made(&moved, Preset::Hull, &inputs(&moved)).warnings;
+    assert!(matches!(warnings[..], [Warning::CameraContradicts { camera: 4, mask_follows: true, .. }]), "{warnings:?}");
+    let mut shifted = shot.clone();
+    shifted.frame.masks[4].as_mut().expect("every camera has one").rotate_right(8);
+    let warnings = made(&shifted, Preset::Hull, &inputs(&shifted)).warnings;
+    let is_named = |warning: &Warning| matches!(warning, Warning::Contour(ContourFault::AcrossEdge { camera: 4, .. }));
+    assert!(
+        warnings.iter().any(is_named) && warnings.iter().all(|warning| warning.camera() == Some(4)),
+        "{warnings:?}"
+    );
+    let is_blamed = |warning: &Warning| matches!(warning, Warning::CameraContradicts { mask_follows: true, .. });
+    assert!(!warnings.iter().any(is_blamed), "{warnings:?}");
+}
