@@ -263,16 +263,46 @@ enum pcmvs_pixel_format
   PCMVS_PIXEL_FORMAT_RGBA8 = 3,
   // Blue, green, red and a byte that is ignored.
   PCMVS_PIXEL_FORMAT_BGRA8 = 4,
-  // A plane of luma and a plane of interleaved Cb, Cr at half the width and height. BT.601, video range.
+  // A plane of luma and a plane of interleaved Cb, Cr at half the width and height, rounded up. `ycbcr` says how they code
+  // colours, as in the other formats with luma.
   PCMVS_PIXEL_FORMAT_NV12 = 5,
   // Two bytes per pixel in the machine's byte order. 65535 is white.
   PCMVS_PIXEL_FORMAT_GRAY16 = 6,
+  // A plane of luma, a plane of Cb and a plane of Cr, the latter two at half the width and height, rounded up.
+  PCMVS_PIXEL_FORMAT_I420 = 7,
+  // As NV12, but two bytes per value in the machine's byte order, of which the upper 10 bits count.
+  PCMVS_PIXEL_FORMAT_P010 = 8,
+  // Luma, Cb, luma, Cr: four bytes for two neighbouring pixels. A row of odd width ends with such four bytes, too.
+  PCMVS_PIXEL_FORMAT_YUY2 = 9,
 };
 #ifndef __cplusplus
 #if __STDC_VERSION__ >= 202311L
 typedef enum pcmvs_pixel_format pcmvs_pixel_format;
 #else
 typedef uint32_t pcmvs_pixel_format;
+#endif // __STDC_VERSION__ >= 202311L
+#endif // __cplusplus
+
+// How luma and colour differences code red, green and blue. Numbers never change.
+enum pcmvs_ycbcr
+#if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+  : uint32_t
+#endif // defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+ {
+  // ITU-R BT.601 (standard definition, and most webcams), video range: luma from 16 to 235.
+  PCMVS_YCBCR_BT601_VIDEO = 0,
+  // ITU-R BT.601, full range: luma from 0 to 255, as JPEG has it.
+  PCMVS_YCBCR_BT601_FULL = 1,
+  // ITU-R BT.709 (high definition), video range.
+  PCMVS_YCBCR_BT709_VIDEO = 2,
+  // ITU-R BT.709, full range.
+  PCMVS_YCBCR_BT709_FULL = 3,
+};
+#ifndef __cplusplus
+#if __STDC_VERSION__ >= 202311L
+typedef enum pcmvs_ycbcr pcmvs_ycbcr;
+#else
+typedef uint32_t pcmvs_ycbcr;
 #endif // __STDC_VERSION__ >= 202311L
 #endif // __cplusplus
 
@@ -540,10 +570,18 @@ typedef struct pcmvs_image {
   const void *data;
   // Bytes from one row to the row below it. Negative if the rows are stored from the bottom up. 0 means packed rows.
   ptrdiff_t stride;
-  // NV12 only: first byte of the top row of the Cb, Cr plane.
+  // NV12 and P010: first byte of the top row of the Cb, Cr plane. I420: that of the Cb plane.
   const void *chroma;
-  // NV12 only: bytes from one row of the Cb, Cr plane to the row below it, as for `stride`.
+  // Bytes from one row of that plane to the row below it, as for `stride`.
   ptrdiff_t chroma_stride;
+  // I420 only: first byte of the top row of the Cr plane.
+  const void *cr;
+  // I420 only: bytes from one row of the Cr plane to the row below it, as for `stride`.
+  ptrdiff_t cr_stride;
+  // A `pcmvs_ycbcr`, for formats with luma.
+  uint32_t ycbcr;
+  // Zero.
+  uint32_t reserved;
 } pcmvs_image;
 
 // Parameters that separate the object from a backdrop of one colour. The backdrop need not be evenly lit.

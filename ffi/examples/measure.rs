@@ -12,8 +12,9 @@ mod plain;
 use pcmvs::{
     camera::{pcmvs_camera, pcmvs_camera_init},
     frame::{pcmvs_frame_free, pcmvs_frame_new, pcmvs_frame_reconstruct},
-    image::{pcmvs_image, pcmvs_image_init, pcmvs_pixel_format},
+    image::{pcmvs_image, pcmvs_image_init},
     options::{pcmvs_options, pcmvs_options_init},
+    pixel_format::pcmvs_pixel_format,
     rig::{pcmvs_rig_free, pcmvs_rig_new, pcmvs_rig_set_cameras},
     status::pcmvs_status,
     view::{pcmvs_view, pcmvs_view_init},

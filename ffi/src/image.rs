@@ -2,31 +2,14 @@
 
 use crate::{
     failure::{Failure, Result},
+    pixel_format::pcmvs_pixel_format,
+    plane::Plane,
     sized::{Growing, Versioned, init},
-    status::pcmvs_status::{self, Image, InvalidArgument, NullPointer, Silhouette},
+    status::pcmvs_status::{self, Image, InvalidArgument, Silhouette},
+    ycbcr::{self, pcmvs_ycbcr},
 };
 use pcmvs_core::{Camera, ImageRef, PixelFormat};
-use std::{ffi::c_void, mem::size_of, ptr::null, slice::from_raw_parts};
-
-/// Pixel formats. Numbers never change.
-#[repr(u32)]
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum pcmvs_pixel_format {
-    /// One byte per pixel.
-    Gray8 = 0,
-    /// Red, green, blue: three bytes per pixel.
-    Rgb8 = 1,
-    /// Blue, green, red: three bytes per pixel.
-    Bgr8 = 2,
-    /// Red, green, blue and a byte that is ignored.
-    Rgba8 = 3,
-    /// Blue, green, red and a byte that is ignored.
-    Bgra8 = 4,
-    /// A plane of luma and a plane of interleaved Cb, Cr at half the width and height. BT.601, video range.
-    Nv12 = 5,
-    /// Two bytes per pixel in the machine's byte order. 65535 is white.
-    Gray16 = 6,
-}
+use std::{ffi::c_void, mem::size_of, ptr::null};
 
 /// A picture in the caller's memory. It is read only during the call and never written.
 #[repr(C)]
@@ -44,10 +27,18 @@ pub struct pcmvs_image {
     pub data: *const c_void,
     /// Bytes from one row to the row below it. Negative if the rows are stored from the bottom up. 0 means packed rows.
     pub stride: isize,
-    /// NV12 only: first byte of the top row of the Cb, Cr plane.
+    /// NV12 and P010: first byte of the top row of the Cb, Cr plane. I420: that of the Cb plane.
     pub chroma: *const c_void,
-    /// NV12 only: bytes from one row of the Cb, Cr plane to the row below it, as for `stride`.
+    /// Bytes from one row of that plane to the row below it, as for `stride`.
     pub chroma_stride: isize,
+    /// I420 only: first byte of the top row of the Cr plane.
+    pub cr: *const c_void,
+    /// I420 only: bytes from one row of the Cr plane to the row below it, as for `stride`.
+    pub cr_stride: isize,
+    /// A `pcmvs_ycbcr`, for formats with luma.
+    pub ycbcr: u32,
+    /// Zero.
+    pub reserved: u32,
 }
 
 impl Growing for pcmvs_image {
@@ -66,7 +57,15 @@ unsafe impl Versioned for pcmvs_image {
             stride: 0,
             chroma: null(),
             chroma_stride: 0,
+            cr: null(),
+            cr_stride: 0,
+            ycbcr: pcmvs_ycbcr::Bt601Video as u32,
+            reserved: 0,
         }
+    }
+
+    fn reserved_is_zero(&self) -> bool {
+        self.reserved == 0
     }
 }
 
@@ -75,45 +74,6 @@ unsafe impl Versioned for pcmvs_image {
 pub unsafe extern "C" fn pcmvs_image_init(image: *mut pcmvs_image, size: usize) -> pcmvs_status {
     // SAFETY: the caller's promise.
     unsafe { init(image, size, "image") }
-}
-
-/// Rows of bytes from the top down. Rows that the caller stores from the bottom up are copied.
-struct Plane<'a> {
-    borrowed: &'a [u8],
-    copied: Option<Vec<u8>>,
-    stride: usize,
-}
-
-impl Plane<'_> {
-    /// # Safety
-    /// `data` is NULL or points to the top row of `rows` rows of `row` bytes that are `stride` bytes apart.
-    unsafe fn new(data: *const c_void, rows: usize, row: usize, stride: isize, name: &str) -> Result<Self> {
-        if data.is_null() {
-            return Err(Failure::new(NullPointer, format!("`{name}` is NULL")));
-        }
-        let stride = if stride == 0 { row as isize } else { stride };
-        let apart = stride.unsigned_abs();
-        if apart < row {
-            return Err(Failure::new(Image, format!("a stride of {stride} bytes is less than a row of {row}")));
-        }
-        let bytes =
-            apart.checked_mul(rows - 1).and_then(|b| b.checked_add(row)).filter(|&b| isize::try_from(b).is_ok());
-        let bytes = bytes.ok_or_else(|| Failure::new(Image, format!("{rows} rows of {row} bytes are too large")))?;
-        let data: *const u8 = data.cast();
-        // SAFETY: the caller's promise, and the sizes do not overflow.
-        Ok(unsafe {
-            if stride > 0 {
-                Self { borrowed: from_raw_parts(data, bytes), copied: None, stride: apart }
-            } else {
-                let rows = (0..rows).flat_map(|y| from_raw_parts(data.offset(stride * y as isize), row));
-                Self { borrowed: &[], copied: Some(rows.copied().collect()), stride: row }
-            }
-        })
-    }
-
-    fn bytes(&self) -> &[u8] {
-        self.copied.as_deref().unwrap_or(self.borrowed)
-    }
 }
 
 /// A camera's index, and the width and height of its pictures.
@@ -129,26 +89,28 @@ pub(crate) fn calibrated(cameras: &[Camera]) -> Vec<Calibrated> {
     (0..).zip(cameras).map(of).collect()
 }
 
-/// Bytes that [`Pixels::new`] copies of a picture of the right size: rows that are stored from the bottom up, and 16 bits to 8.
+/// Bytes that [`Pixels::new`] copies of a picture of the right size: rows that are stored from the bottom up, 16 bits to 8, and
+/// luma and colour differences to RGB.
 pub(crate) fn copied(image: &pcmvs_image, of: Calibrated) -> u64 {
     if [image.width, image.height] != of.size {
         return 0;
     }
     let [w, h] = of.size.map(u64::from);
     let plane = |bytes: u64, stride: isize| if stride < 0 { bytes } else { 0 };
+    if let Some((row, differences)) = ycbcr::rows(image.format, w as usize) {
+        let strides = [image.chroma_stride, image.cr_stride];
+        let of_difference =
+            |(row, stride): (Option<usize>, isize)| plane(row.unwrap_or(0) as u64 * h.div_ceil(2), stride);
+        let flipped: u64 = differences.into_iter().zip(strides).map(of_difference).sum();
+        let converted = if ycbcr::is_converted(image.format, image.ycbcr) { 3 * w * h } else { 0 };
+        return plane(row as u64 * h, image.stride) + flipped + converted;
+    }
     let at = FORMATS.get(image.format as usize).map_or(0, |&(_, pixel)| w * h * pixel as u64);
-    let mut bytes = plane(at, image.stride);
-    if image.format == pcmvs_pixel_format::Gray16 as u32 {
-        bytes += w * h;
-    }
-    if image.format == pcmvs_pixel_format::Nv12 as u32 {
-        bytes += plane(w.div_ceil(2) * 2 * h.div_ceil(2), image.chroma_stride);
-    }
-    bytes
+    plane(at, image.stride) + if image.format == pcmvs_pixel_format::Gray16 as u32 { w * h } else { 0 }
 }
 
-/// Of each [`pcmvs_pixel_format`], the core's format and the bytes of a pixel in the first plane.
-const FORMATS: [(PixelFormat, usize); 7] = [
+/// Of each [`pcmvs_pixel_format`], the core's format, and the bytes of a pixel in the first plane unless [`ycbcr::rows`] says more.
+const FORMATS: [(PixelFormat, usize); 10] = [
     (PixelFormat::Gray8, 1),
     (PixelFormat::Rgb8, 3),
     (PixelFormat::Bgr8, 3),
@@ -156,6 +118,9 @@ const FORMATS: [(PixelFormat, usize); 7] = [
     (PixelFormat::Bgra8, 4),
     (PixelFormat::Nv12, 1),
     (PixelFormat::Gray8, 2),
+    (PixelFormat::Rgb8, 1),
+    (PixelFormat::Rgb8, 2),
+    (PixelFormat::Rgb8, 2),
 ];
 
 /// A picture that the core can borrow.
@@ -193,22 +158,36 @@ impl Pixels<'_> {
             );
             return Err(Failure::new(if name == "view.image" { Image } else { Silhouette }, problem));
         }
+        let (row, differences) = ycbcr::rows(image.format, width).unwrap_or((width * pixel, [None; 2]));
         // SAFETY: the caller's promise.
-        let mut plane =
-            unsafe { Plane::new(image.data, height, width * pixel, image.stride, &format!("{name}.data"))? };
+        let mut plane = unsafe { Plane::new(image.data, height, row, image.stride, &format!("{name}.data"))? };
         if image.format == pcmvs_pixel_format::Gray16 as u32 {
             let rows = plane.bytes().chunks(plane.stride).map(|row| &row[..2 * width]);
             let eight = |p: &[u8]| ((u32::from(u16::from_ne_bytes([p[0], p[1]])) * 255 + 32767) / 65535) as u8;
             let copied = rows.flat_map(|row| row.chunks_exact(2).map(eight)).collect();
-            plane = Plane { borrowed: &[], copied: Some(copied), stride: width };
+            plane = Plane::of(copied, width);
         }
-        let chroma = if format == PixelFormat::Nv12 {
-            let (rows, row) = (height.div_ceil(2), width.div_ceil(2) * 2);
-            // SAFETY: the caller's promise.
-            Some(unsafe { Plane::new(image.chroma, rows, row, image.chroma_stride, &format!("{name}.chroma"))? })
-        } else {
-            None
-        };
+        let given = [(image.chroma, image.chroma_stride, "chroma"), (image.cr, image.cr_stride, "cr")];
+        let mut planes = [None, None];
+        for ((plane, row), (data, stride, member)) in planes.iter_mut().zip(differences).zip(given) {
+            if let Some(row) = row {
+                // SAFETY: the caller's promise.
+                *plane =
+                    Some(unsafe { Plane::new(data, height.div_ceil(2), row, stride, &format!("{name}.{member}"))? });
+            }
+        }
+        if ycbcr::is_converted(image.format, image.ycbcr) {
+            let rgb = ycbcr::to_rgb([image.format, image.ycbcr], [width, height], &plane, &planes, name)?;
+            let plane = Plane::of(rgb, 3 * width);
+            return Ok(Self {
+                width: image.width,
+                height: image.height,
+                format: PixelFormat::Rgb8,
+                plane,
+                chroma: None,
+            });
+        }
+        let [chroma, _] = planes;
         Ok(Self { width: image.width, height: image.height, format, plane, chroma })
     }
 

@@ -14,6 +14,7 @@ mod executor;
 mod failure;
 mod handles;
 mod locked;
+mod plane;
 mod progress;
 mod sized;
 #[cfg(feature = "allocator")]
@@ -39,6 +40,10 @@ pub mod error;
 pub mod camera;
 
 pub mod rig;
+
+pub mod pixel_format;
+
+pub mod ycbcr;
 
 pub mod image;
 

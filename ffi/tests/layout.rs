@@ -12,14 +12,16 @@ use pcmvs::{
     error::pcmvs_error,
     export::{pcmvs_export_options, pcmvs_file_format},
     form::{pcmvs_form_options, pcmvs_texture},
-    image::{pcmvs_image, pcmvs_pixel_format},
+    image::pcmvs_image,
     mesh::{pcmvs_attribute, pcmvs_mesh, pcmvs_mesh_kind},
     options::{pcmvs_options, pcmvs_preset},
+    pixel_format::pcmvs_pixel_format,
     report::{pcmvs_counts, pcmvs_stage_report, pcmvs_view_report},
     stage::pcmvs_stage,
     status::pcmvs_status,
     view::{pcmvs_chroma_key, pcmvs_view},
     warning::pcmvs_warning,
+    ycbcr::pcmvs_ycbcr,
 };
 use std::{fs, mem::offset_of};
 
@@ -107,6 +109,18 @@ fn c_and_rust_agree() {
         "BGRA8" = F::Bgra8,
         "NV12" = F::Nv12,
         "GRAY16" = F::Gray16,
+        "I420" = F::I420,
+        "P010" = F::P010,
+        "YUY2" = F::Yuy2,
+    );
+    use pcmvs_ycbcr as Y;
+    values!(
+        facts,
+        "PCMVS_YCBCR_",
+        "BT601_VIDEO" = Y::Bt601Video,
+        "BT601_FULL" = Y::Bt601Full,
+        "BT709_VIDEO" = Y::Bt709Video,
+        "BT709_FULL" = Y::Bt709Full,
     );
     use pcmvs_preset as P;
     values!(
@@ -178,7 +192,23 @@ fn c_and_rust_agree() {
             distortion_more
         }
     );
-    layout!(facts, pcmvs_image { struct_size, format, width, height, data, stride, chroma, chroma_stride });
+    layout!(
+        facts,
+        pcmvs_image {
+            struct_size,
+            format,
+            width,
+            height,
+            data,
+            stride,
+            chroma,
+            chroma_stride,
+            cr,
+            cr_stride,
+            ycbcr,
+            reserved,
+        }
+    );
     layout!(facts, pcmvs_chroma_key { struct_size, rgb, tolerance, darkest_shadow, smallest_part, smallest_hole });
     layout!(facts, pcmvs_view { struct_size, reserved, image, mask, clean_plate, chroma_key });
     layout!(

@@ -1,4 +1,4 @@
-/* Tests pictures in NV12 and silhouettes from masks, a chroma key and a clean plate. The scene is a ball in front of a green
+/* Tests pictures with luma and colour differences, and silhouettes from masks, a chroma key and a clean plate. The scene is a ball in front of a green
  * backdrop, which this program renders. */
 #include "check.h"
 
@@ -15,6 +15,10 @@ struct shot {
     unsigned char rgb[HEIGHT][WIDTH][3], plate[HEIGHT][WIDTH][3], mask[HEIGHT][WIDTH];
     unsigned char luma[HEIGHT][WIDTH + 7], chroma[(HEIGHT + 1) / 2][WIDTH + 1 + 10];
     unsigned char decoded[HEIGHT][WIDTH][3];
+    /* The same values as in NV12, in the layouts of the other formats. */
+    unsigned char cb[(HEIGHT + 1) / 2][(WIDTH + 1) / 2], cr[(HEIGHT + 1) / 2][(WIDTH + 1) / 2];
+    uint16_t luma10[HEIGHT][WIDTH], chroma10[(HEIGHT + 1) / 2][WIDTH + 1];
+    unsigned char yuy2[HEIGHT][(WIDTH + 1) / 2][4];
 };
 
 struct scene {
@@ -71,33 +75,45 @@ static void shoot(struct shot *shot, int i) {
     }
 }
 
-/* Converts to NV12 and back to RGB, by the definition of BT.601 with video range. */
-static void encode(struct shot *shot) {
+/* Converts to NV12 and back to RGB, by the definitions of BT.601 and BT.709. */
+static void encode(struct shot *shot, uint32_t ycbcr) {
+    const int is_full = ycbcr == PCMVS_YCBCR_BT601_FULL || ycbcr == PCMVS_YCBCR_BT709_FULL;
+    const int is_601 = ycbcr == PCMVS_YCBCR_BT601_VIDEO || ycbcr == PCMVS_YCBCR_BT601_FULL;
+    const double kr = is_601 ? 0.299 : 0.2126, kb = is_601 ? 0.114 : 0.0722, kg = 1 - kr - kb;
+    const double black = is_full ? 0 : 16, light = is_full ? 1 : 219 / 255.0, difference = is_full ? 1 : 224 / 255.0;
     int x, y, k;
     memset(shot->luma, 0, sizeof shot->luma);
     memset(shot->chroma, 0, sizeof shot->chroma);
     for (y = 0; y < HEIGHT; y++) {
         for (x = 0; x < WIDTH; x++) {
             const unsigned char *p = shot->rgb[y][x];
-            const double grey = 0.299 * p[0] + 0.587 * p[1] + 0.114 * p[2];
+            const double grey = kr * p[0] + kg * p[1] + kb * p[2];
             unsigned char *pair = &shot->chroma[(HEIGHT - 1) / 2 - y / 2][x / 2 * 2];
-            shot->luma[HEIGHT - 1 - y][x] = byte(16 + grey * 219 / 255);
+            shot->luma[HEIGHT - 1 - y][x] = byte(black + grey * light);
             if (x % 2 == 0 && y % 2 == 0) {
-                pair[0] = byte(128 + (p[2] - grey) / 1.772 * 224 / 255);
-                pair[1] = byte(128 + (p[0] - grey) / 1.402 * 224 / 255);
+                pair[0] = byte(128 + (p[2] - grey) / (2 * (1 - kb)) * difference);
+                pair[1] = byte(128 + (p[0] - grey) / (2 * (1 - kr)) * difference);
             }
         }
     }
     for (y = 0; y < HEIGHT; y++) {
         for (x = 0; x < WIDTH; x++) {
             const unsigned char *pair = &shot->chroma[(HEIGHT - 1) / 2 - y / 2][x / 2 * 2];
-            const double grey = (shot->luma[HEIGHT - 1 - y][x] - 16) * 255 / 219.0;
-            const double blue = (pair[0] - 128) * 255 / 224.0, red = (pair[1] - 128) * 255 / 224.0;
-            const double rgb[3] = {grey + 1.402 * red, grey - 0.114 / 0.587 * 1.772 * blue - 0.299 / 0.587 * 1.402 * red,
-                                   grey + 1.772 * blue};
+            const unsigned char luma = shot->luma[HEIGHT - 1 - y][x];
+            const double grey = (luma - black) / light;
+            const double blue = 2 * (1 - kb) * (pair[0] - 128) / difference, red = 2 * (1 - kr) * (pair[1] - 128) / difference;
+            const double rgb[3] = {grey + red, grey - kb / kg * blue - kr / kg * red, grey + blue};
             for (k = 0; k < 3; k++) {
                 shot->decoded[y][x][k] = byte(rgb[k]);
             }
+            shot->cb[y / 2][x / 2] = pair[0];
+            shot->cr[y / 2][x / 2] = pair[1];
+            shot->luma10[y][x] = (uint16_t)(luma << 8);
+            for (k = 0; k < 2; k++) {
+                shot->chroma10[y / 2][x / 2 * 2 + k] = (uint16_t)(pair[k] << 8);
+                shot->yuy2[y][x / 2][2 * k + 1] = pair[k];
+            }
+            shot->yuy2[y][x / 2][x % 2 * 2] = luma;
         }
     }
 }
@@ -117,9 +133,28 @@ static void nv12(pcmvs_image *image, const struct shot *shot) {
     image->chroma_stride = -(ptrdiff_t)sizeof shot->chroma[0];
 }
 
+static void i420(pcmvs_image *image, const struct shot *shot) {
+    describe(image, PCMVS_PIXEL_FORMAT_I420, shot->luma[HEIGHT - 1]);
+    image->stride = -(ptrdiff_t)sizeof shot->luma[0];
+    image->chroma = shot->cb;
+    image->cr = shot->cr;
+}
+
+static void p010(pcmvs_image *image, const struct shot *shot) {
+    describe(image, PCMVS_PIXEL_FORMAT_P010, shot->luma10);
+    image->chroma = shot->chroma10;
+}
+
+static void yuy2(pcmvs_image *image, const struct shot *shot) {
+    describe(image, PCMVS_PIXEL_FORMAT_YUY2, shot->yuy2);
+}
+
 enum silhouette { MASK, CHROMA_KEY, CLEAN_PLATE };
 
-enum pictures { RGB, NV12, FROM_NV12 }; /* the last are NV12's colours as RGB */
+enum pictures { RGB, NV12, FROM_NV12, I420, P010, YUY2 }; /* FROM_NV12 are NV12's colours as RGB */
+
+/* How the pictures code colours. */
+static uint32_t coding = PCMVS_YCBCR_BT601_VIDEO;
 
 /* Reconstructs the ball. */
 static void reconstruct(struct scene *scene, pcmvs_frame *frame, enum pictures pictures, enum silhouette kind) {
@@ -133,11 +168,25 @@ static void reconstruct(struct scene *scene, pcmvs_frame *frame, enum pictures p
         pcmvs_view *view = &scene->views[i];
         OK(pcmvs_view_init(view, sizeof *view));
         view->image = &images[0];
-        if (pictures == NV12) {
+        switch (pictures) {
+        case RGB:
+        case FROM_NV12:
+            describe(&images[0], PCMVS_PIXEL_FORMAT_RGB8, pictures == RGB ? shot->rgb[0] : shot->decoded[0]);
+            break;
+        case NV12:
             nv12(&images[0], shot);
-        } else {
-            describe(&images[0], PCMVS_PIXEL_FORMAT_RGB8, pictures == FROM_NV12 ? shot->decoded[0] : shot->rgb[0]);
+            break;
+        case I420:
+            i420(&images[0], shot);
+            break;
+        case P010:
+            p010(&images[0], shot);
+            break;
+        case YUY2:
+            yuy2(&images[0], shot);
+            break;
         }
+        images[0].ycbcr = coding;
         if (kind == MASK) {
             describe(&images[1], PCMVS_PIXEL_FORMAT_GRAY8, shot->mask);
             view->mask = &images[1];
@@ -244,6 +293,58 @@ static void check_nv12(struct scene *scene, pcmvs_frame *frame, pcmvs_frame *oth
     EXPECT(pcmvs_frame_view(frame, 1, &view), PCMVS_STATUS_IMAGE);
 }
 
+/* Whether two frames have the same mesh. */
+static int is_same_mesh(const pcmvs_frame *frame, const pcmvs_frame *other) {
+    pcmvs_mesh a, b;
+    OK(pcmvs_frame_get_mesh(frame, PCMVS_MESH_KIND_FINAL, &a, sizeof a));
+    OK(pcmvs_frame_get_mesh(other, PCMVS_MESH_KIND_FINAL, &b, sizeof b));
+    return a.vertex_count == b.vertex_count && a.triangle_count == b.triangle_count &&
+           memcmp(a.positions, b.positions, 12u * a.vertex_count) == 0 && memcmp(a.colours, b.colours, 3u * a.vertex_count) == 0 &&
+           memcmp(a.triangles, b.triangles, 12u * a.triangle_count) == 0;
+}
+
+/* The same values in another layout give the same mesh, and each standard gives the colours of its definition. */
+static void check_layouts(struct scene *scene, pcmvs_frame *frame, pcmvs_frame *other) {
+    static const enum pictures layouts[] = {I420, P010, YUY2};
+    pcmvs_view view;
+    pcmvs_image image;
+    int i, channel;
+    for (coding = PCMVS_YCBCR_BT601_VIDEO; coding <= PCMVS_YCBCR_BT709_FULL; coding++) {
+        for (i = 0; i < CAMERAS; i++) {
+            encode(&scene->shots[i], coding);
+        }
+        reconstruct(scene, frame, NV12, MASK);
+        for (i = 0; i < 3; i++) {
+            reconstruct(scene, other, layouts[i], MASK);
+            CHECK(is_same_mesh(frame, other));
+        }
+        reconstruct(scene, other, FROM_NV12, MASK);
+        for (channel = 0; channel < 3; channel++) {
+            CHECK(fabs(mean_colour(frame, channel) - mean_colour(other, channel)) < 0.5);
+        }
+    }
+    /* A plane that is missing, and a standard that does not exist. */
+    coding = PCMVS_YCBCR_BT601_VIDEO;
+    reconstruct(scene, other, I420, MASK);
+    OK(pcmvs_frame_begin(frame, NULL));
+    view = scene->views[1];
+    image = *view.image;
+    view.image = &image;
+    image.cr = NULL;
+    EXPECT(pcmvs_frame_view(frame, 1, &view), PCMVS_STATUS_NULL_POINTER);
+    CHECK(strstr(view_error(frame, 1), "view.image.cr") != NULL);
+    image = *scene->views[1].image;
+    image.cr_stride = WIDTH / 2; /* one byte too short, because the width is odd */
+    EXPECT(pcmvs_frame_view(frame, 1, &view), PCMVS_STATUS_IMAGE);
+    image = *scene->views[1].image;
+    image.ycbcr = 4;
+    EXPECT(pcmvs_frame_view(frame, 1, &view), PCMVS_STATUS_INVALID_ARGUMENT);
+    CHECK(strstr(view_error(frame, 1), "view.image.ycbcr") != NULL);
+    image = *scene->views[1].image;
+    image.reserved = 1;
+    EXPECT(pcmvs_frame_view(frame, 1, &view), PCMVS_STATUS_INVALID_STRUCT);
+}
+
 /* A chroma key and a clean plate give the same silhouettes as masks. */
 static void check_silhouettes(struct scene *scene, pcmvs_frame *frame) {
     static const char *const names[] = {"mask", "chroma key", "clean plate"};
@@ -296,7 +397,7 @@ int main(void) {
     for (i = 0; i < CAMERAS; i++) {
         aim(&scene->cameras[i], i);
         shoot(&scene->shots[i], i);
-        encode(&scene->shots[i]);
+        encode(&scene->shots[i], coding);
     }
     OK(pcmvs_chroma_key_init(&scene->key, sizeof scene->key));
     OK(pcmvs_rig_new(&rig));
@@ -304,6 +405,7 @@ int main(void) {
     OK(pcmvs_frame_new(rig, &frame));
     OK(pcmvs_frame_new(rig, &other));
     check_nv12(scene, frame, other);
+    check_layouts(scene, frame, other);
     check_silhouettes(scene, frame);
     check_refusals(scene, frame);
     OK(pcmvs_frame_free(frame));
