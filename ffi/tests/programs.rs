@@ -91,7 +91,8 @@ fn refined_cameras_give_the_command_lines_glb() {
     let program = build(sample.path(), CPP17, "examples/cpp/refine.cpp", Link::Shared);
     let result = sample.path().join("refined.glb");
     let printed = output(&program, [sample.plain(), result.clone()]);
-    assert!(printed.contains("camera-bumped: camera 4: the camera has moved by 5."), "{printed}");
+    // The pictures are too small to tell a movement from a wrong lens.
+    assert!(printed.contains("camera-bumped: camera 4: the camera is off by 5."), "{printed}");
     assert!(fs::read(&result).unwrap() == expected, "the bytes differ from the command line's");
 }
 
