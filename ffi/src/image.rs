@@ -95,33 +95,21 @@ pub(crate) fn copied(image: &pcmvs_image, of: Calibrated) -> u64 {
     if [image.width, image.height] != of.size {
         return 0;
     }
+    let Some(format) = pcmvs_pixel_format::new(image.format) else { return 0 };
     let [w, h] = of.size.map(u64::from);
-    let plane = |bytes: u64, stride: isize| if stride < 0 { bytes } else { 0 };
-    if let Some((row, differences)) = ycbcr::rows(image.format, w as usize) {
-        let strides = [image.chroma_stride, image.cr_stride];
-        let of_difference =
-            |(row, stride): (Option<usize>, isize)| plane(row.unwrap_or(0) as u64 * h.div_ceil(2), stride);
-        let flipped: u64 = differences.into_iter().zip(strides).map(of_difference).sum();
-        let converted = if ycbcr::is_converted(image.format, image.ycbcr) { 3 * w * h } else { 0 };
-        return plane(row as u64 * h, image.stride) + flipped + converted;
-    }
-    let at = FORMATS.get(image.format as usize).map_or(0, |&(_, pixel)| w * h * pixel as u64);
-    plane(at, image.stride) + if image.format == pcmvs_pixel_format::Gray16 as u32 { w * h } else { 0 }
+    let (row, differences) = format.rows(w as usize);
+    let plane = |row: usize, rows: u64, stride: isize| if stride < 0 { row as u64 * rows } else { 0 };
+    let strides = [image.chroma_stride, image.cr_stride];
+    let of_differences = differences.into_iter().zip(strides);
+    let flipped = plane(row, h, image.stride)
+        + of_differences.map(|(row, stride)| plane(row.unwrap_or(0), h.div_ceil(2), stride)).sum::<u64>();
+    let converted = match format {
+        pcmvs_pixel_format::Gray16 => w * h,
+        _ if ycbcr::is_converted(format, image.ycbcr) => 3 * w * h,
+        _ => 0,
+    };
+    flipped + converted
 }
-
-/// Of each [`pcmvs_pixel_format`], the core's format, and the bytes of a pixel in the first plane unless [`ycbcr::rows`] says more.
-const FORMATS: [(PixelFormat, usize); 10] = [
-    (PixelFormat::Gray8, 1),
-    (PixelFormat::Rgb8, 3),
-    (PixelFormat::Bgr8, 3),
-    (PixelFormat::Rgba8, 4),
-    (PixelFormat::Bgra8, 4),
-    (PixelFormat::Nv12, 1),
-    (PixelFormat::Gray8, 2),
-    (PixelFormat::Rgb8, 1),
-    (PixelFormat::Rgb8, 2),
-    (PixelFormat::Rgb8, 2),
-];
 
 /// A picture that the core can borrow.
 pub(crate) struct Pixels<'a> {
@@ -139,7 +127,7 @@ impl Pixels<'_> {
     /// The pointers are NULL or point to as many bytes as the description says.
     pub unsafe fn new(image: &pcmvs_image, of: Calibrated, name: &str) -> Result<Self> {
         let (width, height) = (image.width as usize, image.height as usize);
-        let Some(&(format, pixel)) = FORMATS.get(image.format as usize) else {
+        let Some(format) = pcmvs_pixel_format::new(image.format) else {
             return Err(Failure::new(InvalidArgument, format!("`{name}`: pixel format {} is not known", image.format)));
         };
         if width == 0 || height == 0 {
@@ -158,10 +146,10 @@ impl Pixels<'_> {
             );
             return Err(Failure::new(if name == "view.image" { Image } else { Silhouette }, problem));
         }
-        let (row, differences) = ycbcr::rows(image.format, width).unwrap_or((width * pixel, [None; 2]));
+        let (row, differences) = format.rows(width);
         // SAFETY: the caller's promise.
         let mut plane = unsafe { Plane::new(image.data, height, row, image.stride, &format!("{name}.data"))? };
-        if image.format == pcmvs_pixel_format::Gray16 as u32 {
+        if format == pcmvs_pixel_format::Gray16 {
             let rows = plane.bytes().chunks(plane.stride).map(|row| &row[..2 * width]);
             let eight = |p: &[u8]| ((u32::from(u16::from_ne_bytes([p[0], p[1]])) * 255 + 32767) / 65535) as u8;
             let copied = rows.flat_map(|row| row.chunks_exact(2).map(eight)).collect();
@@ -176,19 +164,14 @@ impl Pixels<'_> {
                     Some(unsafe { Plane::new(data, height.div_ceil(2), row, stride, &format!("{name}.{member}"))? });
             }
         }
-        if ycbcr::is_converted(image.format, image.ycbcr) {
-            let rgb = ycbcr::to_rgb([image.format, image.ycbcr], [width, height], &plane, &planes, name)?;
-            let plane = Plane::of(rgb, 3 * width);
-            return Ok(Self {
-                width: image.width,
-                height: image.height,
-                format: PixelFormat::Rgb8,
-                plane,
-                chroma: None,
-            });
+        let (width, height, mut core) = (image.width, image.height, format.of_core());
+        if ycbcr::is_converted(format, image.ycbcr) {
+            let size = [width as usize, height as usize];
+            let rgb = ycbcr::to_rgb((format, image.ycbcr), size, &plane, &planes, name)?;
+            (plane, planes, core) = (Plane::of(rgb, 3 * size[0]), [None, None], PixelFormat::Rgb8);
         }
         let [chroma, _] = planes;
-        Ok(Self { width: image.width, height: image.height, format, plane, chroma })
+        Ok(Self { width, height, format: core, plane, chroma })
     }
 
     /// The picture as the core takes it.

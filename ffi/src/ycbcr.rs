@@ -55,28 +55,19 @@ impl Conversion {
     }
 }
 
-/// Bytes of a row of the first plane, and of a row of the planes of colour differences, of which there are up to two.
-pub(crate) fn rows(format: u32, width: usize) -> Option<(usize, [Option<usize>; 2])> {
-    let pairs = width.div_ceil(2);
-    Some(match format {
-        f if f == pcmvs_pixel_format::Nv12 as u32 => (width, [Some(2 * pairs), None]),
-        f if f == pcmvs_pixel_format::I420 as u32 => (width, [Some(pairs), Some(pairs)]),
-        f if f == pcmvs_pixel_format::P010 as u32 => (2 * width, [Some(4 * pairs), None]),
-        f if f == pcmvs_pixel_format::Yuy2 as u32 => (4 * pairs, [None, None]),
-        _ => return None,
-    })
-}
-
 /// Whether a picture is converted. NV12 of BT.601 in video range is what the core reads itself.
-pub(crate) fn is_converted(format: u32, ycbcr: u32) -> bool {
-    let is_cores = format == pcmvs_pixel_format::Nv12 as u32 && ycbcr == pcmvs_ycbcr::Bt601Video as u32;
-    !is_cores && rows(format, 1).is_some()
+pub(crate) fn is_converted(format: pcmvs_pixel_format, ycbcr: u32) -> bool {
+    match format {
+        pcmvs_pixel_format::Nv12 => ycbcr != pcmvs_ycbcr::Bt601Video as u32,
+        pcmvs_pixel_format::I420 | pcmvs_pixel_format::P010 | pcmvs_pixel_format::Yuy2 => true,
+        _ => false,
+    }
 }
 
 /// Packed RGB of a picture of `width` x `height` pixels with a plane of luma, and planes of colour differences where its format
 /// has them.
 pub(crate) fn to_rgb(
-    [format, ycbcr]: [u32; 2],
+    (format, ycbcr): (pcmvs_pixel_format, u32),
     [width, height]: [usize; 2],
     luma: &Plane,
     differences: &[Option<Plane>; 2],
@@ -85,27 +76,45 @@ pub(crate) fn to_rgb(
     let Some(conversion) = CONVERSIONS.get(ycbcr as usize) else {
         return Err(Failure::new(InvalidArgument, format!("`{name}.ycbcr` is {ycbcr}, which is not known")));
     };
+    let picture = Picture { width, height, luma, differences };
+    let byte = |row: &[u8], i: usize| u16::from(row[i]);
     let ten_bits = |row: &[u8], i: usize| u16::from_ne_bytes([row[2 * i], row[2 * i + 1]]) >> 6;
-    let mut rgb = Vec::with_capacity(width * height * 3);
-    for y in 0..height {
-        let row = luma.row(y);
-        let [first, second] = [0, 1].map(|k| differences[k].as_ref().map_or(&[][..], |plane| plane.row(y / 2)));
-        for x in 0..width {
-            let pair = x / 2;
-            let byte = |row: &[u8], i: usize| u16::from(row[i]);
-            let (values, more) = if format == pcmvs_pixel_format::I420 as u32 {
-                ([byte(row, x), byte(first, pair), byte(second, pair)], 0)
-            } else if format == pcmvs_pixel_format::P010 as u32 {
-                ([ten_bits(row, x), ten_bits(first, 2 * pair), ten_bits(first, 2 * pair + 1)], 2)
-            } else if format == pcmvs_pixel_format::Yuy2 as u32 {
-                ([byte(row, 2 * x), byte(row, 4 * pair + 1), byte(row, 4 * pair + 3)], 0)
-            } else {
-                ([byte(row, x), byte(first, 2 * pair), byte(first, 2 * pair + 1)], 0)
-            };
-            rgb.extend(conversion.rgb(values, more));
+    Ok(match format {
+        pcmvs_pixel_format::I420 => {
+            picture.converted(conversion, 0, |[y, cb, cr], x| [byte(y, x), byte(cb, x / 2), byte(cr, x / 2)])
         }
+        pcmvs_pixel_format::P010 => picture.converted(conversion, 2, |[y, pairs, _], x| {
+            [ten_bits(y, x), ten_bits(pairs, x / 2 * 2), ten_bits(pairs, x / 2 * 2 + 1)]
+        }),
+        pcmvs_pixel_format::Yuy2 => picture.converted(conversion, 0, |[row, ..], x| {
+            [byte(row, 2 * x), byte(row, x / 2 * 4 + 1), byte(row, x / 2 * 4 + 3)]
+        }),
+        _ => picture.converted(conversion, 0, |[y, pairs, _], x| {
+            [byte(y, x), byte(pairs, x / 2 * 2), byte(pairs, x / 2 * 2 + 1)]
+        }),
+    })
+}
+
+/// The planes of a picture.
+struct Picture<'a> {
+    width: usize,
+    height: usize,
+    luma: &'a Plane<'a>,
+    differences: &'a [Option<Plane<'a>>; 2],
+}
+
+impl Picture<'_> {
+    /// Packed RGB. `read` gives luma, Cb and Cr of a column from the rows of the planes, as values of 8 + `more` bits.
+    fn converted(&self, conversion: &Conversion, more: u32, read: impl Fn([&[u8]; 3], usize) -> [u16; 3]) -> Vec<u8> {
+        let mut rgb = Vec::with_capacity(self.width * self.height * 3);
+        for y in 0..self.height {
+            let [first, second] =
+                [0, 1].map(|k| self.differences[k].as_ref().map_or(&[][..], |plane| plane.row(y / 2)));
+            let rows = [self.luma.row(y), first, second];
+            rgb.extend((0..self.width).flat_map(|x| conversion.rgb(read(rows, x), more)));
+        }
+        rgb
     }
-    Ok(rgb)
 }
 
 #[cfg(test)]

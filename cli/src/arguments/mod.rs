@@ -182,10 +182,10 @@ pub struct Import {
     pub from: Source,
     /// Middlebury: folder with *_par.txt. COLMAP: folder with cameras and images, .txt or .bin, or a project with that in
     /// sparse/0. OpenCV: YAML, JSON or XML file, or a folder with one such file per camera, or with those of stereo pairs.
-    /// transforms: transforms.json or its folder. EasyMocap: folder with intri.yml and extri.yml. Bundler: bundle.out with list.txt, or their folder.
-    /// Metashape: XML of cameras. NeuS: cameras_sphere.npz or its folder. anipose: TOML file. Panoptic: JSON file. MVSNet:
-    /// folder with cams/*_cam.txt. Kalibr: camchain.yaml. RealityCapture: CSV of camera parameters, or folder with pictures
-    /// and their .xmp. ZJU: annots.npy or its folder
+    /// transforms: transforms.json or its folder. EasyMocap: folder with intri.yml and extri.yml. Bundler: bundle.out with
+    /// list.txt, or their folder. Metashape: XML of cameras. NeuS: cameras_sphere.npz or its folder. anipose: TOML file.
+    /// Panoptic: JSON file. MVSNet: folder with cams/*_cam.txt. Kalibr: camchain.yaml. RealityCapture: CSV of camera parameters,
+    /// or folder with pictures and their .xmp. ZJU: annots.npy or its folder
     pub path: PathBuf,
     /// Folder of the new scene
     #[arg(short, long = "output", value_name = "SCENE")]

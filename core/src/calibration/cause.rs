@@ -178,6 +178,7 @@ mod tests {
     };
     use alloc::vec;
     use glam::Vec3;
+    use studio::noise::Random;
 
     /// A ring of eight cameras.
     fn cameras() -> Vec<Model> {
@@ -186,11 +187,8 @@ mod tests {
 
     /// Points in a ball of half a unit, as all cameras see them, about a tenth of a pixel beside where they are.
     fn tracks(truth: &[Model]) -> Vec<Track> {
-        let mut state = 1_u32;
-        let mut random = move || {
-            state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
-            f64::from(state >> 8) / f64::from(1 << 23) - 1.0
-        };
+        let mut random = Random::new(1, 0);
+        let mut random = || random.signed();
         let track = |_| {
             let point = DVec3::new(random(), random(), random()) * 0.5;
             let mut seen_by = |camera: usize| Observation {

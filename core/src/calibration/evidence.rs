@@ -75,7 +75,7 @@ impl Evidence {
     }
 }
 
-/// Whose contours miss those of the others far more than usual. `misses` are in pixels, by place.
+/// Which cameras' contours miss those of the others by far more than usual. `misses` are in pixels, by place.
 pub(super) fn far_off(misses: &[Option<f64>]) -> Vec<bool> {
     let usual = median(&mut misses.iter().flatten().copied().collect::<Vec<f64>>()).unwrap_or(0.0);
     let limit = CONTRADICTS[0].max(CONTRADICTS[1] * usual);

@@ -96,6 +96,7 @@ impl Instant {
         let agreement = params.agreement.as_ref();
         let rounds = if agreement.is_some() { ROUNDS } else { 0 };
         carve_agreeing(&mut carved, agreement, rounds, executor, progress)?;
+        // The silhouettes of excluded cameras carve nothing, but what they lack is judged like that of the others.
         let is_set_aside: Vec<bool> = carved.views.iter().map(View::is_set_aside).collect();
         for (i, view) in carved.views.iter_mut().enumerate().filter(|&(i, _)| excluded(i)) {
             view.given.clone_from(&self.pictures[i].silhouette);
@@ -106,7 +107,7 @@ impl Instant {
         };
         let lacking = (0..models.len() as u16).filter(lacking).collect();
         let apart = apart.into_iter().filter(|&place| is_set_aside[usize::from(place)]).collect();
-        Ok(Guide { lacking, mesh: carved.mesh, footprint: carved.footprint, views: carved.views, apart })
+        Ok(Guide { mesh: carved.mesh, footprint: carved.footprint, views: carved.views, apart, lacking })
     }
 }
 

@@ -7,7 +7,7 @@ use alloc::{
 };
 use core::fmt;
 
-/// Where more is told about a camera than a frame can tell.
+/// Names the command that measures more about a camera than a frame does.
 const CHECK: &str = " (`pcmvs check` tells more)";
 
 /// Something in a frame that may make its result worse. Cameras are numbered as given to [`crate::Rig::new`].

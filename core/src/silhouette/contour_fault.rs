@@ -147,14 +147,21 @@ impl fmt::Display for ContourFault {
             Self::BesideEdges { pixels } => ("the masks are", pixels),
             Self::BesideEdge { pixels, .. } => ("its mask is", pixels),
             Self::AcrossEdges { share } | Self::AcrossEdge { share, .. } => {
-                let [whose, remedy] = match self.camera() {
-                    None => ["the masks do", "the masks are those of these pictures and not of another instant"],
-                    Some(_) => ["its mask does", "the mask is that of this picture and was not shifted"],
+                let [what, contours, remedy] = match self.camera() {
+                    None => [
+                        "the masks do not follow the object's outlines in their pictures",
+                        "the contours lie more than two pixels from them",
+                        "the masks are those of these pictures and not of another instant",
+                    ],
+                    Some(_) => [
+                        "its mask does not follow the object's outline in the picture",
+                        "the contour lies more than two pixels from it",
+                        "the mask is that of this picture and was not shifted",
+                    ],
                 };
                 return write!(
                     f,
-                    "{whose} not follow the object's outline in the picture: {:.0} % of the contour lies more than two pixels \
-                     beside it, inside in some places and outside in others. Check that {remedy}",
+                    "{what}: {:.0} % of {contours}, inside in some places and outside in others. Check that {remedy}",
                     100.0 * share
                 );
             }
