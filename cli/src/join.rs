@@ -60,13 +60,7 @@ pub fn run(options: &Join, cancelled: &AtomicBool) -> Result<(), Failure> {
 
 impl<'a> Part<'a> {
     fn read(folder: &'a Path) -> Result<Self, Failure> {
-        let path = folder.join(report::FILE_NAME);
-        let bytes = fs::read(&path).map_err(|e| Failure::unreadable(&path, &e))?;
-        let report = serde_json::from_slice(&bytes).map_err(|e| {
-            let path = path.display();
-            Failure::Input(format!("{path}: is no report of `pcmvs reconstruct` ({e}): run it again for this part"))
-        })?;
-        Ok(Self { folder, manifest: Manifest::read(folder)?, report })
+        Ok(Self { folder, manifest: Manifest::read(folder)?, report: Report::read(folder)? })
     }
 
     /// Refuses a part of another clip, or one that another program or other settings made.
@@ -128,9 +122,7 @@ fn check_output(output: &Path, parts: &[Part]) -> Result<(), Failure> {
     if parts.iter().any(same) {
         return refused("is one of the parts");
     }
-    let earlier = fs::read(output.join(report::FILE_NAME)).ok();
-    let earlier = earlier.and_then(|bytes| serde_json::from_slice::<Report>(&bytes).ok());
-    if earlier.is_some_and(|earlier| earlier.settings != parts[0].report.settings) {
+    if Report::read(output).is_ok_and(|earlier| earlier.settings != parts[0].report.settings) {
         return refused("holds another clip");
     }
     Ok(())

@@ -90,6 +90,11 @@ impl Manifest {
             let (fps, low, high) = (manifest.fps, FPS_RANGE.start(), FPS_RANGE.end());
             return Err(wrong(format!("`fps` is {fps}, and a clip has {low} to {high}: correct it")));
         }
+        manifest
+            .frames
+            .iter()
+            .try_for_each(|frame| output::check_frame_name(&frame.url, frame.index))
+            .map_err(wrong)?;
         Ok(manifest)
     }
 

@@ -1,7 +1,8 @@
 //! report.json: parameters, times and counts of a run, and the fingerprints by which a later run finds finished frames.
 
-use crate::warning::WarningReport;
+use crate::{output, warning::WarningReport};
 use pcmvs_core::ViewDiagnostics;
+use pcmvs_scene::Failure;
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
 use std::{fs, path::Path};
@@ -30,6 +31,24 @@ pub struct Report {
     /// Finished frames by index.
     pub frames: Vec<FrameReport>,
     pub failures: Vec<FrameFailure>,
+}
+
+impl Report {
+    /// Reads the report of a result folder.
+    pub fn read(folder: &Path) -> Result<Self, Failure> {
+        let path = folder.join(FILE_NAME);
+        let bytes = fs::read(&path).map_err(|e| Failure::unreadable(&path, &e))?;
+        let report = serde_json::from_slice(&bytes).map_err(|e| e.to_string()).and_then(|report: Self| {
+            report.frames.iter().try_for_each(|frame| output::check_frame_name(&frame.file, frame.index))?;
+            Ok(report)
+        });
+        report.map_err(|what| {
+            let path = path.display();
+            Failure::Input(format!(
+                "{path}: is no report of `pcmvs reconstruct` ({what}): run it again for these frames"
+            ))
+        })
+    }
 }
 
 /// A finished frame.
@@ -94,9 +113,7 @@ impl Earlier {
     /// Reads the report of an earlier run. It is empty if the report cannot be read, is of another version or of other
     /// settings.
     pub fn read(folder: &Path, settings: &str) -> Self {
-        let report = fs::read(folder.join(FILE_NAME)).ok();
-        let report = report.and_then(|bytes| serde_json::from_slice::<Report>(&bytes).ok());
-        let report = report.filter(|report| report.settings == settings);
+        let report = Report::read(folder).ok().filter(|report| report.settings == settings);
         report.map(|report| Self { frames: report.frames, warnings: report.warnings }).unwrap_or_default()
     }
 

@@ -113,6 +113,26 @@ fn parts_of_other_settings_and_changed_frames_are_refused() {
 }
 
 #[test]
+fn a_listed_name_never_leads_out_of_the_output() {
+    let capture = parts();
+    for name in
+        ["../frame_0001.glb", "a/frame_0001.glb", "frame_0001.glb/../x.glb", "/frame_0001.glb", "frame_0002.glb"]
+    {
+        part(&capture, "c", "1..2", &["--upright"]);
+        change(&capture.path("c/report.json"), |report| report["frames"][0]["file"] = json!(name));
+        refused(
+            &capture,
+            &["a", "b", "c"],
+            &[],
+            &["c/report.json", "lists", name, "frame 1 instead of frame_0001.glb"],
+        );
+        part(&capture, "c", "1..2", &["--upright"]);
+        change(&capture.path("c/sequence.json"), |manifest| manifest["frames"][0]["url"] = json!(name));
+        refused(&capture, &["a", "b", "c"], &[], &["c/sequence.json", "lists", name]);
+    }
+}
+
+#[test]
 fn a_part_or_another_clip_is_not_overwritten() {
     let capture = parts();
     let to = |output: &str| {
