@@ -12,7 +12,9 @@ use std::{fs, path::PathBuf};
 pub const NEEDS: [Need; 1] = [Need::Toolchain("nightly")];
 
 /// The targets, in the order in which they run.
-const TARGETS: [&str; 5] = ["scene", "import", "picture", "calls", "reconstruct"];
+const TARGETS: [&str; 6] = ["scene", "import", "clip", "picture", "calls", "reconstruct"];
+/// Those that run commands, whose output is of no use here. An input that fails shows it if it is run alone.
+const PRINTING: [&str; 1] = ["clip"];
 /// Seconds of each target in the checks.
 const SECONDS: u32 = 20;
 /// The machine that the sanitizer is built for.
@@ -44,6 +46,9 @@ fn command(folder: &std::path::Path, name: &str, seconds: u32) -> Result<std::pr
     fs::create_dir_all(&corpus).map_err(|e| format!("{}: {e}", corpus.display()))?;
     let limits = format!("-max_total_time={seconds} -timeout=10 -rss_limit_mb=2048 -max_len=4096 -print_final_stats=1");
     let mut fuzz = program(folder.join(name), &limits);
+    if PRINTING.contains(&name) {
+        fuzz.arg("-close_fd_mask=3");
+    }
     fuzz.arg(format!("-artifact_prefix={}/failed-{name}-", built().display()));
     fuzz.arg(corpus).arg(root().join("tests/fuzz/seeds").join(name));
     Ok(fuzz)

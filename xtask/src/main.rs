@@ -121,7 +121,7 @@ enum Task {
         /// Seconds of each target
         #[arg(long, default_value_t = 60)]
         seconds: u32,
-        /// One target only: scene, import, picture, calls or reconstruct
+        /// One target only: scene, import, clip, picture, calls or reconstruct
         #[arg(long)]
         target: Option<String>,
     },

@@ -1,9 +1,9 @@
-//! Any bytes as another program's calibration. The first byte chooses the files' names, and zero bytes separate the files.
+//! Any bytes as another program's calibration. The first byte chooses the files' names.
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;
 use pcmvs_core::Rig;
-use pcmvs_fuzz::Tree;
+use pcmvs_fuzz::{Tree, files_between};
 use pcmvs_scene::{Source, import, recognise};
 use std::path::Path;
 
@@ -28,17 +28,12 @@ const NAMES: [(&[&str], Source); 18] = [
     (&["cameras.xml"], Source::Opencv),
 ];
 
-/// Separates files. Binary models have single zero bytes everywhere.
-const BETWEEN: &[u8] = b"\0\xFF\0\xFE";
-
 fuzz_target!(|bytes: &[u8]| {
-    let Some((&first, mut rest)) = bytes.split_first() else { return };
+    let Some((&first, rest)) = bytes.split_first() else { return };
     let (names, source) = NAMES[usize::from(first) % NAMES.len()];
     let mut files = Tree::default();
-    for name in names {
-        let end = rest.windows(BETWEEN.len()).position(|window| window == BETWEEN).unwrap_or(rest.len());
-        files.0.insert(Path::new("capture").join(name), rest[..end].to_vec());
-        rest = rest.get(end + BETWEEN.len()..).unwrap_or_default();
+    for (name, file) in names.iter().zip(files_between(rest, names.len())) {
+        files.0.insert(Path::new("capture").join(name), file);
     }
     let folder = Path::new("capture");
     let _ = recognise(&files, folder);
