@@ -23,8 +23,12 @@ mod qualisys;
 mod realitycapture;
 #[path = "formats/realitycapture_csv.rs"]
 mod realitycapture_csv;
+#[path = "formats/round_trip.rs"]
+mod round_trip;
 #[path = "formats/stereo.rs"]
 mod stereo;
+#[path = "formats/written.rs"]
+mod written;
 #[path = "formats/zju.rs"]
 mod zju;
 

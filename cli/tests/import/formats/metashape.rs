@@ -18,7 +18,8 @@ pub fn metashape(all: &[Pinhole], kind: &str, lens: impl Fn(&Pinhole) -> String)
             let [width, height] = pose.size;
             let _ = writeln!(
                 sensors,
-                "<sensor id=\"{sensor}\" label=\"unknown\" type=\"{kind}\">\n<resolution width=\"{width}\" height=\"{height}\"/>\n\
+                "<sensor id=\"{sensor}\" label=\"unknown\" type=\"{kind}\">\n\
+                 <resolution width=\"{width}\" height=\"{height}\"/>\n\
                  <calibration type=\"{kind}\" class=\"initial\"><f>1</f></calibration>\n\
                  <calibration type=\"{kind}\" class=\"adjusted\"><resolution width=\"{width}\" height=\"{height}\"/>\n{lens}\n\
                  </calibration>\n</sensor>"
@@ -31,7 +32,8 @@ pub fn metashape(all: &[Pinhole], kind: &str, lens: impl Fn(&Pinhole) -> String)
         let row = |i: usize| format!("{} {} {} {}", axes.row(i).x, axes.row(i).y, axes.row(i).z, centre[i]);
         let _ = writeln!(
             cameras,
-            "<camera id=\"{i}\" sensor_id=\"{sensor}\" component_id=\"0\" label=\"IMG_{i}\">\n<transform>{} {} {} 0 0 0 1</transform>\n\
+            "<camera id=\"{i}\" sensor_id=\"{sensor}\" component_id=\"0\" label=\"IMG_{i}\">\n\
+             <transform>{} {} {} 0 0 0 1</transform>\n\
              <orientation>1</orientation></camera>",
             row(0),
             row(1),
@@ -46,7 +48,8 @@ pub fn metashape(all: &[Pinhole], kind: &str, lens: impl Fn(&Pinhole) -> String)
     );
     format!(
         "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<document version=\"1.5.0\">\n<chunk label=\"Chunk 1\" enabled=\"true\">\n\
-         <sensors next_id=\"1\">\n{sensors}</sensors>\n<components><component id=\"0\" label=\"Component 1\">{world}</component></components>\n\
+         <sensors next_id=\"1\">\n{sensors}</sensors>\n\
+         <components><component id=\"0\" label=\"Component 1\">{world}</component></components>\n\
          <cameras next_id=\"9\">\n<group id=\"0\">\n{cameras}</group>\n\
          <camera id=\"99\" sensor_id=\"0\" label=\"IMG_99\"></camera>\n</cameras>\n</chunk>\n</document>\n"
     )

@@ -104,14 +104,14 @@ pub fn read(files: &dyn Files, path: &Path, notes: &mut Notes) -> Result<Vec<Imp
     let mut unused = Unused::default();
     for (i, camera) in cameras.iter().enumerate() {
         let keys = keys(*camera, "").map_err(wrong)?;
-        let serial = keys.get("serial").and_then(text_of).ok_or_else(|| {
+        let name = keys.get("serial").and_then(text_of).map(|serial| name_of(&serial)).filter(|name| !name.is_empty());
+        let name = name.ok_or_else(|| {
             wrong(format!(
                 "camera {} of {} has no `serial`: export the calibration from QTM again",
                 i + 1,
                 cameras.len()
             ))
         })?;
-        let name = name_of(&serial);
         let folders = folders(path.parent().unwrap_or(Path::new("")), &name);
         if !unused.takes(&name, &keys, files, &folders)? {
             let found = view(files, path, &folders, &name, &keys, notes)?;
@@ -321,8 +321,8 @@ fn note_pixels(name: &str, pixels: &pixels::Pixels, keys: &Object, notes: &mut N
     }
     if turned != 0.0 {
         notes.add(format!(
-            "camera `{name}`: QTM shows its view turned by {turned}°, but its pictures are taken to be as the camera stored them: \
-             turn them back if they are not"
+            "camera `{name}`: QTM shows its view turned by {turned}°, but its pictures are taken to be as the camera stored \
+             them: turn them back if they are not"
         ));
     }
     Ok(())

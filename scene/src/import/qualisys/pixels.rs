@@ -1,7 +1,7 @@
 //! From the sensor's sub-pixels, in which Qualisys writes its intrinsics, to the pixels of pictures.
 //!
-//! Every pixel has 64 sub-pixels along each side. A sensor of W pixels has `sensorMinU` 0 and `sensorMaxU` 64 W - 1. A video shows
-//! the part of the sensor that `fov_video` names, with its first and last column and row.
+//! Every pixel has 64 sub-pixels along each side. A sensor that is W pixels wide has `sensorMinU` 0 and `sensorMaxU` 64 W - 1. A
+//! video shows the part of the sensor that `fov_video` names, with its first and last column and row.
 
 use super::super::values;
 
