@@ -11,8 +11,6 @@ use std::{
 };
 use studio::{Capture, Faults, Ring, Subject, capture::record};
 
-const VIEWS: u32 = 20;
-const SIZE: (u32, u32) = (512, 384);
 const FRAMES: usize = 8;
 /// Frames per second. The clip lasts as long as one wave of the figure's hand, so that it loops.
 const FPS: f64 = 8.0;
@@ -28,8 +26,7 @@ pub fn make(folder: &Path) -> Result<()> {
         fs::create_dir_all(folder.join(name)).map_err(|e| fail(&e))?;
     }
     let faults = Faults { noise: 1.0, gain: 0.03, ..Faults::default() };
-    let ring = Ring { count: VIEWS, ..Ring::default() }.sized(SIZE.0, SIZE.1);
-    let mut capture = Capture::empty(&ring.cameras(), &faults);
+    let mut capture = Capture::empty(&Ring::sample().cameras(), &faults);
     for i in 0..FRAMES {
         let mut frame = record(Subject::Figure, &capture.true_cameras, i, i as f64 / FPS, &faults);
         for (camera, picture) in frame.images.iter_mut().enumerate() {

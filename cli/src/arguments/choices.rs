@@ -23,6 +23,7 @@ pub enum Source {
     Kalibr,
     /// Also RealityScan
     Realitycapture,
+    Qualisys,
     /// ZJU-MoCap
     Zju,
 }
@@ -45,6 +46,7 @@ impl Source {
             Self::Mvsnet => Some(pcmvs_scene::Source::Mvsnet),
             Self::Kalibr => Some(pcmvs_scene::Source::Kalibr),
             Self::Realitycapture => Some(pcmvs_scene::Source::Realitycapture),
+            Self::Qualisys => Some(pcmvs_scene::Source::Qualisys),
             Self::Zju => Some(pcmvs_scene::Source::Zju),
         }
     }

@@ -185,7 +185,7 @@ pub struct Import {
     /// transforms: transforms.json or its folder. EasyMocap: folder with intri.yml and extri.yml. Bundler: bundle.out with
     /// list.txt, or their folder. Metashape: XML of cameras. NeuS: cameras_sphere.npz or its folder. anipose: TOML file.
     /// Panoptic: JSON file. MVSNet: folder with cams/*_cam.txt. Kalibr: camchain.yaml. RealityCapture: CSV of camera parameters,
-    /// or folder with pictures and their .xmp. ZJU: annots.npy or its folder
+    /// or folder with pictures and their .xmp. Qualisys: .qca.txt or XML of a calibration. ZJU: annots.npy or its folder
     pub path: PathBuf,
     /// Folder of the new scene
     #[arg(short, long = "output", value_name = "SCENE")]

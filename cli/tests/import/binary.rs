@@ -5,25 +5,25 @@ use std::fs;
 
 /// Bytes of a binary file. Numbers are little-endian.
 #[derive(Default)]
-struct Bytes(Vec<u8>);
+pub struct Bytes(pub Vec<u8>);
 
 impl Bytes {
-    fn u32(mut self, value: u32) -> Self {
+    pub fn u32(mut self, value: u32) -> Self {
         self.0.extend(value.to_le_bytes());
         self
     }
 
-    fn u64(mut self, value: u64) -> Self {
+    pub fn u64(mut self, value: u64) -> Self {
         self.0.extend(value.to_le_bytes());
         self
     }
 
-    fn f64s(mut self, values: &[f64]) -> Self {
+    pub fn f64s(mut self, values: &[f64]) -> Self {
         self.0.extend(values.iter().flat_map(|v| v.to_le_bytes()));
         self
     }
 
-    fn text(mut self, text: &str) -> Self {
+    pub fn text(mut self, text: &str) -> Self {
         self.0.extend(text.bytes().chain([0]));
         self
     }

@@ -17,12 +17,18 @@ mod mvsnet;
 mod neus;
 #[path = "formats/panoptic.rs"]
 mod panoptic;
+#[path = "formats/qualisys.rs"]
+mod qualisys;
 #[path = "formats/realitycapture.rs"]
 mod realitycapture;
 #[path = "formats/realitycapture_csv.rs"]
 mod realitycapture_csv;
+#[path = "formats/round_trip.rs"]
+mod round_trip;
 #[path = "formats/stereo.rs"]
 mod stereo;
+#[path = "formats/written.rs"]
+mod written;
 #[path = "formats/zju.rs"]
 mod zju;
 
@@ -40,26 +46,42 @@ const PRINCIPAL: DVec2 = DVec2::new(30.25, 24.75);
 const BROWN: [f64; 5] = [-0.11, 0.03, 0.002, -0.003, 0.004];
 const FISHEYE: [f64; 4] = [-0.03, 0.02, -0.01, 0.003];
 
-/// Pose of a camera, world to camera as in OpenCV.
-struct Pose {
+/// A camera without its lens: OpenCV's K, and its pose, world to camera.
+#[derive(Clone)]
+struct Pinhole {
+    size: [u32; 2],
+    focal: DVec2,
+    principal: DVec2,
     r: DMat3,
     t: DVec3,
 }
 
-fn poses() -> Vec<Pose> {
-    let pose = |i: usize| {
+impl Pinhole {
+    /// K by rows.
+    fn k(&self) -> [f64; 9] {
+        [self.focal.x, 0.0, self.principal.x, 0.0, self.focal.y, self.principal.y, 0.0, 0.0, 1.0]
+    }
+
+    /// The camera's place in the world.
+    fn centre(&self) -> DVec3 {
+        -(self.r.transpose() * self.t)
+    }
+}
+
+fn pinholes() -> Vec<Pinhole> {
+    let pinhole = |i: usize| {
         let angle = i as f64 * 1.4 + 0.2;
         let centre = DVec3::new(3.0 * angle.cos(), 3.0 * angle.sin(), 0.8 + 0.3 * i as f64);
         let forward = (DVec3::new(0.1, -0.2, 0.1 * i as f64) - centre).normalize();
         let right = forward.cross(DVec3::new(0.1, 0.2, 1.0)).normalize();
         let r = DMat3::from_cols(right, forward.cross(right), forward).transpose();
-        Pose { r, t: -(r * centre) }
+        Pinhole { size: [WIDTH, HEIGHT], focal: FOCAL, principal: PRINCIPAL, r, t: -(r * centre) }
     };
-    (0..COUNT).map(pose).collect()
+    (0..COUNT).map(pinhole).collect()
 }
 
 /// Points that the cameras see near the corners and in the middle of their pictures.
-fn points(pose: &Pose) -> Vec<DVec3> {
+fn points(pose: &Pinhole) -> Vec<DVec3> {
     let rays = [(0.0, 0.0), (-0.45, -0.35), (0.5, -0.34), (-0.44, 0.36), (0.47, 0.33)];
     rays.map(|(x, y)| pose.r.transpose() * (DVec3::new(x, y, 1.0) * 2.7 - pose.t)).into()
 }
@@ -77,18 +99,23 @@ fn fisheye(p: DVec2, [k1, k2, k3, k4]: [f64; 4]) -> DVec2 {
 }
 
 /// OpenCV's pixel with a distortion.
-fn opencv(pose: &Pose, point: DVec3, bend: impl Fn(DVec2) -> DVec2) -> DVec2 {
+fn opencv(pose: &Pinhole, point: DVec3, bend: impl Fn(DVec2) -> DVec2) -> DVec2 {
     let c = pose.r * point + pose.t;
-    FOCAL * bend(DVec2::new(c.x / c.z, c.y / c.z)) + PRINCIPAL
+    pose.focal * bend(DVec2::new(c.x / c.z, c.y / c.z)) + pose.principal
 }
 
-/// A folder with pictures of these names, four masks and one or more text files.
+/// A folder with pictures of these names, and text files.
 fn folder(pictures: &[String], texts: &[(&str, &str)]) -> TempDir {
+    sized_folder([WIDTH, HEIGHT], pictures, texts)
+}
+
+/// The same with pictures of a size.
+fn sized_folder([width, height]: [u32; 2], pictures: &[String], texts: &[(&str, &str)]) -> TempDir {
     let folder = tempfile::tempdir().unwrap();
     for name in pictures {
         let path = folder.path().join(name);
         fs::create_dir_all(path.parent().unwrap()).unwrap();
-        RgbImage::new(WIDTH, HEIGHT).save(path).unwrap();
+        RgbImage::new(width, height).save(path).unwrap();
     }
     for (name, text) in texts {
         let path = folder.path().join(name);
@@ -104,10 +131,10 @@ fn images(name: impl Fn(usize) -> String) -> Vec<String> {
 
 /// Imports by name, by recognition of the folder and of the file, with a byte-order mark and with other line ends. All give
 /// the same cameras, which see what `pixel` says.
-fn check(format: &str, folder: &Path, files: &[&str], pixel: impl Fn(&Pose, DVec3) -> DVec2) -> String {
+fn check(format: &str, folder: &Path, files: &[&str], pixel: impl Fn(&Pinhole, DVec3) -> DVec2) -> String {
     let (scene, notes) = import_with_notes(format, folder);
     assert_eq!(scene["cameras"].as_array().unwrap().len(), COUNT, "{format}");
-    for (i, pose) in poses().iter().enumerate() {
+    for (i, pose) in pinholes().iter().enumerate() {
         let camera = camera(&scene, i);
         for point in points(pose) {
             let seen = camera.project(point).expect("it is in front").0;
@@ -137,10 +164,6 @@ fn list(numbers: impl IntoIterator<Item = f64>) -> String {
 /// Numbers of a matrix by rows.
 fn by_rows(m: &DMat3) -> [f64; 9] {
     m.transpose().to_cols_array()
-}
-
-fn k() -> [f64; 9] {
-    [FOCAL.x, 0.0, PRINCIPAL.x, 0.0, FOCAL.y, PRINCIPAL.y, 0.0, 0.0, 1.0]
 }
 
 /// Rodrigues' vector of a rotation.

@@ -38,6 +38,9 @@ pub enum Source {
     /// RealityCapture or RealityScan: a CSV file of camera parameters, or a folder with pictures and XMP files.
     #[cfg(feature = "formats")]
     Realitycapture,
+    /// A calibration of Qualisys Track Manager, .qca.txt, .xml or .txt.
+    #[cfg(feature = "formats")]
+    Qualisys,
     /// ZJU-MoCap's annots.npy, or a folder with it.
     #[cfg(feature = "formats")]
     Zju,
@@ -68,6 +71,8 @@ impl Source {
             Self::Kalibr => "kalibr",
             #[cfg(feature = "formats")]
             Self::Realitycapture => "realitycapture",
+            #[cfg(feature = "formats")]
+            Self::Qualisys => "qualisys",
             #[cfg(feature = "formats")]
             Self::Zju => "zju",
         }

@@ -24,9 +24,14 @@ pub fn of_file(files: &dyn Files, path: &Path, name: &str) -> Result<Option<Sour
         has(&["matrix", "distortions"])?.then_some(Source::Anipose)
     } else if ends(".csv") {
         realitycapture::is_csv(&read_text(files, path)?).then_some(Source::Realitycapture)
-    } else if ends(".xml") || ends(qualisys::END) {
-        qualisys::refuse(path, &read_text(files, path)?)?;
-        has(&["<document", "<chunk", "<sensors"])?.then_some(Source::Metashape)
+    } else if ends(".xml") {
+        let text = read_text(files, path)?;
+        let is_metashape = ["<document", "<chunk", "<sensors"].iter().all(|word| text.contains(word));
+        let other = || qualisys::is_calibration(&text).then_some(Source::Qualisys);
+        is_metashape.then_some(Source::Metashape).or_else(other)
+    } else if ends(".txt") || ends(".qca") {
+        // Other programs' files may be in another encoding.
+        read_text(files, path).is_ok_and(|text| qualisys::is_calibration(&text)).then_some(Source::Qualisys)
     } else if ends(".xmp") {
         has(&[realitycapture::NAMESPACE])?.then_some(Source::Realitycapture)
     } else if ends(".yml") || ends(".yaml") {
@@ -62,6 +67,7 @@ pub fn of_folder(files: &dyn Files, folder: &Path, entries: &[PathBuf]) -> Vec<(
     for path in entries.iter().filter(|path| files.is_file(path)) {
         let name = path.file_name().unwrap_or_default().to_string_lossy().to_lowercase();
         let looked_into = [".csv", ".toml", ".xml", ".yml", ".yaml"].iter().any(|end| name.ends_with(end))
+            || qualisys::is_usual_name(&name)
             || name.starts_with("calibration") && name.ends_with(".json");
         if looked_into && let Ok(Some(source)) = of_file(files, path, &name) {
             found.push((source, path.clone()));
@@ -72,7 +78,8 @@ pub fn of_folder(files: &dyn Files, folder: &Path, entries: &[PathBuf]) -> Vec<(
 
 /// The file that a path stands for, for a format that is one file: itself, or the only one of a folder.
 pub fn only_file(files: &dyn Files, source: Source, path: &Path) -> Result<PathBuf, Failure> {
-    let is_one_file = matches!(source, Source::Metashape | Source::Anipose | Source::Panoptic | Source::Kalibr);
+    let is_one_file =
+        matches!(source, Source::Metashape | Source::Anipose | Source::Panoptic | Source::Kalibr | Source::Qualisys);
     if !is_one_file || !files.is_folder(path) {
         return Ok(path.to_path_buf());
     }

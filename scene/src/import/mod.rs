@@ -117,6 +117,8 @@ pub fn import(files: &dyn Files, source: Source, path: &Path) -> Result<Imported
         #[cfg(feature = "formats")]
         Source::Realitycapture => realitycapture::read(files, path, &mut notes)?,
         #[cfg(feature = "formats")]
+        Source::Qualisys => qualisys::read(files, path, &mut notes)?,
+        #[cfg(feature = "formats")]
         Source::Zju => zju::import(files, path, &mut notes)?,
     };
     if views.is_empty() {

@@ -1,7 +1,6 @@
 //! Files that studios have beside their calibrations and that are not read: projects of other programs, and formats that do
 //! not say enough. A message tells what to export instead.
 
-use super::{qualisys, source::read_text};
 use crate::{failure::Failure, files::Files};
 use std::path::{Path, PathBuf};
 
@@ -29,9 +28,6 @@ pub fn refuse(path: &Path) -> Result<(), Failure> {
 pub fn refuse_folder(files: &dyn Files, entries: &[PathBuf]) -> Result<(), Failure> {
     for path in entries.iter().filter(|path| files.is_file(path)) {
         refuse(path)?;
-        if [".xml", qualisys::END].iter().any(|end| name(path).ends_with(end)) {
-            qualisys::refuse(path, &read_text(files, path)?)?;
-        }
     }
     Ok(())
 }

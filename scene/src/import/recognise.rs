@@ -14,8 +14,8 @@ use std::{
 pub const KNOWN: &str = "Middlebury's *_par.txt, a COLMAP model (cameras and images, .txt or .bin), transforms.json, \
                          EasyMocap's intri.yml and extri.yml, bundle.out, Metashape's .xml, cameras_sphere.npz, \
                          anipose's .toml, Panoptic's calibration_*.json, MVSNet's *_cam.txt, Kalibr's camchain.yaml, \
-                         RealityCapture's .csv or .xmp, ZJU-MoCap's annots.npy, or OpenCV calibrations (.yml, .yaml, .json, \
-                         .xml)";
+                         RealityCapture's .csv or .xmp, Qualisys' .qca.txt, ZJU-MoCap's annots.npy, or OpenCV \
+                         calibrations (.yml, .yaml, .json, .xml)";
 /// What is recognised, for messages.
 #[cfg(not(feature = "formats"))]
 pub const KNOWN: &str = "Middlebury's *_par.txt, a COLMAP model (cameras and images, .txt or .bin), transforms.json, \

@@ -7,7 +7,7 @@ use pcmvs_fuzz::{Tree, files_between};
 use pcmvs_scene::{Source, import, recognise};
 use std::path::Path;
 
-const NAMES: [(&[&str], Source); 18] = [
+const NAMES: [(&[&str], Source); 19] = [
     (&["ring_par.txt"], Source::Middlebury),
     (&["cameras.txt", "images.txt", "points3D.txt"], Source::Colmap),
     (&["cameras.bin", "images.bin"], Source::Colmap),
@@ -26,6 +26,7 @@ const NAMES: [(&[&str], Source); 18] = [
     (&["cameras.csv"], Source::Realitycapture),
     (&["annots.npy"], Source::Zju),
     (&["cameras.xml"], Source::Opencv),
+    (&["a.qca.txt"], Source::Qualisys),
 ];
 
 fuzz_target!(|bytes: &[u8]| {

@@ -50,6 +50,11 @@ impl Default for Ring {
 }
 
 impl Ring {
+    /// The ring of the sample that the page shows: the default one with smaller pictures.
+    pub fn sample() -> Self {
+        Self::default().sized(512, 384)
+    }
+
     /// The same ring with pictures of another size.
     pub fn sized(self, width: u32, height_px: u32) -> Self {
         Self { width, height_px, ..self }

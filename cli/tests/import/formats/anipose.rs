@@ -1,18 +1,20 @@
 //! The TOML of anipose, FreeMoCap and Caliscope.
 
-use super::super::{HEIGHT, WIDTH, import_with_notes, refused};
-use super::{BROWN, COUNT, FISHEYE, brown, check, fisheye, folder, images, k, list, opencv, poses, rodrigues};
+use super::super::{import_with_notes, refused};
+use super::{BROWN, COUNT, FISHEYE, Pinhole, brown, check, fisheye, folder, images, list, opencv, pinholes, rodrigues};
 use std::fmt::Write as _;
 
-fn anipose(table: impl Fn(usize) -> String, lens: &str) -> String {
+pub fn anipose(cameras: &[Pinhole], table: impl Fn(usize) -> String, lens: &str) -> String {
     let mut text = String::from("[metadata]\nadjusted = false\nerror = 0.3\n\n");
-    for (i, pose) in poses().iter().enumerate() {
-        let rows = k().chunks(3).map(|row| format!("[ {},]", list(row.iter().copied()))).collect::<Vec<_>>().join(", ");
+    for (i, pose) in cameras.iter().enumerate() {
+        let rows =
+            pose.k().chunks(3).map(|row| format!("[ {},]", list(row.iter().copied()))).collect::<Vec<_>>().join(", ");
         let _ = write!(
             text,
-            "[{}]\nname = \"c{i}\"\nsize = [ {WIDTH}, {HEIGHT},]\nmatrix = [ {rows},]\n{lens}\nrotation = [ {},]\n\
+            "[{}]\nname = \"c{i}\"\nsize = {:?}\nmatrix = [ {rows},]\n{lens}\nrotation = [ {},]\n\
              translation = [ {},]\nworld_position = [ 1.0, 2.0, 3.0,]\n\n",
             table(i),
+            pose.size,
             list(rodrigues(&pose.r).to_array()),
             list(pose.t.to_array())
         );
@@ -25,13 +27,15 @@ fn anipose_is_opencv_in_toml() {
     let pictures = images(|i| format!("c{i}"));
     let of = |text: &str| folder(&pictures, &[("calibration.toml", text)]);
     let lens = format!("distortions = [ {},]", list(BROWN));
-    for text in [anipose(|i| format!("cam_{i}"), &lens), anipose(|i| format!("cameras.{i}"), &lens)] {
+    for text in
+        [anipose(&pinholes(), |i| format!("cam_{i}"), &lens), anipose(&pinholes(), |i| format!("cameras.{i}"), &lens)]
+    {
         check("anipose", of(&text).path(), &["calibration.toml"], |pose, point| {
             opencv(pose, point, |p| brown(p, BROWN))
         });
     }
     let lens = format!("fisheye = true\ndistortions = [ {},]", list(FISHEYE));
-    let text = anipose(|i| format!("cam_{i}"), &lens);
+    let text = anipose(&pinholes(), |i| format!("cam_{i}"), &lens);
     check("anipose", of(&text).path(), &["calibration.toml"], |pose, point| {
         opencv(pose, point, |p| fisheye(p, FISHEYE))
     });

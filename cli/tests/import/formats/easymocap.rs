@@ -1,22 +1,26 @@
 //! EasyMocap's intri.yml and extri.yml.
 
 use super::super::{HEIGHT, WIDTH, import, import_with_notes, refused};
-use super::{BROWN, COUNT, FISHEYE, brown, by_rows, check, fisheye, folder, images, k, list, opencv, poses, rodrigues};
+use super::{
+    BROWN, COUNT, FISHEYE, Pinhole, brown, by_rows, check, fisheye, folder, images, list, opencv, pinholes, rodrigues,
+};
 use image::GrayImage;
 use std::{fmt::Write as _, fs};
 
-fn easymocap() -> [String; 2] {
-    let names = (0..COUNT).map(|i| format!("  - \"0{i}\"\n")).collect::<String>();
+/// intri.yml and extri.yml.
+pub fn easymocap(cameras: &[Pinhole], lens: &[f64]) -> [String; 2] {
+    let names = (0..cameras.len()).map(|i| format!("  - \"0{i}\"\n")).collect::<String>();
     let matrix = |key: String, rows: usize, data: &[f64]| {
         let columns = data.len() / rows;
         let data = list(data.iter().copied());
         format!("{key}: !!opencv-matrix\n  rows: {rows}\n  cols: {columns}\n  dt: d\n  data: [{data}]\n")
     };
     let mut files = [(); 2].map(|()| format!("%YAML:1.0\n---\nnames:\n{names}"));
-    for (i, pose) in poses().iter().enumerate() {
-        files[0] += &matrix(format!("K_0{i}"), 3, &k());
-        files[0] += &matrix(format!("dist_0{i}"), 1, &BROWN);
-        let _ = write!(files[0], "H_0{i}: {HEIGHT}\nW_0{i}: {WIDTH}\n");
+    for (i, pose) in cameras.iter().enumerate() {
+        let [width, height] = pose.size;
+        files[0] += &matrix(format!("K_0{i}"), 3, &pose.k());
+        files[0] += &matrix(format!("dist_0{i}"), 1, lens);
+        let _ = write!(files[0], "H_0{i}: {height}\nW_0{i}: {width}\n");
         files[1] += &matrix(format!("R_0{i}"), 3, &rodrigues(&pose.r).to_array());
         files[1] += &matrix(format!("Rot_0{i}"), 3, &by_rows(&pose.r));
         files[1] += &matrix(format!("T_0{i}"), 3, &pose.t.to_array());
@@ -27,7 +31,7 @@ fn easymocap() -> [String; 2] {
 
 #[test]
 fn easymocap_is_opencv_in_two_files() {
-    let [intri, extri] = easymocap();
+    let [intri, extri] = easymocap(&pinholes(), &BROWN);
     let texts = [("intri.yml", intri.as_str()), ("extri.yml", extri.as_str())];
     let of = |pictures: &[String], texts: &[(&str, &str)]| folder(pictures, texts);
     let capture = of(&images(|i| format!("0{i}")), &texts);

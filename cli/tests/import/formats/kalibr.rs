@@ -1,17 +1,16 @@
 //! Kalibr's camchain.yaml.
 
-use super::super::{HEIGHT, WIDTH, camera, import, refused};
-use super::{BROWN, FISHEYE, FOCAL, PRINCIPAL, brown, by_rows, fisheye, folder, images, opencv, points, poses};
+use super::super::{camera, import, refused};
+use super::{BROWN, FISHEYE, Pinhole, brown, by_rows, fisheye, folder, images, opencv, pinholes, points};
 use glam::{DVec2, DVec3};
 use std::fmt::Write as _;
 
-fn kalibr(model: &str, lens: &[f64]) -> String {
+pub fn kalibr(cameras: &[Pinhole], model: &str, lens: &[f64]) -> String {
     let mut text = String::new();
-    let all = poses();
-    for (i, pose) in all.iter().enumerate() {
+    for (i, pose) in cameras.iter().enumerate() {
         let _ = write!(text, "cam{i}:\n  cam_overlaps: [1]\n  camera_model: pinhole\n");
         if i > 0 {
-            let before = &all[i - 1];
+            let before = &cameras[i - 1];
             let r = pose.r * before.r.transpose();
             let t = pose.t - r * before.t;
             let rows = by_rows(&r);
@@ -20,9 +19,10 @@ fn kalibr(model: &str, lens: &[f64]) -> String {
         }
         let _ = write!(
             text,
-            "  distortion_coeffs: {lens:?}\n  distortion_model: {model}\n  intrinsics: {:?}\n  resolution: [{WIDTH}, {HEIGHT}]\n\
+            "  distortion_coeffs: {lens:?}\n  distortion_model: {model}\n  intrinsics: {:?}\n  resolution: {:?}\n\
              \x20 rostopic: /cam{i}/image_raw\n",
-            [FOCAL.x, FOCAL.y, PRINCIPAL.x, PRINCIPAL.y]
+            [pose.focal.x, pose.focal.y, pose.principal.x, pose.principal.y],
+            pose.size
         );
     }
     text
@@ -33,7 +33,7 @@ fn kalibr_is_a_chain_whose_first_camera_is_the_origin() {
     let pictures = images(|i| format!("cam{i}"));
     let of = |text: &str| folder(&pictures, &[("camchain.yaml", text)]);
     // The scene is that of the first camera.
-    let all = poses();
+    let all = pinholes();
     let to_world = |point: DVec3| all[0].r.transpose() * (point - all[0].t);
     let seen = |text: &str, bend: &dyn Fn(DVec2) -> DVec2| {
         let capture = of(text);
@@ -48,11 +48,11 @@ fn kalibr_is_a_chain_whose_first_camera_is_the_origin() {
             }
         }
     };
-    let radtan = kalibr("radtan", &BROWN[..4]);
+    let radtan = kalibr(&all, "radtan", &BROWN[..4]);
     let [k1, k2, p1, p2, _] = BROWN;
     seen(&radtan, &|p| brown(p, [k1, k2, p1, p2, 0.0]));
-    seen(&kalibr("equidistant", &FISHEYE), &|p| fisheye(p, FISHEYE));
-    seen(&kalibr("none", &[]), &|p| p);
+    seen(&kalibr(&all, "equidistant", &FISHEYE), &|p| fisheye(p, FISHEYE));
+    seen(&kalibr(&all, "none", &[]), &|p| p);
     for (text, problem) in [
         (radtan.replace("camera_model: pinhole", "camera_model: omni"), "camera_model omni is not supported"),
         (radtan.replace("cam2:", "cam7:"), "`cam2` is missing"),

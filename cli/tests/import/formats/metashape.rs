@@ -1,23 +1,39 @@
 //! Agisoft Metashape's XML of cameras.
 
 use super::super::{HEIGHT, WIDTH, import, import_with_notes, refused};
-use super::{FISHEYE, Pose, by_rows, check, fisheye, folder, images, poses};
+use super::{FISHEYE, Pinhole, by_rows, check, fisheye, folder, images, pinholes};
 use glam::{DMat3, DVec2, DVec3};
 use std::{fmt::Write as _, fs};
 
-/// Metashape's XML: camera to chunk, and a chunk that is turned, moved and three times as large.
-fn metashape(kind: &str, lens: &str) -> String {
+/// Metashape's XML: camera to chunk, and a chunk that is turned, moved and three times as large. Cameras whose lenses are equal
+/// share a sensor. A last camera has no pose.
+pub fn metashape(all: &[Pinhole], kind: &str, lens: impl Fn(&Pinhole) -> String) -> String {
     let turn = DMat3::from_axis_angle(DVec3::new(0.6, 0.0, 0.8), 0.9);
     let (shift, scale) = (DVec3::new(0.4, -0.3, 0.2), 3.0);
-    let mut cameras = String::new();
-    for (i, pose) in poses().iter().enumerate() {
+    let (mut cameras, mut sensors, mut lenses) = (String::new(), String::new(), Vec::new());
+    for (i, pose) in all.iter().enumerate() {
+        let lens = lens(pose);
+        let sensor = lenses.iter().position(|known| *known == lens).unwrap_or(lenses.len());
+        if sensor == lenses.len() {
+            let [width, height] = pose.size;
+            let _ = writeln!(
+                sensors,
+                "<sensor id=\"{sensor}\" label=\"unknown\" type=\"{kind}\">\n\
+                 <resolution width=\"{width}\" height=\"{height}\"/>\n\
+                 <calibration type=\"{kind}\" class=\"initial\"><f>1</f></calibration>\n\
+                 <calibration type=\"{kind}\" class=\"adjusted\"><resolution width=\"{width}\" height=\"{height}\"/>\n{lens}\n\
+                 </calibration>\n</sensor>"
+            );
+            lenses.push(lens);
+        }
         // World to chunk, applied to the camera's axes and centre.
         let axes = turn.transpose() * pose.r.transpose();
         let centre = turn.transpose() * (-(pose.r.transpose() * pose.t) - shift) / scale;
         let row = |i: usize| format!("{} {} {} {}", axes.row(i).x, axes.row(i).y, axes.row(i).z, centre[i]);
         let _ = writeln!(
             cameras,
-            "<camera id=\"{i}\" sensor_id=\"0\" component_id=\"0\" label=\"IMG_{i}\">\n<transform>{} {} {} 0 0 0 1</transform>\n\
+            "<camera id=\"{i}\" sensor_id=\"{sensor}\" component_id=\"0\" label=\"IMG_{i}\">\n\
+             <transform>{} {} {} 0 0 0 1</transform>\n\
              <orientation>1</orientation></camera>",
             row(0),
             row(1),
@@ -32,18 +48,15 @@ fn metashape(kind: &str, lens: &str) -> String {
     );
     format!(
         "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<document version=\"1.5.0\">\n<chunk label=\"Chunk 1\" enabled=\"true\">\n\
-         <sensors next_id=\"1\">\n<sensor id=\"0\" label=\"unknown\" type=\"{kind}\">\n\
-         <resolution width=\"{WIDTH}\" height=\"{HEIGHT}\"/>\n\
-         <calibration type=\"{kind}\" class=\"initial\"><f>1</f></calibration>\n\
-         <calibration type=\"{kind}\" class=\"adjusted\"><resolution width=\"{WIDTH}\" height=\"{HEIGHT}\"/>\n{lens}\n</calibration>\n\
-         </sensor>\n</sensors>\n<components><component id=\"0\" label=\"Component 1\">{world}</component></components>\n\
+         <sensors next_id=\"1\">\n{sensors}</sensors>\n\
+         <components><component id=\"0\" label=\"Component 1\">{world}</component></components>\n\
          <cameras next_id=\"9\">\n<group id=\"0\">\n{cameras}</group>\n\
-         <camera id=\"8\" sensor_id=\"0\" label=\"IMG_8\"></camera>\n</cameras>\n</chunk>\n</document>\n"
+         <camera id=\"99\" sensor_id=\"0\" label=\"IMG_99\"></camera>\n</cameras>\n</chunk>\n</document>\n"
     )
 }
 
 /// x, y of a point by the formulas in the appendix of Metashape's manual.
-fn metashape_pixel(pose: &Pose, point: DVec3, bend: impl Fn(DVec2) -> DVec2) -> DVec2 {
+fn metashape_pixel(pose: &Pinhole, point: DVec3, bend: impl Fn(DVec2) -> DVec2) -> DVec2 {
     let c = pose.r * point + pose.t;
     let p = bend(DVec2::new(c.x / c.z, c.y / c.z));
     let (f, cx, cy, b1, b2) = (60.0, -1.5, 0.75, 0.5, 0.25);
@@ -52,13 +65,18 @@ fn metashape_pixel(pose: &Pose, point: DVec3, bend: impl Fn(DVec2) -> DVec2) -> 
         - 0.5
 }
 
+/// The four cameras, whose lenses are this.
+fn four(kind: &str, lens: &str) -> String {
+    metashape(&pinholes(), kind, |_| lens.to_owned())
+}
+
 #[test]
 fn metashape_counts_from_the_middle_and_has_tangential_coefficients_exchanged() {
     let projection = "<f>60</f><cx>-1.5</cx><cy>0.75</cy><b1>0.5</b1><b2>0.25</b2>";
     let lens = format!("{projection}<k1>-0.1</k1><k2>0.05</k2><k3>-0.01</k3><k4>0</k4><p1>0.003</p1><p2>-0.002</p2>");
     let pictures = images(|i| format!("IMG_{i}"));
     let of = |text: &str| folder(&pictures, &[("cameras.xml", text)]);
-    let text = metashape("frame", &lens);
+    let text = four("frame", &lens);
     let notes = check("metashape", of(&text).path(), &["cameras.xml"], |pose, point| {
         metashape_pixel(pose, point, |p| {
             let (x, y, r2) = (p.x, p.y, p.length_squared());
@@ -70,23 +88,23 @@ fn metashape_counts_from_the_middle_and_has_tangential_coefficients_exchanged() 
             )
         })
     });
-    assert!(notes.contains("not aligned and are left out: IMG_8") && notes.contains("its scale of 3"), "{notes}");
+    assert!(notes.contains("not aligned and are left out: IMG_99") && notes.contains("its scale of 3"), "{notes}");
     let fish = format!("{projection}<k1>-0.03</k1><k2>0.02</k2><k3>-0.01</k3><k4>0.003</k4>");
     for kind in ["fisheye", "equidistant_fisheye"] {
-        check("metashape", of(&metashape(kind, &fish)).path(), &["cameras.xml"], |pose, point| {
+        check("metashape", of(&four(kind, &fish)).path(), &["cameras.xml"], |pose, point| {
             metashape_pixel(pose, point, |p| fisheye(p, FISHEYE))
         });
     }
     for (text, problem) in [
-        (metashape("frame", &fish), "k4 = 0.003"),
-        (metashape("equisolid_fisheye", &fish), "type `equisolid_fisheye`"),
-        (metashape("fisheye", &lens), "p1 or p2 of a fisheye"),
-        (metashape("frame", &format!("{lens}<p3>0.1</p3>")), "`p3` = 0.1"),
+        (four("frame", &fish), "k4 = 0.003"),
+        (four("equisolid_fisheye", &fish), "type `equisolid_fisheye`"),
+        (four("fisheye", &lens), "p1 or p2 of a fisheye"),
+        (four("frame", &format!("{lens}<p3>0.1</p3>")), "`p3` = 0.1"),
         (text.replace("<orientation>1", "<orientation>6"), "turned"),
         (text.replace("</chunk>", "</chunk><chunk></chunk>"), "2 chunks"),
         (text.replace("</sensors>", ""), "correct that line"),
         (text.replace("label=\"IMG_1\"", ""), "id `1` has no label"),
-        (text.replace("id=\"8\"", "id=\"8\" master_id=\"0\""), "multi-camera system"),
+        (text.replace("id=\"99\"", "id=\"99\" master_id=\"0\""), "multi-camera system"),
         (text.replace("<orientation>1</orientation>", "<rolling_shutter>1</rolling_shutter>"), "rolling shutter"),
     ] {
         let message = refused("metashape", of(&text).path());
@@ -99,11 +117,11 @@ const PROJECTION: &str = "<f>60</f><cx>-1.5</cx><cy>0.75</cy>";
 /// A chunk of two frames that hold this of every camera.
 fn of_frames(camera: impl Fn(usize, usize) -> String) -> String {
     let frame = |frame: usize| {
-        let cameras: String = (0..poses().len()).map(|i| camera(frame, i)).collect();
+        let cameras: String = (0..pinholes().len()).map(|i| camera(frame, i)).collect();
         format!("<frame id=\"{frame}\">\n<cameras>\n{cameras}</cameras>\n<markers/></frame>\n")
     };
     let frames = format!("<frames next_id=\"2\">\n{}{}</frames>\n</chunk>", frame(0), frame(1));
-    metashape("frame", PROJECTION).replace("</chunk>", &frames)
+    four("frame", PROJECTION).replace("</chunk>", &frames)
 }
 
 #[test]
@@ -166,7 +184,7 @@ fn projects_are_refused_with_what_to_export() {
     }
     // Beside an export, a project does not matter.
     let capture =
-        folder(&images(|i| format!("IMG_{i}")), &[("a.psx", document), ("c.xml", &metashape("frame", PROJECTION))]);
+        folder(&images(|i| format!("IMG_{i}")), &[("a.psx", document), ("c.xml", &four("frame", PROJECTION))]);
     import("auto", capture.path());
 }
 
@@ -174,7 +192,7 @@ fn projects_are_refused_with_what_to_export() {
 fn a_folder_of_pictures_that_is_passed_over_is_named() {
     let mut pictures = images(|i| format!("IMG_{i}"));
     pictures.push(String::from("images/IMG_2/000000.png"));
-    let capture = folder(&pictures, &[("cameras.xml", &metashape("frame", PROJECTION))]);
+    let capture = folder(&pictures, &[("cameras.xml", &four("frame", PROJECTION))]);
     let (scene, notes) = import_with_notes("metashape", capture.path());
     assert_eq!(scene["frames"].as_array().unwrap().len(), 1);
     assert!(notes.contains("IMG_2.png is taken, and") && notes.contains("images/IMG_2 is not"), "{notes}");
@@ -185,7 +203,7 @@ fn a_folder_of_pictures_that_is_passed_over_is_named() {
 #[test]
 fn groups_are_the_folders_of_pictures_whose_labels_repeat() {
     // Two groups with pictures of the same names, and a sensor for each.
-    let text = metashape("frame", PROJECTION).replace("<group id=\"0\">", "<group id=\"0\" label=\"left\">");
+    let text = four("frame", PROJECTION).replace("<group id=\"0\">", "<group id=\"0\" label=\"left\">");
     let text = text.replace("label=\"IMG_2\"", "label=\"IMG_0\"").replace("label=\"IMG_3\"", "label=\"IMG_1\"");
     let at = text.find("<camera id=\"2\"").unwrap();
     let (first, second) = text.split_at(at);

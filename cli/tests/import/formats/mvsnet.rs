@@ -1,20 +1,22 @@
 //! MVSNet's files *_cam.txt.
 
 use super::super::refused;
-use super::{Pose, by_rows, check, folder, images, k, opencv, poses};
+use super::{Pinhole, by_rows, check, folder, images, opencv, pinholes};
 use std::fs;
+
+/// The file of a camera.
+pub fn mvsnet(pose: &Pinhole) -> String {
+    let (r, t) = (by_rows(&pose.r), pose.t);
+    let row = |i: usize| format!("{} {} {} {}\n", r[3 * i], r[3 * i + 1], r[3 * i + 2], t[i]);
+    let k = pose.k().chunks(3).map(|r| format!("{} {} {}\n", r[0], r[1], r[2])).collect::<String>();
+    format!("extrinsic\n{}{}{}0.0 0.0 0.0 1.0\n\nintrinsic\n{k}\n1.5 0.01 192 4.0\n", row(0), row(1), row(2))
+}
 
 #[test]
 fn mvsnet_is_a_matrix_and_k_per_file() {
-    let text = |pose: &Pose| {
-        let (r, t) = (by_rows(&pose.r), pose.t);
-        let row = |i: usize| format!("{} {} {} {}\n", r[3 * i], r[3 * i + 1], r[3 * i + 2], t[i]);
-        let k = k().chunks(3).map(|r| format!("{} {} {}\n", r[0], r[1], r[2])).collect::<String>();
-        format!("extrinsic\n{}{}{}0.0 0.0 0.0 1.0\n\nintrinsic\n{k}\n1.5 0.01 192 4.0\n", row(0), row(1), row(2))
-    };
     let name = |i: usize| format!("{i:08}");
     let files: Vec<(String, String)> =
-        poses().iter().enumerate().map(|(i, pose)| (format!("cams/{}_cam.txt", name(i)), text(pose))).collect();
+        pinholes().iter().enumerate().map(|(i, pose)| (format!("cams/{}_cam.txt", name(i)), mvsnet(pose))).collect();
     let texts: Vec<(&str, &str)> = files.iter().map(|(file, text)| (file.as_str(), text.as_str())).collect();
     let capture = folder(&images(name), &texts);
     let names: Vec<&str> = texts.iter().map(|(file, _)| *file).collect();

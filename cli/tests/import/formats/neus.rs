@@ -1,13 +1,13 @@
 //! cameras_sphere.npz of NeuS, IDR and DTU.
 
 use super::super::{HEIGHT, WIDTH, import, refused};
-use super::{COUNT, check, folder, k, opencv, poses};
+use super::{COUNT, Pinhole, check, folder, opencv, pinholes};
 use glam::DMat3;
 use image::GrayImage;
 use std::{fs, path::PathBuf};
 
 /// An .npz file: stored entries, one array of 4 x 4 numbers of eight bytes each.
-fn npz(arrays: &[(String, [f64; 16])]) -> Vec<u8> {
+pub fn npz(arrays: &[(String, [f64; 16])]) -> Vec<u8> {
     let (mut bytes, mut directory) = (Vec::new(), Vec::new());
     for (name, numbers) in arrays {
         let header = "{'descr': '<f8', 'fortran_order': False, 'shape': (4, 4), }";
@@ -44,14 +44,14 @@ fn npz(arrays: &[(String, [f64; 16])]) -> Vec<u8> {
     bytes
 }
 
-#[test]
-fn neus_is_a_projection_matrix_in_npz() {
+/// The arrays of the cameras.
+pub fn neus(cameras: &[Pinhole]) -> Vec<(String, [f64; 16])> {
     let mut arrays = Vec::new();
-    for (i, pose) in poses().iter().enumerate() {
-        let k = DMat3::from_cols_array(&k()).transpose();
+    for (i, pose) in cameras.iter().enumerate() {
+        let k = DMat3::from_cols_array(&pose.k()).transpose();
         let (m, p) = (k * pose.r, k * pose.t);
         // Projections may have any scale, and the other sign.
-        let scale = [1.0, 0.01, -2.0, 7.0][i];
+        let scale = [1.0, 0.01, -2.0, 7.0][i % 4];
         let numbers: Vec<f64> =
             (0..3).flat_map(|r| [m.row(r).x, m.row(r).y, m.row(r).z, p[r]]).map(|v| v * scale).collect();
         let mut world = [0.0; 16];
@@ -60,6 +60,12 @@ fn neus_is_a_projection_matrix_in_npz() {
         arrays.push((format!("world_mat_{i}"), world));
         arrays.push((format!("scale_mat_{i}"), [2.0; 16]));
     }
+    arrays
+}
+
+#[test]
+fn neus_is_a_projection_matrix_in_npz() {
+    let mut arrays = neus(&pinholes());
     let pictures: Vec<String> = (0..COUNT).map(|i| format!("image/{i:06}.png")).collect();
     let capture = folder(&pictures, &[]);
     let file: PathBuf = capture.path().join("cameras_sphere.npz");

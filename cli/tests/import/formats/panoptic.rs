@@ -1,22 +1,27 @@
 //! The JSON of CMU Panoptic.
 
-use super::super::{HEIGHT, WIDTH, refused};
-use super::{BROWN, Pose, brown, by_rows, check, folder, images, k, opencv, poses};
+use super::super::refused;
+use super::{BROWN, Pinhole, brown, by_rows, check, folder, images, opencv, pinholes};
 use std::fs;
 
-#[test]
-fn panoptic_is_opencv_in_a_list() {
-    let camera = |(i, pose): (usize, &Pose)| {
+/// The file. A last camera has no picture.
+pub fn panoptic(cameras: &[Pinhole], lens: &[f64]) -> String {
+    let camera = |(i, pose): (usize, &Pinhole)| {
         serde_json::json!({
-            "name": format!("00_0{i}"), "type": "hd", "resolution": [WIDTH, HEIGHT], "panel": 0, "node": i,
-            "K": [&k()[..3], &k()[3..6], &k()[6..]], "distCoef": BROWN,
+            "name": format!("00_0{i}"), "type": "hd", "resolution": pose.size, "panel": 0, "node": i,
+            "K": pose.k().chunks(3).collect::<Vec<_>>(), "distCoef": lens,
             "R": by_rows(&pose.r).chunks(3).collect::<Vec<_>>(), "t": pose.t.to_array().map(|v| [v]),
         })
     };
-    let mut cameras: Vec<_> = poses().iter().enumerate().map(camera).collect();
+    let mut cameras: Vec<_> = cameras.iter().enumerate().map(camera).collect();
     cameras.push(serde_json::json!({ "name": "01_01", "K": [], "distCoef": [] }));
     let file = serde_json::json!({ "calibDataSource": "160422", "cameras": cameras });
-    let text = serde_json::to_string_pretty(&file).unwrap();
+    serde_json::to_string_pretty(&file).unwrap()
+}
+
+#[test]
+fn panoptic_is_opencv_in_a_list() {
+    let text = panoptic(&pinholes(), &BROWN);
     let capture = folder(&images(|i| format!("00_0{i}")), &[("calibration_160422.json", &text)]);
     let notes = check("panoptic", capture.path(), &["calibration_160422.json"], |pose, point| {
         opencv(pose, point, |p| brown(p, BROWN))

@@ -1,7 +1,7 @@
 //! The XMP files of RealityCapture and RealityScan.
 
 use super::super::{HEIGHT, WIDTH, refused};
-use super::{Pose, by_rows, check, folder, images, poses};
+use super::{Pinhole, by_rows, check, folder, images, pinholes};
 use glam::{DVec2, DVec3};
 use std::fs;
 use tempfile::TempDir;
@@ -10,36 +10,46 @@ const F: f64 = 34.5;
 const PRINCIPAL: DVec2 = DVec2::new(0.0125, -0.02);
 const K: [f64; 3] = [-0.12, 0.1, -0.01];
 
-/// The file of a camera with t1 and t2.
-fn xmp(pose: &Pose, model: &str, [t1, t2]: [f64; 2]) -> String {
+/// The intrinsics as shares of the larger side of the picture, from its middle, and the distortion.
+pub struct Shares {
+    /// In 36ths.
+    pub f: f64,
+    pub principal: DVec2,
+    pub k: [f64; 3],
+    /// t1 and t2.
+    pub t: [f64; 2],
+}
+
+/// The file of a camera.
+pub fn xmp(pose: &Pinhole, model: &str, shares: &Shares) -> String {
+    let Shares { f, principal, k: [k1, k2, k3], t: [t1, t2] } = shares;
     let join = |n: &[f64]| n.iter().map(f64::to_string).collect::<Vec<_>>().join(" ");
-    let centre = -(pose.r.transpose() * pose.t);
-    let [k1, k2, k3] = K;
     format!(
         "<x:xmpmeta xmlns:x=\"adobe:ns:meta/\">\n <rdf:RDF xmlns:rdf=\"http://www.w3.org/1999/02/22-rdf-syntax-ns#\">\n\
          <rdf:Description xcr:Version=\"3\" xcr:PosePrior=\"exact\" xcr:Coordinates=\"absolute\"\n\
-         xcr:DistortionModel=\"{model}\" xcr:FocalLength35mm=\"{F}\" xcr:Skew=\"0\" xcr:AspectRatio=\"1\"\n\
+         xcr:DistortionModel=\"{model}\" xcr:FocalLength35mm=\"{f}\" xcr:Skew=\"0\" xcr:AspectRatio=\"1\"\n\
          xcr:PrincipalPointU=\"{}\" xcr:PrincipalPointV=\"{}\" xcr:Comment=\"x\"\n\
          xmlns:xcr=\"http://www.capturingreality.com/ns/xcr/1.1#\">\n<xcr:Rotation>{}</xcr:Rotation>\n\
          <xcr:Position>{}</xcr:Position>\n\
          <xcr:DistortionCoeficients>{k1} {k2} {k3} 0 {t1} {t2}</xcr:DistortionCoeficients>\n\
          </rdf:Description>\n</rdf:RDF>\n</x:xmpmeta>\n",
-        PRINCIPAL.x,
-        PRINCIPAL.y,
+        principal.x,
+        principal.y,
         join(&by_rows(&pose.r)),
-        join(&centre.to_array())
+        join(&pose.centre().to_array())
     )
 }
 
 fn capture(model: &str, tangential: [f64; 2]) -> (TempDir, Vec<String>) {
-    let names: Vec<String> = (0..poses().len()).map(|i| format!("images/c{i}.xmp")).collect();
-    let texts: Vec<String> = poses().iter().map(|pose| xmp(pose, model, tangential)).collect();
+    let shares = Shares { f: F, principal: PRINCIPAL, k: K, t: tangential };
+    let names: Vec<String> = (0..pinholes().len()).map(|i| format!("images/c{i}.xmp")).collect();
+    let texts: Vec<String> = pinholes().iter().map(|pose| xmp(pose, model, &shares)).collect();
     let files: Vec<(&str, &str)> = names.iter().map(String::as_str).zip(texts.iter().map(String::as_str)).collect();
     (folder(&images(|i| format!("c{i}")), &files), names)
 }
 
 /// Where the program sees a point: t1 bends along x, and t2 along y.
-fn pixel(pose: &Pose, point: DVec3, [t1, t2]: [f64; 2]) -> DVec2 {
+fn pixel(pose: &Pinhole, point: DVec3, [t1, t2]: [f64; 2]) -> DVec2 {
     let c = pose.r * point + pose.t;
     let (x, y) = (c.x / c.z, c.y / c.z);
     let r2 = x * x + y * y;

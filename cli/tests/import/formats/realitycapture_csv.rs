@@ -1,7 +1,8 @@
 //! The CSV files of camera parameters of RealityCapture and RealityScan.
 
 use super::super::{HEIGHT, WIDTH, import, refused, turn};
-use super::{Pose, brown, by_rows, check, folder, images, poses};
+use super::realitycapture::Shares;
+use super::{Pinhole, brown, by_rows, check, folder, images, pinholes};
 use glam::{DVec2, DVec3};
 use std::fs;
 
@@ -11,7 +12,7 @@ const K: [f64; 3] = [-0.12, 0.1, -0.01];
 /// t1 and t2, which are OpenCV's p2 and p1.
 const T: [f64; 2] = [0.002, -0.003];
 
-fn pixel(pose: &Pose, point: DVec3) -> DVec2 {
+fn pixel(pose: &Pinhole, point: DVec3) -> DVec2 {
     let c = pose.r * point + pose.t;
     let share = brown(DVec2::new(c.x / c.z, c.y / c.z), [K[0], K[1], T[1], T[0], K[2]]) * F / 36.0 + PRINCIPAL;
     // From the middle of the picture to pixels whose first centre is at (0, 0).
@@ -19,7 +20,7 @@ fn pixel(pose: &Pose, point: DVec3) -> DVec2 {
 }
 
 /// Heading, pitch and roll of a camera, found by turning a camera that looks down with its top to the north, and checked.
-fn angles(pose: &Pose) -> [f64; 3] {
+fn angles(pose: &Pinhole) -> [f64; 3] {
     let [right, up, back] = [pose.r.row(0), -pose.r.row(1), -pose.r.row(2)];
     // The picture's y axis stays in its place when the roll turns around it.
     let (pitch, heading) = (up.z.asin(), up.x.atan2(up.y));
@@ -40,20 +41,44 @@ fn join(numbers: impl IntoIterator<Item = f64>) -> String {
     numbers.into_iter().map(|v| format!("{v:?}")).collect::<Vec<_>>().join(",")
 }
 
-fn by_angles(header: &str) -> String {
-    let row = |(i, pose): (usize, &Pose)| {
-        let centre = -(pose.r.transpose() * pose.t);
-        let numbers = centre.to_array().into_iter().chain(angles(pose)).chain([F, PRINCIPAL.x, PRINCIPAL.y]);
-        format!("\"c {i}.png\",{},{}\n", join(numbers.chain(K)), join([0.0, T[0], T[1]]))
+/// Rows with angles.
+pub fn by_angles(header: &str, cameras: &[Pinhole], shares: impl Fn(&Pinhole) -> Shares) -> String {
+    let row = |(i, pose): (usize, &Pinhole)| {
+        let Shares { f, principal, k, t } = shares(pose);
+        let numbers = pose.centre().to_array().into_iter().chain(angles(pose)).chain([f, principal.x, principal.y]);
+        format!("\"c {i}.png\",{},{}\n", join(numbers.chain(k)), join([0.0, t[0], t[1]]))
     };
-    header.to_owned() + &poses().iter().enumerate().map(row).collect::<String>()
+    header.to_owned() + &cameras.iter().enumerate().map(row).collect::<String>()
 }
 
-const HEADER: &str = "#name,x,y,alt,heading,pitch,roll,f,px,py,k1,k2,k3,k4,t1,t2\n";
+/// The OpenCV-compliant file: matrices, and pixels from the corner of the picture.
+pub fn by_matrices(cameras: &[Pinhole], shares: impl Fn(&Pinhole) -> Shares) -> String {
+    let row = |(i, pose): (usize, &Pinhole)| {
+        let Shares { f, principal, k, t } = shares(pose);
+        let size = DVec2::from_array(pose.size.map(f64::from));
+        let principal = principal * size.max_element() + size / 2.0;
+        let numbers = pose.t.to_array().into_iter().chain(by_rows(&pose.r));
+        let lens = [f / 36.0 * size.max_element(), principal.x, principal.y, k[0], k[1], t[1], t[0], k[2], 0.0];
+        format!("c{i}.png,{}\n", join(numbers.chain(lens)))
+    };
+    let header = "#name,tx,ty,tz,R00,R01,R02,R10,R11,R12,R20,R21,R22,f_pix,px_pix,py_pix,k1,k2,t2,t1,k3,k4\n";
+    header.to_owned() + &cameras.iter().enumerate().map(row).collect::<String>()
+}
+
+/// The four cameras with these columns.
+fn four(header: &str) -> String {
+    by_angles(header, &pinholes(), shares)
+}
+
+fn shares(_: &Pinhole) -> Shares {
+    Shares { f: F, principal: PRINCIPAL, k: K, t: T }
+}
+
+pub const HEADER: &str = "#name,x,y,alt,heading,pitch,roll,f,px,py,k1,k2,k3,k4,t1,t2\n";
 
 #[test]
 fn angles_are_those_of_an_aircraft_whose_camera_looks_down() {
-    let text = by_angles(HEADER);
+    let text = four(HEADER);
     let capture = folder(&images(|i| format!("c {i}")), &[("registration.csv", &text)]);
     let notes = check("realitycapture", capture.path(), &["registration.csv"], pixel);
     assert!(notes.contains("the distortion is taken as Brown's"), "{notes}");
@@ -62,11 +87,11 @@ fn angles_are_those_of_an_aircraft_whose_camera_looks_down() {
     // RealityScan names the columns otherwise, and may announce the number of cameras.
     let file = capture.path().join("registration.csv");
     let other = "#cameras 4\n#name,x,y,alt,yaw,pitch,roll,f_35mm,px_norm,py_norm,k1,k2,k3,k4,t1,t2\n";
-    fs::write(&file, by_angles(other)).unwrap();
+    fs::write(&file, four(other)).unwrap();
     assert_eq!(import("auto", capture.path()), scene);
 
     // Another program may have saved it with semicolons, and with decimal commas.
-    let semicolons = by_angles(HEADER).replace(',', ";");
+    let semicolons = four(HEADER).replace(',', ";");
     let commas = semicolons.replace('.', ",").replace(",png", ".png");
     for text in [&semicolons, &commas] {
         fs::write(&file, format!("#cameras 4;;;\n{text}")).unwrap();
@@ -104,27 +129,7 @@ fn angles_are_those_of_an_aircraft_whose_camera_looks_down() {
 
 #[test]
 fn the_opencv_compliant_file_has_matrices_and_pixels_from_the_corner() {
-    let larger = f64::from(WIDTH.max(HEIGHT));
-    let middle = DVec2::new(f64::from(WIDTH), f64::from(HEIGHT)) / 2.0;
-    let principal = PRINCIPAL * larger + middle;
-    let row = |(i, pose): (usize, &Pose)| {
-        let numbers = pose.t.to_array().into_iter().chain(by_rows(&pose.r));
-        let lens = [F / 36.0 * larger, principal.x, principal.y, K[0], K[1], T[1], T[0], K[2], 0.0];
-        format!("c{i}.png,{}\n", join(numbers.chain(lens)))
-    };
-    let header = "#name,tx,ty,tz,R00,R01,R02,R10,R11,R12,R20,R21,R22,f_pix,px_pix,py_pix,k1,k2,t2,t1,k3,k4\n";
-    let text = header.to_owned() + &poses().iter().enumerate().map(row).collect::<String>();
+    let text = by_matrices(&pinholes(), shares);
     let capture = folder(&images(|i| format!("c{i}")), &[("opencv.csv", &text)]);
     check("realitycapture", capture.path(), &["opencv.csv"], pixel);
-}
-
-#[test]
-fn a_calibration_of_qualisys_is_named() {
-    let text = "<calibration><cameras><camera><intrinsic focalLengthU=\"9\"/></camera></cameras></calibration>";
-    for name in ["a.qca.txt", "a.xml"] {
-        let capture = folder(&[], &[(name, text)]);
-        for path in [capture.path(), &capture.path().join(name)] {
-            assert!(refused("auto", path).contains("is a calibration of Qualisys"));
-        }
-    }
 }

@@ -1,25 +1,29 @@
 //! Stereo pairs of OpenCV: `x2 = R x1 + T`, in the world of the first camera.
 
 use super::super::{HEIGHT, WIDTH, camera, import, import_with_notes, refused};
-use super::{BROWN, Pose, brown, by_rows, folder, k, list, opencv, points, poses};
+use super::{BROWN, Pinhole, brown, by_rows, folder, list, opencv, pinholes, points};
 use glam::{DMat3, DVec3};
 use serde_json::{Value, json};
 use tempfile::TempDir;
 
 /// The step between two cameras.
-fn step(from: &Pose, to: &Pose) -> (DMat3, DVec3) {
+fn step(from: &Pinhole, to: &Pinhole) -> (DMat3, DVec3) {
     let r = to.r * from.r.transpose();
     (r, to.t - r * from.t)
 }
 
 /// Keys, rows and numbers of matrices, in the order in which a program writes them.
-type Matrices = Vec<(String, usize, Vec<f64>)>;
+pub type Matrices = Vec<(String, usize, Vec<f64>)>;
 
 fn lens(keys: [&str; 2]) -> Matrices {
-    vec![(keys[0].into(), 3, k().into()), (keys[1].into(), 1, BROWN.into())]
+    lens_of(&pinholes()[0], &BROWN, keys)
 }
 
-fn pose([r, t]: [&str; 2], from: &Pose, to: &Pose) -> Matrices {
+pub fn lens_of(pinhole: &Pinhole, distortion: &[f64], [k, d]: [&str; 2]) -> Matrices {
+    vec![(k.into(), 3, pinhole.k().into()), (d.into(), 1, distortion.into())]
+}
+
+pub fn pose([r, t]: [&str; 2], from: &Pinhole, to: &Pinhole) -> Matrices {
     let (rotation, translation) = step(from, to);
     vec![(r.into(), 3, by_rows(&rotation).into()), (t.into(), 3, translation.to_array().into())]
 }
@@ -33,7 +37,7 @@ fn rectification() -> Matrices {
     all
 }
 
-fn yaml(matrices: &Matrices) -> String {
+pub fn yaml(matrices: &Matrices) -> String {
     let matrix = |(key, rows, data): &(String, usize, Vec<f64>)| {
         let columns = data.len() / rows;
         let data = list(data.iter().copied());
@@ -42,7 +46,7 @@ fn yaml(matrices: &Matrices) -> String {
     format!("%YAML:1.0\n---\n{}", matrices.iter().map(matrix).collect::<String>())
 }
 
-fn xml(matrices: &Matrices) -> String {
+pub fn xml(matrices: &Matrices) -> String {
     let matrix = |(key, rows, data): &(String, usize, Vec<f64>)| {
         let columns = data.len() / rows;
         let data = list(data.iter().copied()).replace(',', "");
@@ -56,7 +60,7 @@ fn xml(matrices: &Matrices) -> String {
 }
 
 /// Nested lists, as Python's `tolist` gives.
-fn nested(matrices: &Matrices) -> String {
+pub fn nested(matrices: &Matrices) -> String {
     let matrix = |(key, rows, data): &(String, usize, Vec<f64>)| {
         (key.clone(), json!(data.chunks(data.len() / rows).collect::<Vec<_>>()))
     };
@@ -69,7 +73,7 @@ fn pictures(names: &[&str]) -> Vec<String> {
 
 /// The imported cameras see points where OpenCV's formula has them. The world is that of the first of `cameras`.
 #[track_caller]
-fn assert_is_seen(scene: &Value, cameras: &[&Pose]) {
+fn assert_is_seen(scene: &Value, cameras: &[&Pinhole]) {
     assert_eq!(scene["cameras"].as_array().unwrap().len(), cameras.len());
     for (i, pose) in cameras.iter().enumerate() {
         for point in points(pose) {
@@ -82,7 +86,7 @@ fn assert_is_seen(scene: &Value, cameras: &[&Pose]) {
 
 #[test]
 fn the_second_camera_of_a_pair_is_r_and_t_from_the_first() {
-    let [first, second, ..] = &poses()[..] else { panic!("four poses") };
+    let [first, second, ..] = &pinholes()[..] else { panic!("four poses") };
     for ([k1, d1], [k2, d2], pose_keys, names) in [
         (["M1", "D1"], ["M2", "D2"], ["R", "T"], ["left", "right"]),
         (["K1", "d1"], ["K2", "d2"], ["R", "t"], ["cam1", "cam2"]),
@@ -126,13 +130,13 @@ fn the_second_camera_of_a_pair_is_r_and_t_from_the_first() {
 
 #[test]
 fn a_pair_may_be_in_two_or_three_files_or_in_maps() {
-    let [first, second, ..] = &poses()[..] else { panic!("four poses") };
+    let [first, second, ..] = &pinholes()[..] else { panic!("four poses") };
     let pose = pose(["R", "T"], first, second);
     let extrinsics = yaml(&[pose.clone(), rectification()].concat());
     let both = yaml(&[lens(["M1", "D1"]), lens(["M2", "D2"])].concat());
     let [one, other] = [["M1", "D1"], ["M2", "D2"]].map(|keys| yaml(&lens(keys)));
     let alone = yaml(&lens(["camera_matrix", "distortion_coefficients"]));
-    let map = |name: &str| json!({ "K": k(), "dist_coeffs": BROWN, "image_size": [WIDTH, HEIGHT], "name": name });
+    let map = |name: &str| json!({ "K": first.k(), "dist_coeffs": BROWN, "image_size": [WIDTH, HEIGHT], "name": name });
     let [(_, _, r), (_, _, t)] = &pose[..] else { panic!("R and T") };
     let maps = json!({ "right": map("b"), "left": map("a"), "R": r, "T": t }).to_string();
     let cases: [&[(&str, &str)]; 4] = [
@@ -158,7 +162,7 @@ fn a_pair_may_be_in_two_or_three_files_or_in_maps() {
 
 /// Pairs of neighbours of four cameras.
 fn chain(name: impl Fn(usize, usize) -> String) -> Vec<(String, String)> {
-    let all = poses();
+    let all = pinholes();
     let pair = |[from, to]: [usize; 2]| {
         let matrices =
             [lens(["M1", "D1"]), lens(["M2", "D2"]), pose(["R", "T"], &all[from], &all[to]), rectification()].concat();
@@ -175,7 +179,7 @@ fn chain_folder(texts: &[(String, String)]) -> TempDir {
 
 #[test]
 fn pairs_make_a_chain_if_their_names_say_so() {
-    let all = poses();
+    let all = pinholes();
     let files = chain(|a, b| format!("stereo_{a}_{b}.yml"));
     let (scene, notes) = import_with_notes("opencv", chain_folder(&files).path());
     assert_is_seen(&scene, &all.iter().collect::<Vec<_>>());
@@ -194,7 +198,7 @@ fn pairs_make_a_chain_if_their_names_say_so() {
 
 #[test]
 fn a_pair_that_is_not_certain_is_refused_with_the_remedy() {
-    let [first, second, ..] = &poses()[..] else { panic!("four poses") };
+    let [first, second, ..] = &pinholes()[..] else { panic!("four poses") };
     let [pose, backwards] = [[first, second], [second, first]].map(|[from, to]| pose(["R", "T"], from, to));
     let lenses = [lens(["M1", "D1"]), lens(["M2", "D2"])].concat();
     let whole = [lenses.clone(), pose.clone()].concat();
@@ -208,7 +212,11 @@ fn a_pair_that_is_not_certain_is_refused_with_the_remedy() {
     let more = |matrices: Matrices| yaml(&[whole.clone(), matrices].concat());
     fails(&sides, &[("a.yml", yaml(&lenses))], "its R and T are missing");
     fails(&sides, &[("a.yml", more(lens(["M3", "D3"])))], "not those of its first and its second camera");
-    fails(&sides, &[("a.yml", more(vec![("KK".into(), 3, k().into())]))], "`KK` is a matrix that is not understood");
+    fails(
+        &sides,
+        &[("a.yml", more(vec![("KK".into(), 3, first.k().into())]))],
+        "`KK` is a matrix that is not understood",
+    );
     fails(
         &sides,
         &[("a.yml", more(vec![("T1".into(), 3, vec![0.0; 3])]))],

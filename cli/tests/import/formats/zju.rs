@@ -1,7 +1,7 @@
 //! ZJU-MoCap's annots.npy, as numpy writes it.
 
 use super::super::{import, import_with_notes, refused};
-use super::{BROWN, COUNT, brown, by_rows, check, folder, k, opencv, poses};
+use super::{BROWN, COUNT, Pinhole, brown, by_rows, check, folder, opencv, pinholes};
 use std::fs;
 
 /// A pickle of protocol 3. Arrays are what numpy makes of them: a function's call with a state.
@@ -48,20 +48,20 @@ impl Pickle {
     }
 }
 
-fn picture(camera: usize, frame: usize) -> String {
+pub fn picture(camera: usize, frame: usize) -> String {
     format!("Camera_B{}/{frame:06}.png", camera + 1)
 }
 
 /// The file of a number of frames.
-fn annots(frames: usize, extra: &str) -> Vec<u8> {
-    let poses = poses();
+pub fn annots(cameras: &[Pinhole], lens: [f64; 5], frames: usize, extra: &str) -> Vec<u8> {
+    let count = cameras.len();
     let mut pickle = Pickle::default();
     pickle.add(b"\x80\x03").array("O8", &[], false, |top| {
         top.list(1, |top, _| {
             top.add(b"}(").text("cams").add(b"}(");
-            top.text("K").list(COUNT, |list, i| {
+            top.text("K").list(count, |list, i| {
                 // As arrays by rows and by columns, and as nested lists.
-                let k = k();
+                let k = cameras[i].k();
                 let by_columns = [k[0], k[3], k[6], k[1], k[4], k[7], k[2], k[5], k[8]];
                 match i {
                     0 => drop(list.doubles(&[3, 3], true, &by_columns)),
@@ -74,15 +74,15 @@ fn annots(frames: usize, extra: &str) -> Vec<u8> {
                     _ => drop(list.doubles(&[3, 3], false, &k)),
                 }
             });
-            top.text("D").list(COUNT, |list, _| {
-                list.doubles(&[5, 1], false, &BROWN);
+            top.text("D").list(count, |list, _| {
+                list.doubles(&[5, 1], false, &lens);
             });
-            top.text("R").list(COUNT, |list, i| {
-                list.doubles(&[3, 3], false, &by_rows(&poses[i].r));
+            top.text("R").list(count, |list, i| {
+                list.doubles(&[3, 3], false, &by_rows(&cameras[i].r));
             });
             // All in one array.
-            let t: Vec<f64> = poses.iter().flat_map(|pose| (pose.t * 1000.0).to_array()).collect();
-            top.text("T").doubles(&[COUNT as u8, 3, 1], false, &t);
+            let t: Vec<f64> = cameras.iter().flat_map(|pose| (pose.t * 1000.0).to_array()).collect();
+            top.text("T").doubles(&[count as u8, 3, 1], false, &t);
             if !extra.is_empty() {
                 top.text(extra).add(b"K\x01");
             }
@@ -90,14 +90,14 @@ fn annots(frames: usize, extra: &str) -> Vec<u8> {
                 list.add(b"}(").text("ims");
                 if frame == 1 {
                     // An array of texts of equal length.
-                    let names: String = (0..COUNT).map(|i| picture(i, frame)).collect();
+                    let names: String = (0..count).map(|i| picture(i, frame)).collect();
                     let length = picture(0, 0).len();
                     let data: Vec<u8> = names.chars().flat_map(|c| u32::from(c).to_le_bytes()).collect();
-                    list.array(&format!("U{length}"), &[COUNT as u8], false, |array| {
+                    list.array(&format!("U{length}"), &[count as u8], false, |array| {
                         array.bytes(&data);
                     });
                 } else {
-                    list.list(COUNT, |names, i| {
+                    list.list(count, |names, i| {
                         let name = picture(i, frame);
                         names.text(&if i == 0 { name.replace('/', "\\") } else { name });
                     });
@@ -120,7 +120,7 @@ fn annots(frames: usize, extra: &str) -> Vec<u8> {
 fn zju_is_opencv_in_millimetres() {
     let pictures: Vec<String> = (0..COUNT).map(|i| picture(i, 0)).collect();
     let capture = folder(&pictures, &[]);
-    fs::write(capture.path().join("annots.npy"), annots(1, "")).unwrap();
+    fs::write(capture.path().join("annots.npy"), annots(&pinholes(), BROWN, 1, "")).unwrap();
     fs::create_dir(capture.path().join("mask_cihp")).unwrap();
     let notes = check("zju", capture.path(), &["annots.npy"], |pose, point| opencv(pose, point, |p| brown(p, BROWN)));
     assert!(notes.contains("T is in millimetres") && notes.contains("ignored: `kpts2d`"), "{notes}");
@@ -132,7 +132,7 @@ fn zju_is_opencv_in_millimetres() {
 fn zju_frames_are_a_clip() {
     let pictures: Vec<String> = (0..COUNT).flat_map(|i| (0..3).map(move |frame| picture(i, frame))).collect();
     let capture = folder(&pictures, &[]);
-    fs::write(capture.path().join("annots.npy"), annots(3, "")).unwrap();
+    fs::write(capture.path().join("annots.npy"), annots(&pinholes(), BROWN, 3, "")).unwrap();
     fs::remove_file(capture.path().join(picture(2, 1))).unwrap();
     let (scene, notes) = import_with_notes("auto", capture.path());
     assert_eq!(scene["frames"].as_array().unwrap().len(), 3);
@@ -146,11 +146,11 @@ fn a_zju_file_that_is_wrong_is_refused() {
     let pictures: Vec<String> = (0..COUNT).map(|i| picture(i, 0)).collect();
     let capture = folder(&pictures, &[]);
     let file = capture.path().join("annots.npy");
-    let whole = annots(1, "");
+    let whole = annots(&pinholes(), BROWN, 1, "");
     let numbers = [&b"\x93NUMPY\x01\x00\x76\x00"[..], format!("{:<118}", "{'descr': '<f8'}").as_bytes()].concat();
     for (bytes, problem) in [
         (whole[..whole.len() - 40].to_vec(), "annots.npy: "),
-        (annots(1, "pose"), "`pose` looks like calibration"),
+        (annots(&pinholes(), BROWN, 1, "pose"), "`pose` looks like calibration"),
         (numbers, "is an array of numbers"),
         (b"PK".to_vec(), "is no .npy file"),
     ] {
