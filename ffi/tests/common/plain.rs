@@ -1,4 +1,4 @@
-//! A capture as the plain files that the examples in C read (see examples/c/capture.h).
+//! A capture as the plain files that the examples in C (see examples/c/capture.h) and the one with OpenCV read.
 
 use std::{fmt::Write as _, fs, io, path::Path};
 use studio::{Capture, Faults, Ring, Subject};
@@ -33,7 +33,7 @@ pub fn recorded(views: u32, width: u32, height: u32, turned: &[(usize, [f64; 2])
     Capture::new(Subject::Figure, &cameras, &times, &faults)
 }
 
-/// Writes cameras.txt, and camNN.ppm and camNN.pgm of a frame.
+/// Writes camNN.ppm and camNN.pgm of a frame, and the calibration as cameras.txt and calibration.yml.
 pub fn write(capture: &Capture, frame: usize, folder: &Path) -> io::Result<()> {
     fs::create_dir_all(folder)?;
     let mut text = format!("{}\n", capture.cameras.len());
@@ -52,5 +52,28 @@ pub fn write(capture: &Capture, frame: usize, folder: &Path) -> io::Result<()> {
             fs::write(folder.join(format!("cam{i:02}.pgm")), netpbm("P5", mask))?;
         }
     }
+    fs::write(folder.join("calibration.yml"), of_opencv(capture))?;
     fs::write(folder.join("cameras.txt"), text)
+}
+
+/// The cameras as cv::FileStorage writes them.
+fn of_opencv(capture: &Capture) -> String {
+    let mut yaml = String::from("%YAML:1.0\n---\ncameras:\n");
+    for (i, c) in capture.cameras.iter().enumerate() {
+        let _ = writeln!(yaml, "   - {{ image: \"cam{i:02}.ppm\", mask: \"cam{i:02}.pgm\",");
+        let matrices = [
+            ("K", 3, c.k.as_flattened(), ","),
+            ("distortion", 1, &c.lens.coefficients()[..5], ","),
+            ("R", 3, c.r.as_flattened(), ","),
+            ("t", 3, &c.t[..], " }"),
+        ];
+        for (name, rows, numbers, end) in matrices {
+            // Debug formatting keeps a decimal point. Without one, OpenCV reads a number as an integer.
+            let data: Vec<String> = numbers.iter().map(|number| format!("{number:?}")).collect();
+            let (columns, data) = (data.len() / rows, data.join(", "));
+            let matrix = format!("!!opencv-matrix {{ rows: {rows}, cols: {columns}, dt: d, data: [{data}] }}");
+            let _ = writeln!(yaml, "       {name}: {matrix}{end}");
+        }
+    }
+    yaml
 }

@@ -8,6 +8,8 @@ mod bundler;
 mod clip;
 mod colmap;
 mod easymocap;
+#[cfg(feature = "formats")]
+mod essential;
 mod formats;
 mod found;
 #[cfg(feature = "formats")]

@@ -1,12 +1,14 @@
 //! What a file has of a stereo pair.
 
 use super::{
+    essential,
     keys::listed,
     lens::plain,
     marks::{self, Mark},
     notes::Notes,
     opencv_keys::{K, Object, ROTATION, SIZE, SIZE_PARTS, TRANSLATION, as_map, check_matrices},
-    values::{find, numbers},
+    values::{find, numbers, to_array},
+    view::rotation,
 };
 use crate::failure::Failure;
 use serde_json::{Map, Value, json};
@@ -26,8 +28,9 @@ const MARKED_DISTORTION: &[&str] = &[
     "distortioncoeffs",
     "distortioncoefficients",
 ];
-/// What follows from the lenses and the pose: the essential and the fundamental matrix, and the rectification.
-const DERIVED: &[&str] = &["e", "f", "q", "essential", "essentialmatrix", "fundamental", "fundamentalmatrix"];
+const ESSENTIAL: &[&str] = &["e", "essential", "essentialmatrix"];
+/// What else follows from the lenses and the pose: the fundamental matrix, and the rectification.
+const DERIVED: &[&str] = &["f", "q", "fundamental", "fundamentalmatrix"];
 const MARKED_DERIVED: &[&str] = &[
     "r",
     "p",
@@ -163,13 +166,28 @@ impl Part {
         }
     }
 
-    /// Removes what follows from the pair, and notes it. What may be another camera or another pose is an error.
+    /// Refuses an essential matrix that does not follow from R and T.
+    fn check_essential(&self) -> Result<(), Failure> {
+        let essential = self.rest.iter().find(|(key, _)| ESSENTIAL.contains(&plain(key).as_str()));
+        let (Some((_, e)), Some([r, t])) = (essential, &self.pose) else { return Ok(()) };
+        let check = || {
+            // What is no matrix is refused later, and so are R and T that are no pose.
+            let Ok(Ok(e)) = numbers(e).map(<[f64; 9]>::try_from) else { return Ok(()) };
+            essential::check(&e, rotation(&numbers(r)?)?, to_array(&numbers(t)?, "T")?.into())
+        };
+        check().map_err(|problem| self.wrong(&problem))
+    }
+
+    /// Removes what follows from the pair, and notes it. What contradicts the pair, or may be another camera or another pose, is
+    /// an error.
     pub fn drop_derived(&mut self, notes: &mut Notes) -> Result<(), Failure> {
+        self.check_essential()?;
         let of_matrix = |value: &Value| numbers(value).is_ok_and(|numbers| numbers.len() >= 9);
         let is_marked =
             |key: &str, known: &[&str]| marks::split(key).is_some_and(|(base, _)| known.contains(&base.as_str()));
         let is_derived = |key: &str, value: &Value| {
-            of_matrix(value) && (DERIVED.contains(&plain(key).as_str()) || is_marked(key, MARKED_DERIVED))
+            let is_known = [ESSENTIAL, DERIVED].concat().contains(&plain(key).as_str());
+            of_matrix(value) && (is_known || is_marked(key, MARKED_DERIVED))
         };
         let poses = self.rest.keys().find(|key| is_marked(key, MARKED_TRANSLATION));
         if let Some(key) = poses {

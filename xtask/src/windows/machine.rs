@@ -17,7 +17,7 @@ pub const CC: &str = "x86_64-w64-mingw32-gcc";
 pub const CXX: &str = "x86_64-w64-mingw32-g++-posix";
 
 /// Folder of what is built and written.
-fn work() -> PathBuf {
+pub fn work() -> PathBuf {
     target().join("windows")
 }
 

@@ -3,6 +3,7 @@
 
 mod command;
 mod machine;
+mod opencv;
 mod package;
 mod programs;
 
@@ -32,23 +33,24 @@ const CHECKED_NEEDS: [Need; 2] = [Need::Target(CHECKED[0]), Need::Target(CHECKED
 
 /// What the checks need.
 pub fn needs() -> Vec<Need> {
-    [&NEEDS[..], &TOOLS, &CHECKED_NEEDS].concat()
+    [&NEEDS[..], &TOOLS, &[opencv::ZLIB], &CHECKED_NEEDS].concat()
 }
 
-/// Makes a check. Says what it has compared.
-type Check = fn() -> Result<String>;
+/// Makes a check.
+type Check = fn() -> Result<Outcome>;
 
 /// Runs all checks.
 pub fn check(steps: &mut Steps) -> Result<()> {
     let needs = [&NEEDS[..], &TOOLS].concat();
-    let checks: [(&str, Check); 3] = [
-        ("Windows: command line", command::check),
-        ("Windows: C and C++ programs", programs::check),
-        ("Windows: CMake package", package::check),
+    let checks: [(&str, Check); 4] = [
+        ("Windows: command line", || command::check().map(Outcome::Passed)),
+        ("Windows: C and C++ programs", || programs::check().map(Outcome::Passed)),
+        ("Windows: CMake package", || package::check().map(Outcome::Passed)),
+        ("Windows: OpenCV", opencv::check),
     ];
     for (name, check) in checks {
         steps.step_with(&needs, name, || match needs.iter().try_for_each(|need| need.install()) {
-            Ok(()) => build().and_then(|()| check()).map(Outcome::Passed),
+            Ok(()) => build().and_then(|()| check()),
             Err(why) => Ok(Outcome::Skipped(why)),
         })?;
     }

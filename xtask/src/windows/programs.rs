@@ -36,7 +36,7 @@ const WRITERS: [(&str, &str); 6] = [
     ("tests/c/steady.c", "take0 take1 take2 OUT"),
 ];
 
-/// Compiles and runs all of them. Another example needs OpenCV, which Debian does not have for MinGW-w64.
+/// Compiles and runs all of them. The example with OpenCV has a check of its own.
 pub fn check() -> Result<String> {
     let folder = empty("programs")?;
     for (name, arguments) in CAPTURES {
@@ -55,7 +55,7 @@ pub fn check() -> Result<String> {
 
 /// Where a program runs.
 #[derive(Clone, Copy, PartialEq)]
-enum System {
+pub enum System {
     This,
     Windows,
 }
@@ -79,7 +79,7 @@ fn run_on(system: System, folder: &Path, source: &str, arguments: &str) -> Resul
 }
 
 /// Compiles a program with the library: on Windows the shared one.
-fn compile(system: System, source: &str, to: &Path) -> Result<()> {
+pub fn compile(system: System, source: &str, to: &Path) -> Result<()> {
     let windows = system == System::Windows;
     let (compiler, standard) = match (source.ends_with(".cpp"), windows) {
         (true, true) => (CXX, "-std=c++17"),

@@ -28,11 +28,19 @@ pub fn pose([r, t]: [&str; 2], from: &Pinhole, to: &Pinhole) -> Matrices {
     vec![(r.into(), 3, by_rows(&rotation).into()), (t.into(), 3, translation.to_array().into())]
 }
 
-/// What stereoRectify writes. The numbers do not matter, because nothing may be read from them.
-fn rectification() -> Matrices {
+/// The essential matrix: its columns are those of R, crossed with T.
+fn essential(from: &Pinhole, to: &Pinhole) -> (String, usize, Vec<f64>) {
+    let (r, t) = step(from, to);
+    let e = DMat3::from_cols(t.cross(r.x_axis), t.cross(r.y_axis), t.cross(r.z_axis));
+    (String::from("E"), 3, by_rows(&e).into())
+}
+
+/// What stereoCalibrate and stereoRectify write besides. Numbers of the rectification do not matter, because nothing may be read
+/// from them.
+fn derived(from: &Pinhole, to: &Pinhole) -> Matrices {
     let nine = by_rows(&DMat3::IDENTITY).to_vec();
     let of = |key: &str, rows: usize, count: usize| (key.to_owned(), rows, vec![0.5; count]);
-    let mut all = vec![of("P1", 3, 12), of("P2", 3, 12), of("Q", 4, 16), of("E", 3, 9), of("F", 3, 9)];
+    let mut all = vec![of("P1", 3, 12), of("P2", 3, 12), of("Q", 4, 16), essential(from, to), of("F", 3, 9)];
     all.extend(["R1", "R2"].map(|key| (key.to_owned(), 3, nine.clone())));
     all
 }
@@ -108,7 +116,7 @@ fn the_second_camera_of_a_pair_is_r_and_t_from_the_first() {
         ),
     ] {
         // The second lens first: names decide, not the order.
-        let all = [lens([k2, d2]), lens([k1, d1]), pose(pose_keys, first, second), rectification()].concat();
+        let all = [lens([k2, d2]), lens([k1, d1]), pose(pose_keys, first, second), derived(first, second)].concat();
         for (file, text) in [("stereo.yml", yaml(&all)), ("stereo.xml", xml(&all)), ("stereo.json", nested(&all))] {
             let capture = folder(&pictures(&names), &[(file, &text)]);
             for path in [capture.path(), &capture.path().join(file)] {
@@ -132,7 +140,7 @@ fn the_second_camera_of_a_pair_is_r_and_t_from_the_first() {
 fn a_pair_may_be_in_two_or_three_files_or_in_maps() {
     let [first, second, ..] = &pinholes()[..] else { panic!("four poses") };
     let pose = pose(["R", "T"], first, second);
-    let extrinsics = yaml(&[pose.clone(), rectification()].concat());
+    let extrinsics = yaml(&[pose.clone(), derived(first, second)].concat());
     let both = yaml(&[lens(["M1", "D1"]), lens(["M2", "D2"])].concat());
     let [one, other] = [["M1", "D1"], ["M2", "D2"]].map(|keys| yaml(&lens(keys)));
     let alone = yaml(&lens(["camera_matrix", "distortion_coefficients"]));
@@ -164,8 +172,13 @@ fn a_pair_may_be_in_two_or_three_files_or_in_maps() {
 fn chain(name: impl Fn(usize, usize) -> String) -> Vec<(String, String)> {
     let all = pinholes();
     let pair = |[from, to]: [usize; 2]| {
-        let matrices =
-            [lens(["M1", "D1"]), lens(["M2", "D2"]), pose(["R", "T"], &all[from], &all[to]), rectification()].concat();
+        let matrices = [
+            lens(["M1", "D1"]),
+            lens(["M2", "D2"]),
+            pose(["R", "T"], &all[from], &all[to]),
+            derived(&all[from], &all[to]),
+        ]
+        .concat();
         (name(from + 1, to + 1), yaml(&matrices))
     };
     // One leads backwards.
@@ -223,6 +236,11 @@ fn a_pair_that_is_not_certain_is_refused_with_the_remedy() {
         "`T1` looks like the pose of a single camera",
     );
     fails(&sides, &[("a.yml", more(vec![("focal".into(), 1, vec![3.0])]))], "`focal` looks like calibration");
+    let with_essential = |e: Matrices| [("a.yml", more(e))];
+    let of_other_way = with_essential(vec![essential(second, first)]);
+    fails(&sides, &of_other_way, "R and T lead from the second camera to the first");
+    let of_other = with_essential(vec![essential(first, &pinholes()[2])]);
+    fails(&sides, &of_other, "the essential matrix does not follow from R and T");
     fails(&[], &[("a.yml", yaml(&whole))], "the pictures of its cameras are missing");
     let ambiguous = pictures(&["left", "right", "cam1", "cam2"]);
     fails(&ambiguous, &[("a.yml", yaml(&whole))], "may all be the pictures of its cameras");
