@@ -25,12 +25,14 @@ mod python;
 mod result;
 mod sample;
 mod setup;
+mod shared_memory;
 mod speed;
 mod steps;
 mod supply;
 mod tables;
 mod take;
 mod test;
+mod wasm_module;
 mod web;
 mod windows;
 
