@@ -34,11 +34,11 @@ const ISOLATION = {
 
 /**
  * Serves folders by Vite's preview server. Keys are paths that end with a slash. With `isolated` the responses have the
- * headers with which memory may be shared between workers, otherwise none but the usual ones.
+ * headers with which memory may be shared between workers, otherwise none but the usual ones. Without `port` it is any free one.
  *
  * Preview serves one folder, and so this is a folder of links.
  */
-export async function serve(folders, isolated = false) {
+export async function serve(folders, isolated = false, port = 0) {
     const root = mkdtempSync(join(tmpdir(), "pcmvs-site-"));
     for (const [path, folder] of Object.entries(folders)) {
         const link = join(root, path.slice(0, -1));
@@ -53,7 +53,7 @@ export async function serve(folders, isolated = false) {
         appType: "mpa",
         logLevel: "error",
         build: { outDir: root },
-        preview: { host: "127.0.0.1", port: 0, headers: isolated ? ISOLATION : {} },
+        preview: { host: "127.0.0.1", port, headers: isolated ? ISOLATION : {} },
     });
     return {
         address: `http://127.0.0.1:${server.httpServer.address().port}`,
