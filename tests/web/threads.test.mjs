@@ -56,6 +56,13 @@ const WORKER = `
             let steps = 0;
             frame.reconstruct("preview", () => void steps++);
             found.steps = steps;
+            // A worker for which there is no thread to run fails.
+            const channel = new BroadcastChannel("more");
+            const failed = new Promise((resolve) => (channel.onmessage = ({ data }) => resolve(data)));
+            const module = await WebAssembly.compileStreaming(fetch("/pkg/pcmvs-threads.wasm"));
+            const memory = new WebAssembly.Memory({ initial: 64, maximum: 65536, shared: true });
+            new Worker("/pkg/thread.js", { type: "module" }).postMessage({ module, memory, failures: "more" });
+            found.failed = await failed;
         }
         postMessage(found);
     } catch (error) {
@@ -100,6 +107,7 @@ test("three threads give the bytes and the hashes of one", { skip }, async (t) =
     assert.match(found.plain.hashes.steady, /^[0-9a-f]{16}$/);
     assert.deepEqual([found.cancelled, found.again], ["cancelled", "input"]);
     assert.ok(found.steps > 20, `${found.steps} steps`);
+    assert.deepEqual(found.failed, { code: "internal", message: "all threads have a worker" });
 });
 
 test("without isolation the package says that threads are not supported", { skip }, async (t) => {
@@ -116,13 +124,18 @@ async function openAlone(t, address, options) {
 }
 
 const threads = (page) => page.evaluate(() => performance.getEntriesByName("threads").map(({ detail }) => detail));
-/** The page's workers and their workers that run. */
-async function workers(page) {
+/** How many workers run that a worker of the page has started. */
+async function nested(page) {
     const client = await browser.newBrowserCDPSession();
     const { targetInfos } = await client.send("Target.getTargets", { filter: [{ type: "worker" }] });
     await client.detach();
     const origin = new URL(page.url()).origin;
-    return targetInfos.filter(({ url }) => url.startsWith(origin)).map(({ url }) => url.split("/").at(-1));
+    return targetInfos.filter(({ url }) => url.startsWith(origin) && url.includes("/thread-")).length;
+}
+/** Waits until they have ended, which takes a moment. */
+async function noneNested(page) {
+    for (let i = 0; i < 50 && (await nested(page)) > 0; i++) await page.waitForTimeout(100);
+    assert.equal(await nested(page), 0);
 }
 
 test("the page makes a single frame on all processors, with the command line's bytes", { skip }, async (t) => {
@@ -154,11 +167,35 @@ test("where the module with threads cannot be loaded, one thread does the work",
 
 test("the threads of a run that is cancelled end", { skip }, async (t) => {
     const { page } = await openAlone(t, site.address);
-    const nested = async () => (await workers(page)).filter((name) => /^thread-/.test(name)).length;
     await page.click("#run");
     await page.waitForFunction(() => performance.getEntriesByName("threads").length > 0);
-    assert.equal(await nested(), (await threads(page))[0] - 1);
+    assert.equal(await nested(page), (await threads(page))[0] - 1);
     await page.click("#cancel");
-    for (let i = 0; i < 50 && (await nested()) > 0; i++) await page.waitForTimeout(100);
-    assert.equal(await nested(), 0);
+    await noneNested(page);
+});
+
+test("a thread that fails ends the run, and the next one works", { skip }, async (t) => {
+    const script = () => {
+        globalThis.BroadcastChannel = class extends BroadcastChannel {
+            constructor(name) {
+                super(name);
+                globalThis.failures = name;
+            }
+        };
+    };
+    const { page } = await openAlone(t, site.address, { script });
+    await page.evaluate(() => (document.body.dataset.state = "asked"));
+    await page.click("#run");
+    await page.waitForFunction(() => globalThis.failures !== undefined);
+    // What a thread posts that has run out of memory. The worker that waits for it would wait for ever.
+    await page.evaluate(() => {
+        const channel = new BroadcastChannel(globalThis.failures);
+        channel.postMessage({ code: "out-of-memory", message: "no memory for a thread" });
+    });
+    await page.waitForFunction(() => document.body.dataset.state === "failed");
+    assert.match(await page.innerText("#errors"), /no memory for a thread/);
+    await noneNested(page);
+    await page.selectOption("#preset", "hull");
+    await run(page);
+    assert.equal(await page.evaluate(() => document.body.dataset.state), "done");
 });
