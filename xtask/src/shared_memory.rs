@@ -35,18 +35,17 @@ pub fn is_built() -> bool {
     root().join("wasm/pkg").join(format!("{FILE}.wasm")).exists()
 }
 
-/// Whether the package that has been built has it, as a check.
-pub fn check() -> Outcome {
-    if is_built() {
-        return Outcome::Passed(String::from("the page can use several threads for a frame"));
+/// Installs what the build needs. Without it, the package goes without the module.
+pub fn prepare() -> Outcome {
+    match Need::LibrarySource.install() {
+        Ok(()) => Outcome::Passed(String::new()),
+        Err(_) => Outcome::Skipped(format!("the npm package goes without it: {}", Need::LibrarySource.remedy())),
     }
-    Outcome::Skipped(format!("the package has no module with threads: {}", Need::LibrarySource.remedy()))
 }
 
-/// Builds it and adds it to the package; returns its size. Where the source of the standard library cannot be had, the
-/// package goes without, and what is returned says so.
+/// Builds it and adds it to the package, if this machine can; returns its size.
 pub fn add(compiler: Compiler, package: &Path) -> Result<String> {
-    if Need::LibrarySource.install().is_err() {
+    if !Need::LibrarySource.is_met() {
         return Ok(format!("no module with threads: {}", Need::LibrarySource.remedy()));
     }
     let target = target().join("wasm-threads");

@@ -186,8 +186,8 @@ pub fn lints() -> Result<()> {
 
 /// Builds the site and the command line and drives both, see tests/web; with `long` also what takes minutes.
 pub fn check(steps: &mut Steps, long: bool) -> Result<()> {
+    steps.step_with(&[Need::LibrarySource], "module with threads", || Ok(shared_memory::prepare()))?;
     steps.step_with(&NEEDS[..2], "page", || dist().map(Outcome::Passed))?;
-    steps.step_with(&NEEDS[..2], "module with threads", || Ok(shared_memory::check()))?;
     if !long {
         // The tests have built a command line, and all builds of it give the same bytes.
         return steps.step_with(&NEEDS, "page in Chromium", || node("test", "debug").map(Outcome::Passed));
