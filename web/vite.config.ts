@@ -34,6 +34,15 @@ const POLICY = [
     "form-action 'none'",
 ].join("; ");
 
+/**
+ * With these headers a browser shares memory between workers, and a frame that is made alone uses several processors. Files of
+ * other origins are loaded without credentials.
+ */
+const ISOLATION = {
+    "Cross-Origin-Opener-Policy": "same-origin",
+    "Cross-Origin-Embedder-Policy": "credentialless",
+};
+
 export default defineConfig({
     base: "./",
     // Addresses other than those of files are errors.
@@ -42,14 +51,18 @@ export default defineConfig({
     resolve: {
         alias: {
             "pcmvs/calibration": here("../wasm/pkg/calibration.js"),
+            // A machine without the source of Rust's standard library builds the package without threads.
+            "pcmvs/threads": existsSync(here("../wasm/pkg/pcmvs-threads.wasm"))
+                ? here("../wasm/pkg/threads.js")
+                : here("src/workers/no-threads.ts"),
             "pcmvs/scene": here("../wasm/pkg/scene.js"),
             pcmvs: here("../wasm/pkg/index.js"),
         },
     },
     worker: { format: "es" },
     build: { target: "es2022", chunkSizeWarningLimit: 900 },
-    server: { fs: { allow: [".."] } },
-    preview: { host: "127.0.0.1", port: 8420 },
+    server: { fs: { allow: [".."] }, headers: ISOLATION },
+    preview: { host: "127.0.0.1", port: 8420, headers: ISOLATION },
     plugins: [
         {
             name: "content-security-policy",

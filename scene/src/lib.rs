@@ -35,4 +35,4 @@ pub use paths::written as written_path;
 pub use pictures::Picture;
 pub use scene::{Background, FILE_NAME, Scene, SceneCamera, SceneFrame, SilhouetteFiles, VERSION};
 #[cfg(feature = "threads")]
-pub use threads::{Threads, thread_count};
+pub use threads::{Thread, Threads, thread_count};

@@ -26,6 +26,9 @@ pub struct Threads {
     pool: ThreadPool,
 }
 
+/// What a thread runs until the pool ends.
+pub type Thread = Box<dyn FnOnce() + Send>;
+
 /// Shared by the tasks of [`Threads::map_at_most`].
 struct Queue<J, T> {
     job: J,
@@ -39,6 +42,18 @@ impl Threads {
     pub fn new(count: NonZeroUsize) -> Result<Self, Failure> {
         let pool = ThreadPoolBuilder::new().num_threads(count.get()).stack_size(STACK).build();
         let pool = pool.map_err(|e| Failure::Other(format!("{count} threads cannot be started ({e}): try fewer")))?;
+        Ok(Self { pool })
+    }
+
+    /// For hosts that start threads themselves, such as a page its workers. The calling thread becomes the first of `count`
+    /// threads, and remains it after this value is dropped. `start` is called once for each of the others with what that
+    /// thread has to run.
+    pub fn with_caller(count: NonZeroUsize, mut start: impl FnMut(Thread)) -> Result<Self, Failure> {
+        let pool = ThreadPoolBuilder::new().num_threads(count.get()).use_current_thread().spawn_handler(|thread| {
+            start(Box::new(|| thread.run()));
+            Ok(())
+        });
+        let pool = pool.build().map_err(|e| Failure::Other(format!("{count} threads cannot be started: {e}")))?;
         Ok(Self { pool })
     }
 
@@ -106,6 +121,29 @@ mod tests {
             assert!(outer.most.into_inner() <= count.min(3));
             assert!(inner.most.into_inner() <= count);
         }
+    }
+
+    #[test]
+    fn the_caller_and_the_threads_of_the_host_share_the_jobs() {
+        // The caller remains a thread of the pool, and so it is not the test's own thread.
+        let work = || {
+            let started = AtomicUsize::new(0);
+            let count = NonZeroUsize::new(3).unwrap();
+            let threads = Threads::with_caller(count, |work| {
+                started.fetch_add(1, Ordering::SeqCst);
+                thread::spawn(work);
+            });
+            let threads = threads.unwrap();
+            assert_eq!((threads.count(), started.into_inner()), (3, 2));
+            // Each of the first three jobs waits until all three run at the same time.
+            let together = std::sync::Barrier::new(3);
+            let ran_on = any(&threads).map(3, |_| {
+                together.wait();
+                thread::current().id()
+            });
+            assert!(ran_on.contains(&thread::current().id()));
+        };
+        thread::spawn(work).join().unwrap();
     }
 
     #[test]

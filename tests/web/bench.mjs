@@ -6,6 +6,8 @@ const TIMES = 3;
 process.env.SHOTS = "README's picture of the page";
 const site = await serve({ "/": dist });
 const address = `${site.address}/`;
+// Memory may be shared here, and the frame is made on all processors.
+const isolated = await serve({ "/": dist }, true);
 
 async function best(measure, key) {
     const seen = [];
@@ -20,6 +22,7 @@ async function best(measure, key) {
 
 const sample = await best((browser) => sampleSeconds(browser, address), "best");
 const frame = await best((browser) => frameSeconds(browser, address, large()), "seconds");
+const shared = await best((browser) => frameSeconds(browser, `${isolated.address}/`, large()), "seconds");
 const own = await launch();
 const task = await longestTask(own, () => sampleSeconds(own, address));
 const { three, twenty } = await memory(own, address);
@@ -31,6 +34,7 @@ await page.waitForTimeout(3000);
 await shot("page");
 await own.close();
 site.close();
+isolated.close();
 
 const row = (...cells) => `| ${cells.join(" | ")} |`;
 const s = (seconds) => seconds.toFixed(2);
@@ -44,6 +48,7 @@ console.log(
         row("all 8 frames", s(sample.clip), "–"),
         row("20 views of 1024 x 768, one frame: command line, one thread", s(frame.native), "–"),
         row("page, the same reconstruction", s(frame.seconds), s(3 * frame.native)),
+        row("the same on an isolated page, on all processors", s(shared.seconds), "–"),
         row("page, with hull and preview before it, until it ends", s(frame.all), s(3 * frame.native)),
         "",
         row("sample", "measured", "mark"),

@@ -4,7 +4,7 @@ import { readFileSync } from "node:fs";
 import { join } from "node:path";
 import { test } from "node:test";
 import { add, browser, edit, heard, openElement, root, showsFrame, site } from "./clips.mjs";
-import { download, openFolder, openPage, same, text } from "./site.mjs";
+import { dist, download, openFolder, openPage, same, serve, text } from "./site.mjs";
 
 test("a browser without WebGL is told so", async (t) => {
     const script = () => {
@@ -135,4 +135,41 @@ test("the page plays a published clip that its address names", async (t) => {
     await page.waitForFunction(() => document.getElementById("counter").textContent === "3 / 8", undefined, {
         timeout: 60_000,
     });
+});
+
+test("pages that are isolated play clips of another origin, with poster and sound", async (t) => {
+    const isolated = await serve(
+        { "/page/": dist, "/site/": root, "/pkg/": new URL("../../wasm/pkg", import.meta.url).pathname },
+        true,
+    );
+    t.after(isolated.close);
+    const clip = (name) => `${site.address}/site/${name}/sequence.json`;
+    const responses = [];
+    const prepare = (page) => page.on("response", (one) => responses.push(`${one.status()} ${one.url()}`));
+    const own = await openPage(browser, `${isolated.address}/page/?clip=${clip("loud")}`, { prepare });
+    t.after(() => own.page.context().close());
+    assert.equal(await own.page.evaluate(() => crossOriginIsolated), true);
+    await own.page.waitForFunction(() => performance.getEntriesByName("shown-clip").length > 8, undefined, {
+        timeout: 60_000,
+    });
+    assert.equal(await text(own.page, "status"), "Clip opened");
+    assert.ok(
+        responses.some((one) => /^20[06] .*\.wav$/.test(one)),
+        responses.join(),
+    );
+    assert.deepEqual(own.problems, []);
+
+    const { page } = await openPage(browser, `${isolated.address}/site/plain.html`);
+    t.after(() => page.context().close());
+    await page.waitForFunction(() => customElements.get("pcmvs-player"));
+    assert.equal(await page.evaluate(() => crossOriginIsolated), true);
+    await page.route("**/two/*.glb", async (route) => {
+        await new Promise((resolve) => setTimeout(resolve, 500));
+        await route.continue();
+    });
+    await add(page, { src: clip("two"), autoplay: "" });
+    const poster = page.locator("pcmvs-player img[src$='two/poster.jpg']");
+    await poster.waitFor();
+    assert.ok((await poster.evaluate((image) => image.decode().then(() => image.naturalWidth))) > 0);
+    await heard(page, "ended");
 });

@@ -27,12 +27,18 @@ const FLAGS = [
     "--disable-sync",
 ];
 
+const ISOLATION = {
+    "Cross-Origin-Opener-Policy": "same-origin",
+    "Cross-Origin-Embedder-Policy": "credentialless",
+};
+
 /**
- * Serves folders by Vite's preview server, without special headers. Keys are paths that end with a slash.
+ * Serves folders by Vite's preview server. Keys are paths that end with a slash. With `isolated` the responses have the
+ * headers with which memory may be shared between workers, otherwise none but the usual ones. Without `port` it is any free one.
  *
  * Preview serves one folder, and so this is a folder of links.
  */
-export async function serve(folders) {
+export async function serve(folders, isolated = false, port = 0) {
     const root = mkdtempSync(join(tmpdir(), "pcmvs-site-"));
     for (const [path, folder] of Object.entries(folders)) {
         const link = join(root, path.slice(0, -1));
@@ -47,7 +53,7 @@ export async function serve(folders) {
         appType: "mpa",
         logLevel: "error",
         build: { outDir: root },
-        preview: { host: "127.0.0.1", port: 0 },
+        preview: { host: "127.0.0.1", port, headers: isolated ? ISOLATION : {} },
     });
     return {
         address: `http://127.0.0.1:${server.httpServer.address().port}`,

@@ -1,7 +1,16 @@
 // The service worker: use without a network, and how a new version of the page reaches people.
 import assert from "node:assert/strict";
 import { execFileSync } from "node:child_process";
-import { cpSync, mkdirSync, readFileSync, rmSync, symlinkSync, writeFileSync } from "node:fs";
+import {
+    appendFileSync,
+    cpSync,
+    existsSync,
+    mkdirSync,
+    readFileSync,
+    rmSync,
+    symlinkSync,
+    writeFileSync,
+} from "node:fs";
 import { join } from "node:path";
 import { before, test } from "node:test";
 import { fileURLToPath } from "node:url";
@@ -68,7 +77,16 @@ async function publish(t) {
         await browser.close();
         await server.close();
     });
-    return { put, server, browser, address: `${server.address}/some/where/` };
+    /** The same address with the headers that isolate the page from other origins. */
+    const isolate = async () => {
+        await server.close();
+        // An answer that nothing has changed would have the old headers.
+        appendFileSync(join(site, "index.html"), "<!-- isolated -->");
+        const isolated = await serve({ "/some/where/": site }, true, Number(new URL(server.address).port));
+        t.after(isolated.close);
+        return isolated;
+    };
+    return { put, server, isolate, browser, address: `${server.address}/some/where/` };
 }
 
 /** Waits until an asynchronous check holds, which Playwright's `waitForFunction` cannot do. */
@@ -146,6 +164,25 @@ test("a reload shows a new version, which then works without a network", async (
         problems.filter((p) => !p.includes("ERR_INTERNET_DISCONNECTED")),
         [],
     );
+});
+
+test("a host that begins to isolate the page can use the version that a visitor has", async (t) => {
+    const { isolate, browser, address } = await publish(t);
+    const { page, problems } = await openPage(browser, address);
+    await ended(page);
+    await kept(page);
+    const isolated = () => page.evaluate(() => crossOriginIsolated);
+    assert.equal(await isolated(), false);
+
+    // The page comes from the network and has the new headers, and its workers come from the cache.
+    await isolate();
+    await page.reload();
+    await ended(page);
+    assert.equal(await isolated(), true);
+    assert.match(await text(page, "status"), /^1 of 1 frames/);
+    const threads = await page.evaluate(() => performance.getEntriesByName("threads").length);
+    assert.equal(threads, existsSync(join(root, "wasm/pkg/pcmvs-threads.wasm")) ? 1 : 0);
+    assert.deepEqual(problems, []);
 });
 
 test("a page that is open keeps its version until it is closed", async (t) => {

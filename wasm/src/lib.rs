@@ -4,11 +4,14 @@
 //! - `calibration`: a [`Rig`], its [`Frame`]s and a [`Calibrator`] that checks the rig;
 //! - `scene`: [`open_scene`].
 //!
-//! Everything runs on the calling thread: call it in a worker.
+//! Everything runs on the calling thread: call it in a worker. With the feature `threads`, the work of `reconstruct` and
+//! `steady` is shared with the workers that have called [`run_thread`].
 
 #[cfg(feature = "calibration")]
 mod calibration;
 mod error;
+#[cfg(feature = "reconstruction")]
+mod executor;
 #[cfg(feature = "frames")]
 mod frame;
 #[cfg(feature = "frames")]
@@ -29,6 +32,8 @@ mod scene;
 mod sketch;
 #[cfg(feature = "reconstruction")]
 mod steady;
+#[cfg(feature = "threads")]
+mod threads;
 mod types;
 #[cfg(feature = "frames")]
 mod warning;
@@ -45,6 +50,8 @@ pub use reconstruction::{Cloud, MeshArrays, Reconstruction};
 pub use rig::Rig;
 #[cfg(feature = "scene")]
 pub use scene::open_scene;
+#[cfg(feature = "threads")]
+pub use threads::{run_thread, start_threads, threads};
 
 use wasm_bindgen::prelude::*;
 

@@ -4,7 +4,10 @@ use crate::{error::Failed, types::ProgressFunction};
 use js_sys::Function;
 use pcmvs_core::{Error, Progress, Stage};
 use send_wrapper::SendWrapper;
-use std::cell::{Cell, RefCell};
+use std::{
+    cell::{Cell, RefCell},
+    sync::atomic::{AtomicBool, Ordering},
+};
 use wasm_bindgen::{JsCast, JsValue};
 
 /// The stage that was reported last, and what the callback threw.
@@ -15,29 +18,36 @@ struct State {
 }
 
 /// Calls `(stage, done, total) => boolean | void`; false cancels, and so does throwing.
-pub struct Callback(SendWrapper<State>);
+///
+/// A function of JavaScript belongs to one thread. The steps of other threads are not reported: `done` counts all of them,
+/// so that the next step of this thread reports them, too.
+pub struct Callback {
+    state: SendWrapper<State>,
+    cancelled: AtomicBool,
+}
 
 impl Callback {
     /// Without a function nothing is reported and nothing cancels.
     pub fn new(callback: Option<ProgressFunction>) -> Self {
         let callback = callback.map(JsCast::unchecked_into);
-        Self(SendWrapper::new(State { callback, stage: Cell::default(), thrown: RefCell::default() }))
+        let state = SendWrapper::new(State { callback, stage: Cell::default(), thrown: RefCell::default() });
+        Self { state, cancelled: AtomicBool::new(false) }
     }
 
     /// What to throw when the work ends with an error: what the function threw, if it did, or what the core reports.
     pub fn failed(&self, error: &Error) -> Failed {
-        match self.0.thrown.borrow_mut().take() {
+        match self.state.thrown.borrow_mut().take() {
             Some(thrown) => thrown.into(),
-            None => Failed::core(error, self.0.stage.get()),
+            None => Failed::core(error, self.state.stage.get()),
         }
     }
 
     fn call(&self, stage: Stage, done: u32, total: u32) -> bool {
-        let Some(callback) = &self.0.callback else { return true };
+        let Some(callback) = &self.state.callback else { return true };
         match callback.call3(&JsValue::NULL, &stage.name().into(), &done.into(), &total.into()) {
             Ok(answer) => answer.as_bool() != Some(false),
             Err(thrown) => {
-                self.0.thrown.borrow_mut().get_or_insert(thrown);
+                self.state.thrown.borrow_mut().get_or_insert(thrown);
                 false
             }
         }
@@ -46,7 +56,7 @@ impl Callback {
 
 impl Progress for Callback {
     fn on_stage_start(&self, stage: Stage) {
-        self.0.stage.set(Some(stage));
+        self.state.stage.set(Some(stage));
         self.call(stage, 0, 1);
     }
 
@@ -55,6 +65,9 @@ impl Progress for Callback {
     }
 
     fn step(&self, stage: Stage, done: u32, total: u32) -> bool {
-        self.0.thrown.borrow().is_none() && self.call(stage, done, total)
+        if !self.cancelled.load(Ordering::Relaxed) && self.state.valid() && !self.call(stage, done, total) {
+            self.cancelled.store(true, Ordering::Relaxed);
+        }
+        !self.cancelled.load(Ordering::Relaxed)
     }
 }

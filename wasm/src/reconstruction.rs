@@ -4,6 +4,7 @@
 
 use crate::{
     error::Failed,
+    executor::executor,
     frame::Frame,
     presets,
     progress::Callback,
@@ -13,7 +14,7 @@ use crate::{
 use glam::DVec3;
 use js_sys::{Float32Array, Object, Reflect, Uint8Array, Uint16Array, Uint32Array};
 use pcmvs_core::{
-    Mesh, Params, PointCloud, Rig, Serial, ViewDiagnostics, ViewInput,
+    Mesh, Params, PointCloud, Rig, ViewDiagnostics, ViewInput,
     export::{glb, ply},
     reconstruct,
 };
@@ -80,7 +81,7 @@ pub fn run(
     progress: Option<ProgressFunction>,
 ) -> Result<Reconstruction, Failed> {
     let callback = Callback::new(progress);
-    let made = reconstruct(rig, inputs, params, &Serial, &callback);
+    let made = reconstruct(rig, inputs, params, executor(), &callback);
     made.map(|made| Reconstruction::new(made, rig.origin())).map_err(|error| callback.failed(&error))
 }
 

@@ -2,6 +2,7 @@
 
 use crate::{
     error::Failed,
+    executor::executor,
     progress::Callback,
     reconstruction::{MeshArrays, Reconstruction},
     types::ProgressFunction,
@@ -9,7 +10,7 @@ use crate::{
 use glam::{DVec3, Vec3};
 use js_sys::{Array, Float32Array, Object, Reflect, Uint8Array, Uint32Array};
 use pcmvs_core::{
-    Counts, Mesh, Progress, Serial, Stage,
+    Counts, Mesh, Progress, Stage,
     frame::Intermediates,
     steady::{SteadyParams, steady},
 };
@@ -93,7 +94,7 @@ impl Reconstruction {
         let mut mean = self.own_mesh().clone();
         let callback = Callback::new(progress);
         callback.on_stage_start(Stage::Steady);
-        let done = steady(&mut mean, &meshes, self.result.footprint, &SteadyParams::DEFAULT, &Serial, &callback);
+        let done = steady(&mut mean, &meshes, self.result.footprint, &SteadyParams::DEFAULT, executor(), &callback);
         callback.on_stage_end(Stage::Steady);
         done.map_err(|error| callback.failed(&error))?;
         self.result.hashes.retain(|&(stage, _)| stage != Stage::Steady);

@@ -23,7 +23,8 @@ async function sketchSample(files: NonNullable<typeof sample>): Promise<FrameRes
     const views = cameras.map((_, camera) => viewFiles(frames[0], entries, camera, "masks", null));
     const made: FrameResult[] = [];
     const pool = new Pool(1);
-    const job = { type: "frame" as const, cameras, views, up, levels: ["sketch" as const], stages: false, own: false };
+    const levels = ["sketch" as const];
+    const job = { type: "frame" as const, cameras, views, up, levels, stages: false, own: false, threads: 1 };
     await pool.run(job, { result: (one) => made.push(one) });
     pool.leave();
     if (made.length === 0) throw new Error("the sample has no sketch");

@@ -7,7 +7,13 @@
 // A new version is fetched as a whole in the background. It replaces the old one as soon as no page needs the old one.
 
 import { clientsClaim } from "workbox-core";
-import { getCacheKeyForURL, type PrecacheEntry, PrecacheFallbackPlugin, precacheAndRoute } from "workbox-precaching";
+import {
+    addPlugins,
+    getCacheKeyForURL,
+    type PrecacheEntry,
+    PrecacheFallbackPlugin,
+    precacheAndRoute,
+} from "workbox-precaching";
 import { NavigationRoute, registerRoute } from "workbox-routing";
 import { NetworkOnly } from "workbox-strategies";
 
@@ -16,10 +22,21 @@ declare const self: ServiceWorkerGlobalScope & { __WB_MANIFEST: PrecacheEntry[] 
 /** Seconds after which a network counts as absent. */
 const TIMEOUT = 5;
 
+const POLICY = "Cross-Origin-Embedder-Policy";
+
 const newest = new NetworkOnly({
     networkTimeoutSeconds: TIMEOUT,
     plugins: [new PrecacheFallbackPlugin({ fallbackURL: "index.html" })],
 });
+// A page that is isolated from other origins starts only workers whose scripts have this header. A host that has begun to
+// isolate the page may have sent the cached scripts without it. On other pages it changes nothing for our workers.
+const isolate = async ({ request, response }: { request: Request; response: Response }) => {
+    if (request.destination !== "worker" || response.headers.has(POLICY)) return response;
+    const headers = new Headers(response.headers);
+    headers.set(POLICY, "credentialless");
+    return new Response(response.body, { status: response.status, statusText: response.statusText, headers });
+};
+addPlugins([{ handlerWillRespond: isolate }]);
 // The first route that matches is taken.
 registerRoute(new NavigationRoute(newest));
 precacheAndRoute(self.__WB_MANIFEST);

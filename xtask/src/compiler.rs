@@ -26,6 +26,18 @@ impl Compiler {
         Ok(Self::Debian)
     }
 
+    /// `cargo` with a standard library that is compiled for the flags of the command, as shared memory needs it. Rustup's must
+    /// have its source, see [`Need::LibrarySource`].
+    pub fn cargo_with_library(self, arguments: &str, triple: &str, library: &str) -> Result<Command> {
+        if self == Self::Debian {
+            return self.cargo(arguments, triple, library);
+        }
+        let mut command = cargo(&format!("{arguments} -Zbuild-std={library} --target {triple}"));
+        // Building the standard library is not stable. The compiler stays the one that builds everything else.
+        command.env("RUSTC_BOOTSTRAP", "1");
+        Ok(command)
+    }
+
     /// A Cargo command for a target. `library` lists the parts of the standard library that it needs.
     pub fn cargo(self, arguments: &str, triple: &str, library: &str) -> Result<Command> {
         if self == Self::Rustup {

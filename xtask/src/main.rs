@@ -25,12 +25,14 @@ mod python;
 mod result;
 mod sample;
 mod setup;
+mod shared_memory;
 mod speed;
 mod steps;
 mod supply;
 mod tables;
 mod take;
 mod test;
+mod wasm_module;
 mod web;
 mod windows;
 
@@ -140,7 +142,12 @@ enum Task {
 }
 
 fn main() -> ExitCode {
-    let result = match Arguments::parse().task {
+    let task = Arguments::parse().task;
+    if matches!(task, Task::Demo { no_serve: false } | Task::Web { .. } | Task::Wasm) {
+        // The package says if it has to go without.
+        drop(shared_memory::prepare());
+    }
+    let result = match task {
         Task::Demo { no_serve } => demo::run(no_serve),
         Task::Test { all, no_install } => test::run(all, !no_install),
         Task::Golden { renew: true, .. } => golden::renew(),

@@ -28,6 +28,8 @@ pub enum Need {
     Target(&'static str),
     /// The standard library of a target, from rustup or built by Debian's compiler.
     TargetOrDebian(&'static str),
+    /// The source of the standard library: rustup's, or that of Debian's compiler where rustup's server cannot be reached.
+    LibrarySource,
     /// Another version of Rust.
     Toolchain(&'static str),
     /// A component of the nightly compiler that is a command of Cargo.
@@ -47,6 +49,7 @@ impl Need {
             Self::Component(_, arguments) | Self::Crate(_, arguments) => run(&mut program("cargo", arguments)).is_ok(),
             Self::Target(triple) => has_target(triple),
             Self::TargetOrDebian(triple) => has_target(triple) || Path::new(DEBIAN_COMPILER.1).exists(),
+            Self::LibrarySource => has_library_source() || Path::new(DEBIAN_COMPILER.1).exists(),
             Self::Toolchain(version) => run(&mut program("rustup", &format!("run {version} rustc --version"))).is_ok(),
             Self::Nightly(name) => run(&mut program("rustup", &format!("run nightly cargo {name} --version"))).is_ok(),
             Self::Npm(folder) => npm_is_done(&root().join(folder)),
@@ -60,6 +63,7 @@ impl Need {
             Self::Debian((names, _)) => format!("apt-get install {names}"),
             Self::Component(name, _) => format!("rustup component add {name}"),
             Self::Target(triple) | Self::TargetOrDebian(triple) => format!("rustup target add {triple}"),
+            Self::LibrarySource => "rustup component add rust-src".to_owned(),
             Self::Toolchain(version) => format!("rustup toolchain install {version}"),
             Self::Nightly(name) => {
                 format!("rustup toolchain install nightly --component {name} --component rust-src")
@@ -80,6 +84,7 @@ impl Need {
             Self::Component(name, _) => run(program("rustup", "component add").arg(name)).map(drop),
             Self::Target(triple) => rust_target(triple),
             Self::TargetOrDebian(triple) => rust_target(triple).or_else(|_| debian(&[DEBIAN_COMPILER])),
+            Self::LibrarySource => run(&mut program("rustup", "component add rust-src")).map(drop),
             Self::Toolchain(version) => {
                 let install = format!("toolchain install {version} --profile minimal --no-self-update");
                 run(&mut program("rustup", &install)).map(drop)
@@ -161,6 +166,11 @@ impl Environment {
 
 fn has_target(triple: &str) -> bool {
     run(&mut program("rustup", "target list --installed")).is_ok_and(|list| list.lines().any(|line| line == triple))
+}
+
+fn has_library_source() -> bool {
+    let sysroot = run(&mut program("rustc", "--print sysroot"));
+    sysroot.is_ok_and(|path| Path::new(path.trim()).join("lib/rustlib/src/rust/library").exists())
 }
 
 fn rust_target(triple: &str) -> Result<()> {

@@ -25,6 +25,7 @@ fn needs(all: bool) -> Vec<Need> {
     needs.extend(oldest_compiler::NEEDS);
     needs.extend(golden::needs(all));
     needs.extend(web::NEEDS);
+    needs.push(Need::LibrarySource);
     needs.extend(python::NEEDS);
     if all {
         needs.push(FFMPEG);

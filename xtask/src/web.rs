@@ -6,18 +6,17 @@ use crate::{
     process::{cargo, program, root, run, show, target},
     sample,
     setup::{self, Need},
+    shared_memory,
     steps::{Outcome, Steps},
     tables::replace_in,
+    wasm_module::{INLINE, SMALL, TRIPLE, bind, copy, gzip, read},
 };
-use flate2::{Compression, write::GzEncoder};
 use std::{
     fs,
-    io::Write,
     panic::resume_unwind,
     path::{Path, PathBuf},
     thread,
 };
-use wasm_bindgen_cli_support::Bindgen;
 
 /// A module of the package.
 struct Module {
@@ -37,25 +36,20 @@ const MODULES: [Module; 3] = [
     Module { feature: "calibration", file: "pcmvs-calibration", budget: 308 << 10, has_simd: true },
     Module { feature: "scene", file: "pcmvs-scene", budget: 292 << 10, has_simd: false },
 ];
-/// Inlines little, which keeps the modules within their budgets. Hot loops are inlined by attribute.
-const INLINE: &str = "-Cllvm-args=-inline-threshold=15";
-/// Flags of the optimisation across crates only, for the same end: loops are not unrolled any further, and addresses are
-/// reckoned where they are used. Earlier, short loops must be unrolled, or matching takes twice as long.
-const SMALL: [&str; 3] =
-    ["-Cllvm-args=-unroll-threshold=0", "-Cllvm-args=-unroll-runtime=false", "-Cllvm-args=-disable-lsr"];
 /// The builds of a module and their further compiler flags. The page uses the first that the browser can run.
 const BUILDS: [(&str, &str); 2] = [(SIMD, "-Ctarget-feature=+simd128"), ("scalar", "-Ctarget-feature=-simd128")];
 const SIMD: &str = "simd";
-/// The browser.
-const TRIPLE: &str = "wasm32-unknown-unknown";
 /// The files of the package that are written by hand.
-const WRITTEN: [&str; 11] = [
+const WRITTEN: [&str; 14] = [
     "index.js",
     "index.d.ts",
     "calibration.js",
     "calibration.d.ts",
     "scene.js",
     "scene.d.ts",
+    "threads.js",
+    "threads.d.ts",
+    "thread.js",
     "load.js",
     "element.d.ts",
     "player.d.ts",
@@ -98,6 +92,7 @@ pub fn wasm() -> Result<String> {
     for module in &MODULES {
         sizes.push(module.add(&package, &simd, &scalar)?);
     }
+    sizes.push(shared_memory::add(compiler, &package)?);
     WRITTEN.iter().try_for_each(|file| copy(&npm.join(file), &package.join(file)))?;
     sizes.push(player(&package)?);
     Ok(sizes.join(", "))
@@ -141,15 +136,7 @@ fn modules(compiler: Compiler, name: &str, flags: &str) -> Result<PathBuf> {
         let flags = [flags, INLINE].join("\u{1f}");
         build.arg("--").args(SMALL);
         run(build.env("CARGO_TARGET_DIR", &target).env("CARGO_ENCODED_RUSTFLAGS", flags))?;
-        Bindgen::new()
-            .input_path(target.join(TRIPLE).join("wasm/pcmvs_wasm.wasm"))
-            .out_name(file)
-            .web(true)
-            .and_then(|bindgen| {
-                let bindgen = bindgen.typescript(true).omit_default_module_path(true);
-                bindgen.remove_name_section(true).remove_producers_section(true).generate(&bound)
-            })
-            .map_err(|e| format!("wasm-bindgen: {feature}: {e:#}"))?;
+        bind(&target, &bound, file)?;
     }
     Ok(bound)
 }
@@ -199,6 +186,7 @@ pub fn lints() -> Result<()> {
 
 /// Builds the site and the command line and drives both, see tests/web; with `long` also what takes minutes.
 pub fn check(steps: &mut Steps, long: bool) -> Result<()> {
+    steps.step_with(&[Need::LibrarySource], "module with threads", || Ok(shared_memory::prepare()))?;
     steps.step_with(&NEEDS[..2], "page", || dist().map(Outcome::Passed))?;
     if !long {
         // The tests have built a command line, and all builds of it give the same bytes.
@@ -272,17 +260,4 @@ fn fresh(folder: &Path) -> Result<()> {
         fs::remove_dir_all(folder).map_err(|e| format!("{}: {e}", folder.display()))?;
     }
     fs::create_dir_all(folder).map_err(|e| format!("{}: {e}", folder.display()))
-}
-
-fn read(path: &Path) -> Result<Vec<u8>> {
-    fs::read(path).map_err(|e| format!("{}: {e}", path.display()))
-}
-
-fn copy(from: &Path, to: &Path) -> Result<()> {
-    fs::copy(from, to).map(drop).map_err(|e| format!("{} to {}: {e}", from.display(), to.display()))
-}
-
-fn gzip(bytes: &[u8]) -> Result<Vec<u8>> {
-    let mut encoder = GzEncoder::new(Vec::new(), Compression::best());
-    encoder.write_all(bytes).and_then(|()| encoder.finish()).map_err(|e| e.to_string())
 }

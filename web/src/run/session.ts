@@ -21,6 +21,8 @@ const STAGE_SHARES: Record<Stage, number> = {
     colour: 0.05,
     steady: 0.1,
 };
+/** Threads of a frame at most: more of them wait for each other most of the time. */
+const MOST_THREADS = 8;
 const STAGES = Object.keys(STAGE_SHARES) as Stage[];
 /** The same for the levels of a frame, by their number. */
 const LEVEL_SHARES = [[], [1], [0.2, 0.8], [0.05, 0.25, 0.7]];
@@ -37,6 +39,9 @@ export interface Status {
     /** Seconds; null before they can be estimated. */
     left: number | null;
 }
+
+/** Threads for a frame that is made alone. Without isolation from other origins, a browser shares no memory with workers. */
+const threadsAlone = () => (crossOriginIsolated ? Math.min(navigator.hardwareConcurrency, MOST_THREADS) : 1);
 
 export class Session {
     private readonly fractions: number[];
@@ -102,14 +107,18 @@ export class Session {
             levels: sketched ? all.slice(1) : all,
             stages: position < STAGES_KEPT,
             own: this.neighbours.has(position),
+            // Later frames are made at the same time, each by a worker, which uses all processors, too.
+            threads: position === 0 ? threadsAlone() : 1,
         };
         const progress: Listener["progress"] = (preset, stage, done, total) => {
             this.advance(position, all, preset, stage, done / Math.max(total, 1));
             report(this.status(position, preset, stage));
         };
         const alone: FrameResult[] = [];
+        // For tests and benchmarks.
+        const threads = (count: number) => performance.mark("threads", { detail: count });
         const result = (made: FrameResult) => void (made.own ? alone.push(made) : this.show(position, made));
-        await pool.run(job, { progress, result });
+        await pool.run(job, { progress, result, threads });
         for (const made of alone) await this.average(pool, position, made, progress);
         this.first.resolve();
         this.fractions[position] = 1;

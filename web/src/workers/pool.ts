@@ -7,6 +7,8 @@ import type { Failure, FrameResult, Job, JobResults, QualityLevel, Reply } from 
 export interface Listener {
     progress?(preset: QualityLevel, stage: Stage, done: number, total: number): void;
     result?(result: FrameResult): void;
+    /** The number of threads that work on a frame, if there are several. */
+    threads?(count: number): void;
     /** The done share of a job that makes no frame, 0 to 1. */
     share?(share: number): void;
 }
@@ -21,6 +23,8 @@ export class JobError extends Error {
 interface Task {
     job: Job;
     listener: Listener;
+    /** Hears of threads of the job that fail, for which its worker would wait for ever. */
+    failures: BroadcastChannel | null;
     resolve(value: never): void;
     reject(error: JobError): void;
 }
@@ -54,7 +58,7 @@ export class Pool {
     run<T extends Job>(job: T, listener: Listener = {}): Promise<JobResults[T["type"]]> {
         return new Promise((resolve, reject) => {
             if (this.cancelled) return reject(new JobError(CANCELLED));
-            const task = { job, listener, resolve, reject };
+            const task = { job, listener, failures: null, resolve, reject };
             // Meshes are kept until they are averaged, and so that goes first.
             if (job.type === "steady") this.waiting.unshift(task);
             else this.waiting.push(task);
@@ -67,10 +71,14 @@ export class Pool {
         this.cancelled = true;
         this.rest();
         const tasks = [...this.busy.values(), ...this.waiting];
+        // The threads of a worker end with it.
         for (const worker of this.busy.keys()) worker.terminate();
         this.busy.clear();
         this.waiting.length = 0;
-        for (const task of tasks) task.reject(new JobError(CANCELLED));
+        for (const task of tasks) {
+            task.failures?.close();
+            task.reject(new JobError(CANCELLED));
+        }
     }
 
     /** Gives idle workers to other pools. */
@@ -108,18 +116,28 @@ export class Pool {
                 return task.listener.share?.(message.share);
             case "result":
                 return task.listener.result?.(message.result);
+            case "threads":
+                task.failures = new BroadcastChannel(message.failures);
+                task.failures.onmessage = ({ data: failure }: MessageEvent<Failure>) =>
+                    this.onMessage(worker, task, { type: "failed", failure });
+                return task.listener.threads?.(message.count);
             case "done":
-                this.busy.delete(worker);
-                this.idle.push(worker);
+                this.end(worker, task, false);
                 task.resolve(message.value as never);
                 break;
             case "failed":
-                this.busy.delete(worker);
                 // After a defect or without memory, the state of an instance is undefined.
-                if (["internal", "out-of-memory"].includes(message.failure.code)) worker.terminate();
-                else this.idle.push(worker);
+                this.end(worker, task, ["internal", "out-of-memory"].includes(message.failure.code));
                 task.reject(new JobError(message.failure));
         }
         this.next();
+    }
+
+    /** Ends a task, and its worker if that cannot be used any more. So are workers with threads, which frees their memory. */
+    private end(worker: Worker, task: Task, unusable: boolean) {
+        this.busy.delete(worker);
+        task.failures?.close();
+        if (unusable || task.failures) worker.terminate();
+        else this.idle.push(worker);
     }
 }

@@ -58,6 +58,8 @@ export interface FrameJob {
     stages: boolean;
     /** Whether the mesh of the last level is returned so that it can be averaged, too. */
     own: boolean;
+    /** How many threads work on it. With more than one the worker is ended after the job. */
+    threads: number;
 }
 
 /** The mesh of a frame alone. A blob is handed on without being copied. */
@@ -187,6 +189,8 @@ export interface Failure {
 export type Reply =
     | { type: "progress"; preset: QualityLevel; stage: Stage; done: number; total: number }
     | { type: "share"; share: number }
+    /** Threads of the job have been started. A thread that fails tells the channel of the name `failures`. */
+    | { type: "threads"; count: number; failures: string }
     | { type: "result"; result: FrameResult }
     | { type: "done"; value: unknown }
     | { type: "failed"; failure: Failure };

@@ -5,6 +5,7 @@ import { failureOf, isFatal } from "./failure";
 import { withFrame } from "./frame";
 import type { FrameJob, FrameStages, QualityLevel, Reply, StageCloud } from "./protocol";
 import { pack } from "./steady";
+import { libraryFor } from "./threads";
 import { loadViews } from "./views";
 
 /** Cameras that a sketch needs at least. */
@@ -12,8 +13,9 @@ const SKETCH_CAMERAS = 8;
 
 type Send = (message: Reply, transfer?: Transferable[]) => void;
 
-export const reconstruct = (job: FrameJob, send: Send) =>
-    withFrame(job.cameras, async (frame, rig) => {
+export async function reconstruct(job: FrameJob, send: Send) {
+    const library = await libraryFor(job.threads, send);
+    const work = async (frame: Frame, rig: Rig) => {
         const all = job.views.map((_, i) => i);
         // With many cameras a sketch uses every second one, and is shown before the other pictures are decoded.
         const sketched = (i: number) => all.length < 2 * SKETCH_CAMERAS || i % 2 === 0;
@@ -38,7 +40,9 @@ export const reconstruct = (job: FrameJob, send: Send) =>
             const result = { preset: level, glb, triangles, seconds, stages, own, warnings, views };
             send({ type: "result", result }, [glb.buffer, ...buffers(stages)]);
         }
-    });
+    };
+    await withFrame(job.cameras, work, library);
+}
 
 function reconstructLevel(frame: Frame, preset: QualityLevel, send: Send): Reconstruction | null {
     if (preset === "sketch") return sketch(frame);

@@ -1,0 +1,40 @@
+//! What all builds of the npm package's modules have in common.
+
+use crate::Result;
+use flate2::{Compression, write::GzEncoder};
+use std::{fs, io::Write, path::Path};
+use wasm_bindgen_cli_support::Bindgen;
+
+/// Inlines little, which keeps the modules within their budgets. Hot loops are inlined by attribute.
+pub const INLINE: &str = "-Cllvm-args=-inline-threshold=15";
+/// Flags of the optimisation across crates only, for the same end: loops are not unrolled any further, and addresses are
+/// reckoned where they are used. Earlier, short loops must be unrolled, or matching takes twice as long.
+pub const SMALL: [&str; 3] =
+    ["-Cllvm-args=-unroll-threshold=0", "-Cllvm-args=-unroll-runtime=false", "-Cllvm-args=-disable-lsr"];
+/// The browser.
+pub const TRIPLE: &str = "wasm32-unknown-unknown";
+
+/// Makes a module and its JavaScript in the folder `bound` of what Cargo has built in `target`.
+pub fn bind(target: &Path, bound: &Path, file: &str) -> Result<()> {
+    let made =
+        Bindgen::new().input_path(target.join(TRIPLE).join("wasm/pcmvs_wasm.wasm")).out_name(file).web(true).and_then(
+            |bindgen| {
+                let bindgen = bindgen.typescript(true).omit_default_module_path(true);
+                bindgen.remove_name_section(true).remove_producers_section(true).generate(bound)
+            },
+        );
+    made.map_err(|e| format!("wasm-bindgen: {file}: {e:#}"))
+}
+
+pub fn read(path: &Path) -> Result<Vec<u8>> {
+    fs::read(path).map_err(|e| format!("{}: {e}", path.display()))
+}
+
+pub fn copy(from: &Path, to: &Path) -> Result<()> {
+    fs::copy(from, to).map(drop).map_err(|e| format!("{} to {}: {e}", from.display(), to.display()))
+}
+
+pub fn gzip(bytes: &[u8]) -> Result<Vec<u8>> {
+    let mut encoder = GzEncoder::new(Vec::new(), Compression::best());
+    encoder.write_all(bytes).and_then(|()| encoder.finish()).map_err(|e| e.to_string())
+}
