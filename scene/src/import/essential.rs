@@ -35,6 +35,6 @@ fn follows(e: DMat3, r: DMat3, t: DVec3) -> bool {
 
 /// The matrix with 1 as the sum of its squares; `None` if it is zero or not finite.
 fn scaled(m: DMat3) -> Option<DMat3> {
-    let norm = m.to_cols_array().iter().map(|v| v * v).sum::<f64>().sqrt();
+    let norm = DVec3::new(m.x_axis.length(), m.y_axis.length(), m.z_axis.length()).length();
     (norm > 0.0 && norm.is_finite()).then(|| m * (1.0 / norm))
 }

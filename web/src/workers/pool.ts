@@ -36,7 +36,15 @@ const warmed: Worker[] = [];
 
 /** Starts workers in advance, so that a pool finds them ready. */
 export function warm(count: number) {
-    for (let i = 0; i < count; i++) warmed.push(start());
+    for (let i = 0; i < count; i++) {
+        const worker = start();
+        // One that cannot be started is left out, so that the pool starts another one and reports why that fails.
+        worker.onerror = (event) => {
+            event.preventDefault();
+            warmed.splice(warmed.indexOf(worker), 1);
+        };
+        warmed.push(worker);
+    }
 }
 
 export class Pool {
