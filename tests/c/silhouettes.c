@@ -257,12 +257,27 @@ static double mean_colour(const pcmvs_frame *frame, int channel) {
     return sum / mesh.vertex_count;
 }
 
+/* The meshes of two frames have the same colours on average. */
+static void check_colours(const pcmvs_frame *frame, const pcmvs_frame *other) {
+    int channel;
+    for (channel = 0; channel < 3; channel++) {
+        CHECK(fabs(mean_colour(frame, channel) - mean_colour(other, channel)) < 0.5);
+    }
+}
+
+/* View 1 with a picture of its own, which can be changed. */
+static pcmvs_view with_image(const struct scene *scene, pcmvs_image *image) {
+    pcmvs_view view = scene->views[1];
+    *image = *view.image;
+    view.image = image;
+    return view;
+}
+
 /* NV12 gives the shape and the colours of the same pictures in RGB. They are not equal byte for byte: colours are rounded
  * differently, and contours follow the photograph. */
 static void check_nv12(struct scene *scene, pcmvs_frame *frame, pcmvs_frame *other) {
     pcmvs_view view;
     pcmvs_image image;
-    int channel;
     double error, volumes;
     reconstruct(scene, frame, NV12, MASK);
     reconstruct(scene, other, FROM_NV12, MASK);
@@ -271,9 +286,7 @@ static void check_nv12(struct scene *scene, pcmvs_frame *frame, pcmvs_frame *oth
     printf("NV12: outlines to %.2f pixels, %.5f of the volume from RGB\n", error, volumes);
     CHECK(error < outline_error(other) + 0.02);
     CHECK(fabs(volumes - 1) < 0.0005);
-    for (channel = 0; channel < 3; channel++) {
-        CHECK(fabs(mean_colour(frame, channel) - mean_colour(other, channel)) < 0.5);
-    }
+    check_colours(frame, other);
     /* A chroma key works with NV12 too. */
     reconstruct(scene, frame, NV12, CHROMA_KEY);
     error = outline_error(frame);
@@ -282,9 +295,7 @@ static void check_nv12(struct scene *scene, pcmvs_frame *frame, pcmvs_frame *oth
 
     /* Missing planes and planes that are too narrow. */
     OK(pcmvs_frame_begin(frame, NULL));
-    view = scene->views[1];
-    image = *view.image;
-    view.image = &image;
+    view = with_image(scene, &image);
     image.chroma = NULL;
     EXPECT(pcmvs_frame_view(frame, 1, &view), PCMVS_STATUS_NULL_POINTER);
     CHECK(strstr(view_error(frame, 1), "view.image.chroma") != NULL);
@@ -308,7 +319,7 @@ static void check_layouts(struct scene *scene, pcmvs_frame *frame, pcmvs_frame *
     static const enum pictures layouts[] = {I420, P010, YUY2};
     pcmvs_view view;
     pcmvs_image image;
-    int i, channel;
+    int i;
     for (coding = PCMVS_YCBCR_BT601_VIDEO; coding <= PCMVS_YCBCR_BT709_FULL; coding++) {
         for (i = 0; i < CAMERAS; i++) {
             encode(&scene->shots[i], coding);
@@ -319,17 +330,13 @@ static void check_layouts(struct scene *scene, pcmvs_frame *frame, pcmvs_frame *
             CHECK(is_same_mesh(frame, other));
         }
         reconstruct(scene, other, FROM_NV12, MASK);
-        for (channel = 0; channel < 3; channel++) {
-            CHECK(fabs(mean_colour(frame, channel) - mean_colour(other, channel)) < 0.5);
-        }
+        check_colours(frame, other);
     }
     /* A plane that is missing, and a standard that does not exist. */
     coding = PCMVS_YCBCR_BT601_VIDEO;
     reconstruct(scene, other, I420, MASK);
     OK(pcmvs_frame_begin(frame, NULL));
-    view = scene->views[1];
-    image = *view.image;
-    view.image = &image;
+    view = with_image(scene, &image);
     image.cr = NULL;
     EXPECT(pcmvs_frame_view(frame, 1, &view), PCMVS_STATUS_NULL_POINTER);
     CHECK(strstr(view_error(frame, 1), "view.image.cr") != NULL);

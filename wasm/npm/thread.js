@@ -14,6 +14,10 @@ self.onmessage = async ({ data: { module, memory, failures } }) => {
     } catch (error) {
         // A trap means that memory could not be allocated.
         const code = error instanceof WebAssembly.RuntimeError ? "out-of-memory" : "internal";
-        new BroadcastChannel(failures).postMessage({ code, message: String(error.message ?? error) });
+        const channel = new BroadcastChannel(failures);
+        const tell = () => channel.postMessage({ code, message: String(error.message ?? error) });
+        tell();
+        // Again, because whoever listens may not have begun to. It ends with this worker.
+        setInterval(tell, 1000);
     }
 };

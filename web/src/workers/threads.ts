@@ -18,7 +18,8 @@ export async function libraryFor(count: number, send: (message: Reply) => void):
         await shared.start(count, failures);
         send({ type: "threads", count: shared.threads(), failures });
         return shared;
-    } catch {
+    } catch (error) {
+        console.warn(`the frame is made on one thread, because threads cannot be started: ${error}`);
         return plain;
     }
 }
