@@ -35,7 +35,7 @@ fn encode<const STRIDE: usize>(bytes: &[u8]) -> Vec<u8> {
 /// Sorts triangles so that neighbours follow each other, and vertices in the order in which they are used first. Compression
 /// and drawing need that.
 pub fn sort(form: &mut Form) {
-    let corners = meshopt::optimize_vertex_cache(form.mesh.triangles.as_flattened(), form.mesh.positions.len());
+    let corners = meshopt::optimize_vertex_cache_strip(form.mesh.triangles.as_flattened(), form.mesh.positions.len());
     let places = meshopt::optimize_vertex_fetch_remap(&corners, form.mesh.positions.len());
     let triangles = corners.as_chunks::<3>().0.iter().map(|t| t.map(|v| places[v as usize])).collect();
     let Mesh { positions, normals, colours, .. } = &form.mesh;

@@ -4,8 +4,8 @@ import { readFileSync, writeFileSync } from "node:fs";
 import { createServer } from "node:http";
 import { join } from "node:path";
 import { test } from "node:test";
-import { add, browser, COUNT, edit, heard, openElement, root, showsFrame, site } from "./clips.mjs";
-import { openPage } from "./site.mjs";
+import { add, browser, COUNT, edit, FPS, heard, openElement, root, showsFrame, site } from "./clips.mjs";
+import { openPage, pcmvs, sample } from "./site.mjs";
 
 test("what is wrong with a clip is said in words", async (t) => {
     const { page } = await openElement(t);
@@ -140,6 +140,56 @@ test("a connection on which nothing arrives any more is tried once more", async 
     // The clip's time passes, and the last frame is shown as soon as it is there.
     await showsFrame(page, COUNT - 1);
     assert.deepEqual(asked, ["/sequence.json", "/full.glb", "/full.glb"]);
+});
+
+test("a frame far ahead is loaded at once if the host sends parts of files, and in its turn otherwise", async (t) => {
+    const folders = ["frames", "site"].map((name) => join(root, "far", name));
+    pcmvs("reconstruct", sample, "-o", folders[0], "--preset", "hull", "--frames", "0..3");
+    pcmvs("pack", folders[0], "--manifest", "-o", folders[1]);
+    const file = readFileSync(join(folders[1], "full.glb"));
+    const asked = [];
+    let [sendsParts, finish] = [true, () => {}];
+    const server = createServer((request, response) => {
+        response.setHeader("access-control-allow-origin", "*");
+        if (request.url.endsWith(".json")) return response.end(readFileSync(join(folders[1], "sequence.json")));
+        const { range } = request.headers;
+        asked.push(range ?? "whole");
+        if (range && sendsParts) {
+            const [from, to] = /^bytes=(\d+)-(\d+)$/.exec(range).slice(1).map(Number);
+            response.statusCode = 206;
+            return response.end(file.subarray(from, to + 1));
+        }
+        // The rest of a whole file comes late.
+        response.write(file.subarray(0, file.length / 4));
+        finish = () => response.end(file.subarray(file.length / 4));
+    }).listen(0, "127.0.0.1");
+    t.after(() => server.closeAllConnections());
+    t.after(() => server.close());
+    const { page } = await openPage(browser, `${site.address}/site/plain.html`);
+    t.after(() => page.context().close());
+    await page.waitForFunction(() => customElements.get("pcmvs-player"));
+    const seek = async () => {
+        asked.length = 0;
+        await add(page, { src: `http://127.0.0.1:${server.address().port}/sequence.json` });
+        await heard(page, "ready");
+        await page.evaluate((time) => (globalThis.clip.currentTime = time), 3 / FPS);
+    };
+    await seek();
+    await showsFrame(page, 3);
+    for (let i = 0; i < 100 && asked.length < 3; i++) await page.waitForTimeout(50);
+    const [whole, last, between] = asked;
+    assert.equal(whole, "whole");
+    const start = Number(/^bytes=(\d+)-/.exec(last)[1]);
+    assert.equal(last, `bytes=${start}-${file.length - 1}`);
+    assert.ok(start > file.length / 2, last);
+    assert.equal(Number(/-(\d+)$/.exec(between)[1]), start - 1, "what was left out is loaded after it");
+    sendsParts = false;
+    await seek();
+    await page.waitForTimeout(500);
+    assert.equal(await page.evaluate(() => globalThis.clip.player.frame), 0);
+    finish();
+    await showsFrame(page, 3);
+    assert.equal(asked[0], "whole");
 });
 
 test("the quality goes by the bandwidth", async (t) => {

@@ -56,8 +56,10 @@ export class Stream {
         return file.frame(number - segment.first);
     }
 
-    /** Loads what comes after a frame, and forgets what is far from it. */
+    /** Loads a frame and what comes after it, and forgets what is far from it. */
     need(frame: number, looping: boolean) {
+        const now = this.best(frame);
+        now?.file.prefer(frame - now.segment.first);
         const { indices, fps } = this.take;
         const ahead = Math.min(indices.length, Math.ceil(AHEAD * fps));
         const needed = new Set<string>();

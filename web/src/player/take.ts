@@ -78,10 +78,10 @@ export async function readTake(url: string, signal?: AbortSignal): Promise<Take>
 }
 
 /** Fetches a file. Errors say which, and what is to be done. */
-export async function get(url: string, signal?: AbortSignal): Promise<Response> {
+export async function get(url: string, signal?: AbortSignal, headers: HeadersInit = {}): Promise<Response> {
     let response: Response;
     try {
-        response = await fetch(url, { signal });
+        response = await fetch(url, { signal, headers });
     } catch (error) {
         if (signal?.aborted) throw error;
         throw new ClipError(
@@ -92,7 +92,7 @@ export async function get(url: string, signal?: AbortSignal): Promise<Response> 
     return response;
 }
 
-const fileName = (url: string) => new URL(url).pathname.split("/").at(-1) || url;
+export const fileName = (url: string) => new URL(url).pathname.split("/").at(-1) || url;
 
 /** The clip that a manifest at an address describes. */
 export function parseTake(json: unknown, url: string): Take {
