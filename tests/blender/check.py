@@ -1,8 +1,8 @@
 """Imports clips into Blender with examples/blender/pcmvs_clips and checks what is there: check.py FOLDER FPS.
 
-The folder has clips of `pcmvs reconstruct`: plain/, textured/ and compressed/, and upright/ with a frame of plain/. `pcmvs pack` has
-made packed.glb of plain/, with FPS frames per second, and published/, which has plain/ as the quality full, compressed/ as the
-quality compact, segments and a sound. All are of a scene with +z up, so that they are in Blender's axes as they are in the scene's.
+The folder has clips of `pcmvs reconstruct`: plain/, textured/ and compressed/, and upright/ with a frame of plain/. `pcmvs pack`
+has made packed.glb of plain/, with FPS frames per second, and published/, which has plain/ as the quality full, compressed/ as the
+quality compact, segments and a sound. All are of a scene with +z up, so that they are in Blender's axes as in the scene's.
 """
 
 import json

@@ -1,7 +1,7 @@
 //! `cargo xtask blender`: imports clips into Blender (see tests/blender).
 
 use crate::{
-    Result,
+    Result, forms,
     process::{program, run, target},
     sample,
     setup::{Environment, Need},
@@ -56,7 +56,11 @@ pub fn check(steps: &mut Steps) -> Result<()> {
         };
         let printed = run(python("tests/blender/check.py").arg(PACKED_FPS))?;
         run(python("tests/blender/install.py").env("BLENDER_USER_RESOURCES", folder.join("settings")))?;
-        Ok(Outcome::Passed(printed.lines().last().unwrap_or_default().to_owned()))
+        forms::make(&folder)?;
+        let pictures = run(&mut python("tests/blender/pictures.py"))?;
+        let measured = pictures.lines().filter(|line| line.contains(" dB"));
+        let summary = printed.lines().last().unwrap_or_default().to_owned();
+        Ok(Outcome::Passed(measured.fold(summary, |text, line| format!("{text}\n  {line}"))))
     })
 }
 
