@@ -151,11 +151,6 @@ fn srgb(v: f64) -> f64 {
     if v <= 0.003_130_8 { 12.92 * v } else { 1.055 * libm::pow(v, 1.0 / 2.4) - 0.055 }
 }
 
-/// The reverse.
-fn linear(v: f64) -> f64 {
-    if v <= 0.040_45 { v / 12.92 } else { libm::pow((v + 0.055) / 1.055, 2.4) }
-}
-
 /// The contact sheet of a frame: photograph, shape and colours for each camera, cropped around the mesh.
 ///
 /// # Errors

@@ -41,7 +41,7 @@ impl Texture {
         if width != height || !width.is_power_of_two() {
             return Err(format!("the texture has {width} x {height} texels"));
         }
-        let texels = picture.pixels().map(|p| DVec3::from(p.0.map(|code| super::linear(f64::from(code) / 255.0))));
+        let texels = picture.pixels().map(|p| DVec3::from(p.0.map(|code| linear(f64::from(code) / 255.0))));
         let mut levels = vec![Level { size: width as usize, texels: texels.collect() }];
         while let Some(last) = levels.last().filter(|level| level.size > 1) {
             levels.push(last.halved());
@@ -82,6 +82,11 @@ impl Level {
         let row = |y: f64| texel(corner.x, y).lerp(texel(corner.x + 1.0, y), share.x);
         row(corner.y).lerp(row(corner.y + 1.0), share.y)
     }
+}
+
+/// IEC 61966-2-1: sRGB to linear light, both in 0..1.
+fn linear(v: f64) -> f64 {
+    if v <= 0.040_45 { v / 12.92 } else { libm::pow((v + 0.055) / 1.055, 2.4) }
 }
 
 #[cfg(test)]
