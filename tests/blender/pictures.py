@@ -1,6 +1,6 @@
 """Draws the forms of a mesh in Blender and compares the pictures with our own: pictures.py FOLDER.
 
-The folder has what xtask/src/forms.rs makes. The extension imports each form, Cycles draws it, and nothing is turned by hand.
+The folder has what xtask/src/forms.rs makes. The extension imports each form, and Cycles draws it. Nothing is turned by hand.
 """
 
 import json

@@ -59,10 +59,12 @@ class ImportPcmvs(bpy.types.Operator, ImportHelper):
 
     def execute(self, context):
         try:
-            import_clip(context, self.filepath, self.quality, self.set_scene, self.sound)
+            _, silent = import_clip(context, self.filepath, self.quality, self.set_scene, self.sound)
         except Unreadable as error:
             self.report({"ERROR"}, str(error))
             return {"CANCELLED"}
+        if silent:
+            self.report({"WARNING"}, silent)
         return {"FINISHED"}
 
 

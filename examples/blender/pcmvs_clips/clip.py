@@ -55,7 +55,7 @@ def read_manifest(path):
     except (OSError, *DAMAGE) as error:
         raise Unreadable(f"{path}: is no sequence.json of pcmvs ({error!r})") from error
     if version not in (1, 2):
-        raise Unreadable(f"{path}: has version {version!r}, and this add-on reads versions 1 and 2")
+        raise Unreadable(f"{path}: has version {version!r}, and this extension reads versions 1 and 2")
     return manifest
 
 

@@ -40,7 +40,7 @@ class Glb:
         if size not in (None, len(data)):
             raise Unreadable(f"{path}: has {len(data)} bytes, and the clip lists {size}: copy the clip once more")
         if unknown:
-            raise Unreadable(f"{path}: needs {', '.join(sorted(unknown))}, which this add-on does not know")
+            raise Unreadable(f"{path}: needs {', '.join(sorted(unknown))}, which this extension does not know")
 
     def part(self, view):
         """The stored bytes of a buffer view, or of the description of a compressed one."""

@@ -59,7 +59,10 @@ def make_mesh(name, source):
 
 
 def import_clip(context, path, quality="", set_scene=True, sound=True):
-    """Adds the clip at a path to the scene. Returns its object. Frame `frame_start` of the scene shows its first frame."""
+    """Adds the clip at a path to the scene. Frame `frame_start` of the scene shows its first frame.
+
+    Returns its object, and why its sound is missing, or nothing if it is not.
+    """
     opened = Clip(path, quality)
     made, materials, up = [], [], None
     windows = context.window_manager
@@ -73,7 +76,6 @@ def import_clip(context, path, quality="", set_scene=True, sound=True):
             made[-1].materials.append(materials[-1])
             up = up or glb.up()
             windows.progress_update(len(made))
-        loaded = load_sound(opened.audio) if sound and opened.audio else None
     except Unreadable:
         images = [node.image for one in materials for node in one.node_tree.nodes if node.type == "TEX_IMAGE"]
         bpy.data.batch_remove([*made, *materials, *images])
@@ -95,26 +97,27 @@ def import_clip(context, path, quality="", set_scene=True, sound=True):
             # Blender's frame rate is an integer divided by a base.
             scene.render.fps = max(1, round(opened.fps))
             scene.render.fps_base = scene.render.fps / opened.fps
-    if loaded:
-        add_sound(scene, loaded)
     show_frames(scene)
-    return clip
+    return clip, add_sound(scene, opened.audio) if sound and opened.audio else None
 
 
-def load_sound(path):
-    try:
-        return bpy.data.sounds.load(str(path))
-    except RuntimeError as error:
-        raise Unreadable(f"{path}: cannot be opened as sound ({error}): import without sound") from error
-
-
-def add_sound(scene, sound):
-    """Puts the sound of a clip below the scene's frames, in a channel that is free."""
+def add_sound(scene, path):
+    """Puts the sound of a clip below the scene's frames, in a channel that is free. Returns why this fails, if it does."""
+    if not path.is_file():
+        return f"{path}: is missing: copy the clip once more. The clip was imported without its sound"
     editor = scene.sequence_editor or scene.sequence_editor_create()
     # The name before Blender 4.4.
     strips = editor.strips if hasattr(editor, "strips") else editor.sequences
     channel = 1 + max((strip.channel for strip in strips), default=0)
-    strips.new_sound(name=sound.name, filepath=sound.filepath, channel=channel, frame_start=scene.frame_start)
+    try:
+        strip = strips.new_sound(name=path.name, filepath=str(path), channel=channel, frame_start=scene.frame_start)
+    except RuntimeError as error:
+        return f"{path}: {str(error).strip()}. The clip was imported without its sound"
+    sound = strip.sound
+    if sound.channels == "INVALID":
+        strips.remove(strip)
+        bpy.data.sounds.remove(sound)
+        return f"{path}: cannot be opened as sound. The clip was imported without it"
     # The sound goes on while frames are late, as in other players.
     scene.sync_mode = "AUDIO_SYNC"
 
