@@ -7,11 +7,13 @@ in the scene's.
 """
 
 import json
+import os
 import pathlib
 import shutil
 import struct
 import sys
 import time
+from types import SimpleNamespace
 
 import bpy
 import numpy
@@ -130,6 +132,8 @@ def the_published_clip_has_qualities_and_sound():
     path = FOLDER / "published/sequence.json"
     manifest = json.loads(path.read_bytes())
     assert len(manifest["qualities"][0]["segments"]) > 1, "there are segments to join"
+    the_dialog_offers(path, ["full", "compact"])
+    the_dialog_offers(FOLDER / "plain/sequence.json", [])
     # Nothing is chosen, and so it is the best quality.
     clip = imported(path)
     every_frame_shows_the_mesh_of_its_file(clip, FOLDER / "plain", manifest["fps"])
@@ -150,6 +154,14 @@ def the_published_clip_has_qualities_and_sound():
     (silent / "audio.wav").unlink()
     assert len(imported(silent / "sequence.json").pcmvs_clip.frames) > 1
     assert not sounds() and not bpy.data.sounds
+
+
+def the_dialog_offers(path, names):
+    """What the import dialog lists under Quality, with the file browser and without."""
+    browser = SimpleNamespace(directory=os.fsencode(path.parent), filename=path.name)
+    for space in (None, SimpleNamespace(params=browser)):
+        operator = SimpleNamespace(filepath=str(path) if space is None else "")
+        assert pcmvs_clips.offer_qualities(operator, SimpleNamespace(space_data=space), "") == names
 
 
 def the_sound_begins_with_the_clip():
