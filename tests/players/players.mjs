@@ -1,24 +1,26 @@
 // Plays a clip in three.js, Babylon.js and <model-viewer> and compares what they show with our own pictures of the same
 // meshes: node players.mjs FOLDER. The folder has clip/ (what the command line wrote), view.json (the camera, as
-// page/three.js explains it) and ours/ (a picture of every frame, transparent where there is no mesh).
+// page/three.js explains it) and ours/ (a picture of every frame, transparent where there is no mesh). forms.mjs says what
+// it has for the forms of a mesh.
 import { mkdirSync, readFileSync, writeFileSync } from "node:fs";
 import { join } from "node:path";
 import { fileURLToPath } from "node:url";
 import { launch, openPage, serve } from "../web/site.mjs";
 import { alike, flipped, onGreen, ours, overlap, psnr, shown } from "./compare.mjs";
+import { folders, lookAtForms, missed } from "./forms.mjs";
 
 const PACKAGES = { three: "three", babylon: "@babylonjs/core", "model-viewer": "@google/model-viewer" };
 /** Required overlap of the silhouettes, and PSNR in decibels. */
 const OVERLAP = 0.97;
-const PSNR = 30;
+const PSNR = 35;
 /** Required PSNR in decibels of a packed clip's picture with that of the frame's own file. */
 const ALIKE = 50;
 /** Number of pictures taken of a playing clip. */
 const LOOKS = 12;
-/** Folders of clips with their packed files, and the players that show them. Others load the decoder from another site. */
+/** Folders of clips with their packed files. */
 const PACKED = [
-    { folder: "clip", files: ["packed.glb", "visibility.glb"], players: Object.keys(PACKAGES) },
-    { folder: "compressed", files: ["packed.glb"], players: ["three"] },
+    { folder: "clip", files: ["packed.glb", "visibility.glb"] },
+    { folder: "compressed", files: ["packed.glb"] },
 ];
 
 const here = (path) => fileURLToPath(new URL(path, import.meta.url));
@@ -47,7 +49,12 @@ async function measure(browser, address, player) {
         measured.psnr = Math.min(measured.psnr, psnr(seen, pictures[i]));
         measured.mirrored = Math.max(measured.mirrored, ...flipped(seen).map((other) => overlap(other, pictures[i])));
     }
-    for (const { folder, files } of PACKED.filter(({ players }) => players.includes(player)))
+    measured.forms = await lookAtForms(folder, shots, {
+        name: player,
+        show: (address) => page.evaluate((url) => window.player.show(url, [0, 1, 0]), address),
+        see,
+    });
+    for (const { folder, files } of PACKED)
         measured.packed = Math.min(measured.packed, await packed(page, () => see("white"), folder, files));
     await see("#0f0");
     // Play frame after frame, as fast as they load, while pictures are taken.
@@ -99,8 +106,8 @@ async function packed(page, see, name, files) {
     return least;
 }
 
-function shortcomings({ overlap, psnr, mirrored, looks, packed, frames, problems }) {
-    const wrong = [...problems];
+function shortcomings({ overlap, psnr, mirrored, looks, packed, frames, problems, forms }) {
+    const wrong = [...problems, ...forms.flatMap(missed)];
     if (!(overlap >= OVERLAP)) wrong.push(`silhouettes overlap by ${overlap.toFixed(3)}, not ${OVERLAP}`);
     if (!(psnr >= PSNR)) wrong.push(`colours are at ${psnr.toFixed(1)} dB, not ${PSNR}`);
     if (!(mirrored < OVERLAP)) wrong.push("the mesh is its own mirror image, and so this does not show where up is");
@@ -111,10 +118,11 @@ function shortcomings({ overlap, psnr, mirrored, looks, packed, frames, problems
     return wrong;
 }
 
+const served = (name) => [`/${name}/`, join(folder, name)];
 const server = await serve({
     "/": here("page"),
     "/node_modules/": here("node_modules"),
-    ...Object.fromEntries(PACKED.map(({ folder: name }) => [`/${name}/`, join(folder, name)])),
+    ...Object.fromEntries([...PACKED.map(({ folder }) => folder), ...folders(folder)].map(served)),
 });
 const browser = await launch();
 try {
@@ -126,6 +134,8 @@ try {
         const playing = `playing: overlap ${looks.toFixed(4)}, ${frames} of ${clip.frames.length} frames seen, ${milliseconds.toFixed(0)} ms per frame`;
         const one = `packed: ${packed === Infinity ? "equal pictures" : `${packed.toFixed(1)} dB`}`;
         console.log(`${name}: ${still}; ${playing}; ${one}`);
+        for (const form of measured.forms)
+            console.log(`  ${form.name}: overlap ${form.overlap.toFixed(4)}, ${form.psnr.toFixed(1)} dB`);
         for (const wrong of shortcomings(measured)) {
             console.log(`  ${wrong}`);
             process.exitCode = 1;

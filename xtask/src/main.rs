@@ -11,6 +11,7 @@ mod cycles;
 mod demo;
 mod farm;
 mod faults;
+mod forms;
 mod fuzz;
 mod golden;
 mod instructions;

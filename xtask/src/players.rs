@@ -2,22 +2,13 @@
 //! tests/players).
 
 use crate::{
-    Result,
+    Result, forms,
     process::{program, root, run, target},
     sample,
     setup::{CHROMIUM, Need},
     steps::{Outcome, Steps},
 };
-use image::{ColorType, ImageFormat};
-use serde_json::json;
-use std::{f64::consts::FRAC_PI_4, fs, path::Path};
-use studio::{
-    Ring,
-    look::{ColouredMesh, Drawing, draw},
-};
-
-/// Pixels of a picture's side.
-const SIZE: u32 = 512;
+use std::{fs, path::Path};
 
 /// Options of another clip, as viewers on the web want it.
 const COMPRESSED: &str = "--preset hull --faces 20000 --texture=512 --compress --upright";
@@ -42,6 +33,7 @@ pub fn check(steps: &mut Steps) -> Result<()> {
             let clip = folder.join(clip);
             sample::pack(options, &clip, &clip.join(name))?;
         }
+        forms::make(&folder)?;
         look(&folder)?;
         NEEDS.iter().try_for_each(|need| need.install())?;
         let measured = run(program("node", "players.mjs").arg(&folder).current_dir(&tests))?;
@@ -49,35 +41,14 @@ pub fn check(steps: &mut Steps) -> Result<()> {
     })
 }
 
-/// Writes the camera, as players take it, and what it sees of every frame.
+/// Draws every frame of the clip into `ours`.
 fn look(folder: &Path) -> Result<()> {
     let fail = |e: &dyn std::fmt::Display| format!("{}: {e}", folder.display());
-    let ring = Ring { count: 8, unevenness: 0.0, ..Ring::default() }.sized(SIZE, SIZE);
-    // The second camera, by an eighth of a turn from the scene's +x. Players have up at +y, and the scene's -y at +z.
-    let camera = ring.cameras()[1];
-    let target = ring.look_at;
-    let above = ring.height - target.z;
-    let view = json!({
-        "size": SIZE,
-        "target": [target.x, target.z, -target.y],
-        "radius": libm::hypot(ring.radius, above),
-        "theta": 3.0 * FRAC_PI_4,
-        "phi": libm::atan2(ring.radius, above),
-        "fov": ring.fov,
-    });
-    fs::create_dir_all(folder.join("ours")).map_err(|e| fail(&e))?;
-    fs::write(folder.join("view.json"), view.to_string()).map_err(|e| fail(&e))?;
     let manifest = fs::read(folder.join("clip/sequence.json")).map_err(|e| fail(&e))?;
     let manifest: serde_json::Value = serde_json::from_slice(&manifest).map_err(|e| fail(&e))?;
     for frame in manifest["frames"].as_array().into_iter().flatten() {
         let name = frame["url"].as_str().ok_or_else(|| fail(&"a frame has no file"))?;
-        let mesh = ColouredMesh::read(&folder.join("clip").join(name)).map_err(|e| fail(&e))?;
-        let Drawing { colours, covered, .. } = draw(&mesh, &camera);
-        let pixels = colours.rgb.chunks_exact(3).zip(&covered);
-        let rgba: Vec<u8> = pixels.flat_map(|(c, &covered)| [c[0], c[1], c[2], u8::from(covered) * 255]).collect();
-        let path = folder.join("ours").join(name).with_extension("png");
-        image::save_buffer_with_format(path, &rgba, SIZE, SIZE, ColorType::Rgba8, ImageFormat::Png)
-            .map_err(|e| fail(&e))?;
+        forms::picture(&folder.join("clip").join(name), &folder.join("ours").join(name).with_extension("png"))?;
     }
     Ok(())
 }

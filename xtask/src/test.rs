@@ -146,6 +146,8 @@ fn pipeline() -> Result<String> {
         let mut pack = program(binary("pcmvs"), &format!("pack {options} -o"));
         run_program(pack.arg(smoke().join(name)).arg(smoke().join(clip)))?;
     }
+    let quality = format!("pack --manifest --quality mobile={} -o", smoke().join("mobile").display());
+    run_program(program(binary("pcmvs"), &quality).arg(smoke().join("published")).arg(smoke().join("web")))?;
     let sheet = smoke().join("look.png");
     let mesh = smoke().join("default/frame_0000.glb");
     run_program(program(binary("look"), "").arg(&scene).arg(mesh).args(["--cameras", "0,4,8", "-o"]).arg(sheet))?;
@@ -155,11 +157,13 @@ fn pipeline() -> Result<String> {
 const PRESETS: [&str; 4] = ["hull", "paper", "default", "preview"];
 
 /// Forms of a mesh that the command writes, and the options that ask for them.
-const FORMS: [(&str, &str); 4] = [
+const FORMS: [(&str, &str); 6] = [
     ("textured", "--texture"),
-    ("compressed", "--compress"),
+    ("textured-upright", "--texture --upright"),
+    ("compressed", "--compress --upright"),
     ("upright", "--upright"),
     ("web", "--faces 2000 --texture=256 --compress --upright"),
+    ("mobile", "--faces 500 --texture=128 --compress --upright"),
 ];
 
 /// Clips in one file: names, the folders of their frames, and options of `pcmvs pack`.
@@ -169,12 +173,15 @@ const PACKED: [(&str, &str, &str); 3] = [
     ("packed-web.glb", "web", ""),
 ];
 
+/// Files of a published clip, whose qualities are the forms web and mobile.
+const PUBLISHED: [&str; 2] = ["published/full.glb", "published/mobile.glb"];
+
 fn validator() -> Result<String> {
     let folder = root().join("tests/gltf");
     VALIDATOR.install()?;
     let frames = PRESETS.iter().flat_map(|p| [0, 1].map(|i| smoke().join(format!("{p}/frame_{i:04}.glb"))));
     let forms = FORMS.iter().map(|(name, _)| smoke().join(name).join("frame_0000.glb"));
-    let packed = PACKED.iter().map(|(name, ..)| smoke().join(name));
+    let packed = PACKED.iter().map(|(name, ..)| *name).chain(PUBLISHED).map(|name| smoke().join(name));
     let frames: Vec<PathBuf> = frames.chain(forms).chain(packed).collect();
     run_program(program("node", "validate.mjs").args(&frames).current_dir(&folder))?;
     Ok(format!("{} files", frames.len()))

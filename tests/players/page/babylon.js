@@ -4,12 +4,18 @@ import { Engine } from "@babylonjs/core/Engines/engine.js";
 import { LoadAssetContainerAsync } from "@babylonjs/core/Loading/sceneLoader.js";
 import { Color4 } from "@babylonjs/core/Maths/math.color.js";
 import { Quaternion, Vector3 } from "@babylonjs/core/Maths/math.vector.js";
+import { MeshoptCompression } from "@babylonjs/core/Meshes/Compression/meshoptCompression.js";
 import { TransformNode } from "@babylonjs/core/Meshes/transformNode.js";
 import { Scene } from "@babylonjs/core/scene.js";
 import "@babylonjs/loaders/glTF/2.0/glTFLoader.js";
+import "@babylonjs/loaders/glTF/2.0/Extensions/EXT_meshopt_compression.js";
 import "@babylonjs/loaders/glTF/2.0/Extensions/KHR_animation_pointer.js";
 import "@babylonjs/loaders/glTF/2.0/Extensions/KHR_materials_unlit.js";
+import "@babylonjs/loaders/glTF/2.0/Extensions/KHR_mesh_quantization.js";
 import "@babylonjs/loaders/glTF/2.0/Extensions/KHR_node_visibility.js";
+
+// Otherwise the decoder comes from Babylon's own host.
+MeshoptCompression.Configuration = { decoder: { url: "/node_modules/meshoptimizer/meshopt_decoder.cjs" } };
 
 /** Frames per second in which the loader counts time. */
 const LOADER_FPS = 60;
@@ -20,7 +26,8 @@ export function open(stage, view) {
     const canvas = document.createElement("canvas");
     canvas.width = canvas.height = view.size;
     stage.append(canvas);
-    scene = new Scene(new Engine(canvas, true, { alpha: true }));
+    // Otherwise linear light becomes sRGB by a power of 1/2.2, which makes dark colours too bright.
+    scene = new Scene(new Engine(canvas, true, { alpha: true, useExactSrgbConversions: true }));
     scene.useRightHandedSystem = true;
     scene.clearColor = new Color4(0, 0, 0, 0);
     const { theta, phi, radius } = view;

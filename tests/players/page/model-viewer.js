@@ -3,6 +3,8 @@ import { ModelViewerElement } from "@google/model-viewer";
 
 // Otherwise it reduces its resolution where drawing is slow.
 ModelViewerElement.minimumRenderScale = 1;
+// It has no decoder of EXT_meshopt_compression without this.
+ModelViewerElement.meshoptDecoderLocation = "/node_modules/meshoptimizer/meshopt_decoder.cjs";
 const element = document.createElement("model-viewer");
 
 export function open(stage, view) {

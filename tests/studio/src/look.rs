@@ -1,10 +1,13 @@
 //! A contact sheet of a result: photograph, shape and colours side by side, seen by the same camera.
 
+mod texture;
+
 use crate::picture::Picture;
 use glam::{DVec2, DVec3};
 use pcmvs_core::Camera;
 use pcmvs_scene::{Disk, Scene};
 use std::{error::Error, path::Path};
+use texture::Texture;
 
 const BACKGROUND: DVec3 = DVec3::ONE;
 /// Colour of the shaded surface.
@@ -19,14 +22,18 @@ pub struct ColouredMesh {
     pub positions: Vec<DVec3>,
     /// Unit normals, one per vertex.
     pub normals: Vec<DVec3>,
-    /// Linear light in 0..1, one per vertex.
+    /// Linear light in 0..1, one per vertex. Empty if there is a texture.
     pub colours: Vec<DVec3>,
+    /// Places in the texture in 0..1 from its upper left corner on, one per vertex. Empty if there is none.
+    pub uvs: Vec<DVec2>,
+    /// Its picture.
+    pub texture: Option<Texture>,
     /// Counter-clockwise seen from outside.
     pub faces: Vec<[u32; 3]>,
 }
 
 impl ColouredMesh {
-    /// Reads a GLB whose only mesh has normals and vertex colours.
+    /// Reads a GLB whose only mesh has normals, and colours of its vertices or a texture. Rotations of nodes are left out.
     ///
     /// # Errors
     /// The file cannot be read, or normals or colours are missing.
@@ -35,14 +42,35 @@ impl ColouredMesh {
         let primitive = document.meshes().next().and_then(|m| m.primitives().next()).ok_or("there is no mesh")?;
         let reader = primitive.reader(|_| blob.as_deref());
         let vectors = |list: Vec<[f32; 3]>| list.into_iter().map(|v| DVec3::from(v.map(f64::from))).collect::<Vec<_>>();
-        let colours = vectors(reader.read_colors(0).ok_or("there are no colours")?.into_rgb_f32().collect());
+        let texture = Texture::of(&primitive, blob.as_deref().unwrap_or_default())?;
+        let uvs =
+            reader.read_tex_coords(0).map(|uvs| uvs.into_f32().map(|uv| DVec2::from(uv.map(f64::from))).collect());
+        if texture.is_some() && uvs.is_none() {
+            return Err("there are no texture coordinates".into());
+        }
+        let colours = match reader.read_colors(0) {
+            Some(colours) => vectors(colours.into_rgb_f32().collect()),
+            None if texture.is_some() => Vec::new(),
+            None => return Err("there are no colours".into()),
+        };
         let indices: Vec<u32> = reader.read_indices().ok_or("there are no faces")?.into_u32().collect();
         Ok(Self {
             positions: vectors(reader.read_positions().ok_or("there are no positions")?.collect()),
             normals: vectors(reader.read_normals().ok_or("there are no normals")?.collect()),
             colours,
+            uvs: uvs.unwrap_or_default(),
+            texture,
             faces: indices.as_chunks().0.to_vec(),
         })
+    }
+
+    /// Linear light at a place of a face, and at the places of the pixels to the right and below.
+    fn colour(&self, corners: [usize; 3], shares: [[f64; 3]; 3]) -> DVec3 {
+        let Some(texture) = &self.texture else {
+            return (0..3).map(|k| self.colours[corners[k]] * shares[0][k]).sum();
+        };
+        let [here, right, below] = shares.map(|share| (0..3).map(|k| self.uvs[corners[k]] * share[k]).sum::<DVec2>());
+        texture.sample(here, [right - here, below - here])
     }
 }
 
@@ -51,7 +79,7 @@ impl ColouredMesh {
 pub struct Drawing {
     /// Shaded with light from the camera and from above.
     pub shape: Picture,
-    /// In its own colours, which are interpolated in linear light, as glTF requires.
+    /// In its own colours, which are interpolated in linear light, as glTF requires. Textures likewise.
     pub colours: Picture,
     /// Whether the mesh covers each pixel.
     pub covered: Vec<bool>,
@@ -84,18 +112,24 @@ pub fn draw(mesh: &ColouredMesh, camera: &Camera) -> Drawing {
             for x in span(low.x, high.x, w) {
                 let p = DVec2::new(x as f64, y as f64);
                 // Barycentric coordinates, first in the image, then (by inverse depth) on the surface.
-                let share =
-                    [(c - b).perp_dot(p - b) / area, (a - c).perp_dot(p - c) / area, (b - a).perp_dot(p - a) / area];
-                if share.iter().any(|&s| s < 0.0) {
+                let flat = |p: DVec2| {
+                    [(c - b).perp_dot(p - b) / area, (a - c).perp_dot(p - c) / area, (b - a).perp_dot(p - a) / area]
+                };
+                let surface = |p: DVec2| {
+                    let [a, b, c] = flat(p);
+                    let share = [a / za, b / zb, c / zc];
+                    let depth = 1.0 / (share[0] + share[1] + share[2]);
+                    (share.map(|s| s * depth), depth)
+                };
+                if flat(p).iter().any(|&s| s < 0.0) {
                     continue;
                 }
-                let share = [share[0] / za, share[1] / zb, share[2] / zc];
-                let depth = 1.0 / (share[0] + share[1] + share[2]);
+                let (share, depth) = surface(p);
                 if depth < nearest[y * w + x] {
                     nearest[y * w + x] = depth;
-                    for (layer, values) in layers.iter_mut().zip([&shades, &mesh.colours]) {
-                        layer[y * w + x] = (0..3).map(|k| values[corners[k]] * (share[k] * depth)).sum();
-                    }
+                    layers[0][y * w + x] = (0..3).map(|k| shades[corners[k]] * share[k]).sum();
+                    layers[1][y * w + x] =
+                        mesh.colour(corners, [share, surface(p + DVec2::X).0, surface(p + DVec2::Y).0]);
                 }
             }
         }
