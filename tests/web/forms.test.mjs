@@ -136,16 +136,24 @@ test("a form gives its arrays, reports progress, cancels and throws errors with 
 
 test("a frame for the web is the command line's file", async (t) => {
     const source = capture([0]);
-    const { page, problems, shot } = await openWith(t, source);
+    // The service worker would load all files, for use without a network.
+    const options = { serviceWorkers: "block" };
+    const asked = [];
+    const prepare = (page) => void page.on("request", (request) => asked.push(request.url()));
+    const { page, problems, shot } = await openWith(t, source, { options, prepare });
+    const loaded = () => [/pcmvs-forms/, /meshopt_encoder/].map((name) => asked.some((url) => name.test(url)));
     assert.equal(await page.isChecked("#compress"), false);
+    await run(page);
+    assert.deepEqual(loaded(), [false, false], "the full mesh needs neither");
     await page.selectOption("#result", "web");
     assert.deepEqual([await page.isChecked("#compress"), await page.isChecked("#upright")], [true, true]);
     await run(page);
     assert.match(await text(page, "status"), /^1 of 1 frames/);
     await shot("form-web");
+    assert.deepEqual(loaded(), [true, true]);
     const out = folder();
-    const options = ["--faces", "20000", "--texture=1024", "--compress", "--upright"];
-    pcmvs("reconstruct", source, "-o", out, "--preset", "hull", ...options);
+    const form = ["--faces", "20000", "--texture=1024", "--compress", "--upright"];
+    pcmvs("reconstruct", source, "-o", out, "--preset", "hull", ...form);
     same(await download(page, "export-glb"), readFileSync(join(out, "frame_0000.glb")));
     await page.click("#export-ply");
     await page.waitForSelector("#errors:has-text('PLY files have none')");
