@@ -113,6 +113,7 @@ test("a form gives its arrays, reports progress, cancels and throws errors with 
     assert.throws(() => frame.form("hull", mesh, { texture: 32 }), { code: "invalid-argument", message: /choose 64/ });
     assert.throws(() => frame.form("hull", mesh, { texture: 64 }), { code: "invalid-argument", message: /too small/ });
     assert.throws(() => frame.form("hull", mesh, { texture: "large" }), { code: "input" });
+    assert.throws(() => frame.form("web", mesh, {}), { code: "input", message: /^a preset is one of/ });
     assert.throws(() => frame.form("hull", { ...mesh, gains: new Float32Array(3) }, { texture: true }), {
         code: "invalid-argument",
         message: /gains of 1 cameras/,

@@ -14,7 +14,7 @@ use crate::{
 use glam::{DQuat, DVec3};
 use js_sys::{Float32Array, Reflect, Uint8Array};
 use pcmvs_core::{
-    Error, FormParams, Memory, Mesh, Progress, Serial, TextureParams, ViewInput,
+    Error, FormParams, Memory, Mesh, Params, Progress, Serial, TextureParams, ViewInput,
     export::{bounds, glb},
 };
 use serde::{Deserialize, Serialize};
@@ -119,6 +119,8 @@ impl Frame {
         if origin != self.rig().origin() {
             return Err(Failed::input("the mesh is of other cameras: make the frame with the rig of the mesh"));
         }
+        // Of a form without a texture the preset is only checked.
+        let preset = presets::params(preset)?;
         let callback = Callback::new(progress);
         let texture = match asked.texture {
             None | Some(AskedTexture::Wanted(false)) => None,
@@ -128,7 +130,7 @@ impl Frame {
         let params = FormParams { faces: asked.faces, texture };
         let finished = read(mesh)?;
         let form = if params.texture.is_some() {
-            self.textured(preset, &finished, &gains_of(mesh)?, &params, &callback)?
+            self.textured(&preset, &finished, &gains_of(mesh)?, &params, &callback)?
         } else {
             pcmvs_core::Form::untextured(&finished, params.faces, footprint_of(mesh)?, &callback)
         };
@@ -137,10 +139,10 @@ impl Frame {
 }
 
 impl Frame {
-    /// The outer error is about the pictures and the preset as JavaScript gave them.
+    /// The outer error is about the pictures as JavaScript gave them.
     fn textured(
         &self,
-        preset: &PresetName,
+        preset: &Params,
         mesh: &Mesh,
         gains: &[[f32; 3]],
         params: &FormParams,
@@ -148,7 +150,7 @@ impl Frame {
     ) -> Result<Result<pcmvs_core::Form, Error>, Failed> {
         let cameras = 0..self.rig().cameras().len();
         let inputs: Vec<Option<ViewInput>> = cameras.map(|i| self.input(i)).collect::<Result<_, _>>()?;
-        let mut frame = pcmvs_core::Frame::new(&**self.rig(), presets::params(preset)?, Memory::default());
+        let mut frame = pcmvs_core::Frame::new(&**self.rig(), *preset, Memory::default());
         frame.keep_views(false);
         let carved = frame
             .read_views(&Serial, progress, |camera, give| give(inputs[camera].as_ref()))
