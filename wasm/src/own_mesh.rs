@@ -44,11 +44,10 @@ fn property<T: JsCast>(mesh: &OwnMesh, name: &str) -> Result<T, Failed> {
 }
 
 pub fn read(mesh: &OwnMesh) -> Result<Mesh, Failed> {
-    let floats = |name| Ok::<_, Failed>(property::<Float32Array>(mesh, name)?.to_vec());
-    let positions = rows(&floats("positions")?).map(Vec3::from_array).collect::<Vec<_>>();
-    let normals = rows(&floats("normals")?).map(Vec3::from_array).collect::<Vec<_>>();
-    let colours: Vec<[u8; 3]> = rows(&property::<Uint8Array>(mesh, "colours")?.to_vec()).collect();
-    let triangles: Vec<[u32; 3]> = rows(&property::<Uint32Array>(mesh, "triangles")?.to_vec()).collect();
+    let positions = vectors(mesh, "positions")?;
+    let normals = vectors(mesh, "normals")?;
+    let colours = property::<Uint8Array>(mesh, "colours")?.to_vec().as_chunks().0.to_vec();
+    let triangles = property::<Uint32Array>(mesh, "triangles")?.to_vec().as_chunks().0.to_vec();
     let count = positions.len();
     for (name, is_right) in [
         ("positions", positions.iter().all(|p| p.is_finite())),
@@ -63,8 +62,13 @@ pub fn read(mesh: &OwnMesh) -> Result<Mesh, Failed> {
     Ok(Mesh { positions, normals, colours, triangles })
 }
 
-fn rows<T: Copy>(values: &[T]) -> impl Iterator<Item = [T; 3]> + '_ {
-    values.chunks_exact(3).map(|row| [row[0], row[1], row[2]])
+fn vectors(mesh: &OwnMesh, name: &str) -> Result<Vec<Vec3>, Failed> {
+    Ok(bytemuck::cast_slice(&triples(mesh, name)?).to_vec())
+}
+
+/// Numbers in rows of three. Those after the last whole row are left out.
+fn triples(mesh: &OwnMesh, name: &str) -> Result<Vec<[f32; 3]>, Failed> {
+    Ok(property::<Float32Array>(mesh, name)?.to_vec().as_chunks().0.to_vec())
 }
 
 pub fn origin_of(mesh: &OwnMesh) -> Result<DVec3, Failed> {
@@ -79,5 +83,5 @@ pub fn footprint_of(mesh: &OwnMesh) -> Result<f32, Failed> {
 }
 
 pub fn gains_of(mesh: &OwnMesh) -> Result<Vec<[f32; 3]>, Failed> {
-    Ok(rows(&property::<Float32Array>(mesh, "gains")?.to_vec()).collect())
+    triples(mesh, "gains")
 }
