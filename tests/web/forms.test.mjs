@@ -69,6 +69,20 @@ test("forms of the package are the command line's files", async (t) => {
     }
 });
 
+test("both builds of the module give the same bytes", async () => {
+    const api = await load("index.js");
+    const mesh = frameOf(api, 0).reconstruct("hull").finished();
+    const files = [];
+    for (const build of ["simd", "scalar"]) {
+        // With another query it is another module, with its own instance.
+        const forms = await import(new URL(`pcmvs-forms.js?${build}`, pkg));
+        await forms.default({ module_or_path: readFileSync(new URL(`pcmvs-forms.${build}.wasm`, pkg)) });
+        const form = frameOf(forms, 0).form("hull", mesh, { faces: 2000, texture: 256 });
+        files.push(Buffer.from(form.glb({ up: scene.up })));
+    }
+    same(...files);
+});
+
 test("forms of averaged frames are the command line's files", async () => {
     const [api, forms] = await Promise.all([load("index.js"), load("forms.js")]);
     const [before, made, after] = [0, 1, 2].map((index) => frameOf(api, index).reconstruct("hull"));
