@@ -51,6 +51,7 @@ export default defineConfig({
     resolve: {
         alias: {
             "pcmvs/calibration": here("../wasm/pkg/calibration.js"),
+            "pcmvs/forms": here("../wasm/pkg/forms.js"),
             // A machine without the source of Rust's standard library builds the package without threads.
             "pcmvs/threads": existsSync(here("../wasm/pkg/pcmvs-threads.wasm"))
                 ? here("../wasm/pkg/threads.js")

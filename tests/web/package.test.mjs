@@ -291,10 +291,11 @@ test("packed and installed, it works in Node, from a plain script, and through a
         import { ready, version } from "pcmvs";
         await ready;
         import * as calibration from "pcmvs/calibration";
+        import * as forms from "pcmvs/forms";
         import * as scene from "pcmvs/scene";
         const player = ["pcmvs/element", "pcmvs/player"].map((name) => new URL(import.meta.resolve(name)));
-        await Promise.all([calibration.ready, scene.ready]);
-        const versions = new Set([version(), calibration.version(), scene.version()]);
+        await Promise.all([calibration.ready, forms.ready, scene.ready]);
+        const versions = new Set([version(), calibration.version(), forms.version(), scene.version()]);
         console.log(...versions, player.every((url) => existsSync(url)));`,
     );
     const { version } = JSON.parse(readFileSync(new URL("package.json", pkg), "utf8"));

@@ -1,4 +1,5 @@
 export type { Calibration, CalibrationFit, CalibrationReport } from "./calibration.js";
+export type { Form, FormOptions, GlbOptions, MeshoptEncoder, Placement } from "./forms.js";
 export * from "./pcmvs.js";
 export type { FileSource, Scene } from "./scene.js";
 

@@ -1,7 +1,8 @@
-//! pcmvs for browsers, bundlers and Node, as three modules that are loaded when they are needed. Each feature is one of them:
+//! pcmvs for browsers, bundlers and Node, as four modules that are loaded when they are needed. Each feature is one of them:
 //!
 //! - `reconstruction`: a [`Rig`], its [`Frame`]s and their [`Reconstruction`]s;
 //! - `calibration`: a [`Rig`], its [`Frame`]s and a [`Calibrator`] that checks the rig;
+//! - `forms`: a [`Rig`], its [`Frame`]s and [`Form`]s of their meshes;
 //! - `scene`: [`open_scene`].
 //!
 //! Everything runs on the calling thread: call it in a worker. With the feature `threads`, the work of `reconstruct` and
@@ -9,13 +10,21 @@
 
 #[cfg(feature = "calibration")]
 mod calibration;
+#[cfg(feature = "forms")]
+mod compress;
 mod error;
 #[cfg(feature = "reconstruction")]
 mod executor;
+#[cfg(feature = "forms")]
+mod form;
 #[cfg(feature = "frames")]
 mod frame;
 #[cfg(feature = "frames")]
 mod key;
+#[cfg(any(feature = "reconstruction", feature = "forms"))]
+mod mesh_arrays;
+#[cfg(any(feature = "reconstruction", feature = "forms"))]
+mod own_mesh;
 #[cfg(feature = "reconstruction")]
 mod photograph;
 #[cfg(feature = "frames")]
@@ -40,12 +49,16 @@ mod warning;
 
 #[cfg(feature = "calibration")]
 pub use calibration::Calibrator;
+#[cfg(feature = "forms")]
+pub use form::Form;
 #[cfg(feature = "frames")]
 pub use frame::Frame;
+#[cfg(any(feature = "reconstruction", feature = "forms"))]
+pub use mesh_arrays::MeshArrays;
 #[cfg(feature = "reconstruction")]
 pub use photograph::Photograph;
 #[cfg(feature = "reconstruction")]
-pub use reconstruction::{Cloud, MeshArrays, Reconstruction};
+pub use reconstruction::{Cloud, Reconstruction};
 #[cfg(feature = "frames")]
 pub use rig::Rig;
 #[cfg(feature = "scene")]

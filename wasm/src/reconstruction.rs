@@ -6,13 +6,14 @@ use crate::{
     error::Failed,
     executor::executor,
     frame::Frame,
+    mesh_arrays::{MeshArrays, floats},
     presets,
     progress::Callback,
     types::{PresetName, ProgressFunction},
     warning::Warning,
 };
 use glam::DVec3;
-use js_sys::{Float32Array, Object, Reflect, Uint8Array, Uint16Array, Uint32Array};
+use js_sys::{Float32Array, Object, Reflect, Uint8Array, Uint16Array};
 use pcmvs_core::{
     Mesh, Params, PointCloud, Rig, ViewDiagnostics, ViewInput,
     export::{glb, ply},
@@ -175,7 +176,9 @@ impl Reconstruction {
     }
 
     /// A 64-bit hash of each stage's output, hexadecimal, by the stage's name.
-    #[wasm_bindgen(unchecked_return_type = "Record<Exclude<Stage, \"steady\">, string> & { steady?: string }")]
+    #[wasm_bindgen(
+        unchecked_return_type = "Record<Exclude<Stage, \"steady\" | \"form\">, string> & { steady?: string }"
+    )]
     pub fn hashes(&self) -> Result<Object, Failed> {
         let hashes = Object::new();
         for (stage, hash) in &self.result.hashes {
@@ -199,58 +202,6 @@ impl From<&ViewDiagnostics> for ViewReport {
     fn from(found: &ViewDiagnostics) -> Self {
         let ViewDiagnostics { used, silhouette_overlap, contour_px, epipolar_px, .. } = *found;
         Self { used, silhouette_overlap, contour_px, epipolar_px }
-    }
-}
-
-fn floats(vectors: &[glam::Vec3]) -> Float32Array {
-    Float32Array::new_from_slice(bytemuck::cast_slice(vectors))
-}
-
-/// A mesh as arrays, relative to the rig's origin.
-#[wasm_bindgen]
-#[derive(Debug)]
-pub struct MeshArrays {
-    pub(crate) positions: Float32Array,
-    pub(crate) normals: Float32Array,
-    pub(crate) colours: Uint8Array,
-    pub(crate) triangles: Uint32Array,
-}
-
-impl MeshArrays {
-    pub(crate) fn of(mesh: &Mesh) -> Self {
-        Self {
-            positions: floats(&mesh.positions),
-            normals: floats(&mesh.normals),
-            colours: Uint8Array::new_from_slice(mesh.colours.as_flattened()),
-            triangles: Uint32Array::new_from_slice(mesh.triangles.as_flattened()),
-        }
-    }
-}
-
-#[wasm_bindgen]
-impl MeshArrays {
-    /// x y z of each vertex.
-    #[wasm_bindgen(getter)]
-    pub fn positions(&self) -> Float32Array {
-        self.positions.clone()
-    }
-
-    /// Unit normals, outward.
-    #[wasm_bindgen(getter)]
-    pub fn normals(&self) -> Float32Array {
-        self.normals.clone()
-    }
-
-    /// sRGB of each vertex; empty without colours.
-    #[wasm_bindgen(getter)]
-    pub fn colours(&self) -> Uint8Array {
-        self.colours.clone()
-    }
-
-    /// Three vertices per triangle, counter-clockwise seen from outside.
-    #[wasm_bindgen(getter)]
-    pub fn triangles(&self) -> Uint32Array {
-        self.triangles.clone()
     }
 }
 

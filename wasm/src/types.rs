@@ -34,7 +34,8 @@ export interface ChromaKey {
 }
 
 export type Preset = "default" | "paper" | "hull" | "preview";
-export type Stage = "views" | "hull" | "contours" | "coarse" | "detect" | "merge" | "mesh" | "colour" | "steady";
+export type Stage = "views" | "hull" | "contours" | "coarse" | "detect" | "merge" | "mesh" | "colour" | "steady"
+    | "form";
 
 /** Something that may make a result worse although nothing failed. */
 export interface Warning {

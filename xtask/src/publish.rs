@@ -15,13 +15,15 @@ const NEEDED: [&str; 3] = ["Cargo.toml", "README.md", "src/lib.rs"];
 /// Folders of a crate that are for its developers.
 const OURS: [&str; 3] = ["tests/", "benches/", "abi/"];
 /// What the npm package has. It needs no others. On a machine that cannot build the module with threads, it goes without.
-const NPM: [&str; 31] = [
+const NPM: [&str; 37] = [
     "LICENSE-three",
     "README.md",
     "calibration.d.ts",
     "calibration.js",
     "element.d.ts",
     "element.js",
+    "forms.d.ts",
+    "forms.js",
     "index.d.ts",
     "index.js",
     "load.js",
@@ -30,6 +32,10 @@ const NPM: [&str; 31] = [
     "pcmvs-calibration.js",
     "pcmvs-calibration.scalar.wasm",
     "pcmvs-calibration.simd.wasm",
+    "pcmvs-forms.d.ts",
+    "pcmvs-forms.js",
+    "pcmvs-forms.scalar.wasm",
+    "pcmvs-forms.simd.wasm",
     "pcmvs-scene.d.ts",
     "pcmvs-scene.js",
     "pcmvs-scene.scalar.wasm",

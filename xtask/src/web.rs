@@ -31,20 +31,23 @@ struct Module {
 }
 
 /// Each is loaded when it is needed, and has its own memory.
-const MODULES: [Module; 3] = [
+const MODULES: [Module; 4] = [
     Module { feature: "reconstruction", file: "pcmvs", budget: 420 << 10, has_simd: true },
     Module { feature: "calibration", file: "pcmvs-calibration", budget: 308 << 10, has_simd: true },
+    Module { feature: "forms", file: "pcmvs-forms", budget: 344 << 10, has_simd: true },
     Module { feature: "scene", file: "pcmvs-scene", budget: 292 << 10, has_simd: false },
 ];
 /// The builds of a module and their further compiler flags. The page uses the first that the browser can run.
 const BUILDS: [(&str, &str); 2] = [(SIMD, "-Ctarget-feature=+simd128"), ("scalar", "-Ctarget-feature=-simd128")];
 const SIMD: &str = "simd";
 /// The files of the package that are written by hand.
-const WRITTEN: [&str; 14] = [
+const WRITTEN: [&str; 16] = [
     "index.js",
     "index.d.ts",
     "calibration.js",
     "calibration.d.ts",
+    "forms.js",
+    "forms.d.ts",
     "scene.js",
     "scene.d.ts",
     "threads.js",

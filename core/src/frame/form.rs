@@ -2,7 +2,7 @@
 
 use super::state::{Frame, no_hull};
 use crate::{
-    error::Result,
+    error::{Error, Result},
     executor::Executor,
     memory,
     point_cloud::Mesh,
@@ -12,7 +12,7 @@ use crate::{
     stage::Stage,
     texture::{self, Texture, TextureParams, texture},
 };
-use alloc::{borrow::Cow, vec::Vec};
+use alloc::{borrow::Cow, format, vec::Vec};
 use core::ops::Deref;
 use glam::Vec3;
 
@@ -36,6 +36,24 @@ pub struct Form {
     pub texture: Option<Texture>,
 }
 
+impl Form {
+    /// The form of a mesh without a texture, which needs no frame. `footprint` is the size of a pixel at the object, in scene
+    /// units.
+    ///
+    /// # Errors
+    /// [`crate::Error::Cancelled`].
+    pub fn untextured(mesh: &Mesh, faces: Option<u32>, footprint: f32, progress: &dyn Progress) -> Result<Self> {
+        let reduced = |progress: &dyn Progress| match faces {
+            None => Ok(mesh.clone()),
+            Some(faces) => simplify(mesh, &SimplifyParams::new(faces, footprint), progress),
+        };
+        progress.on_stage_start(Stage::Form);
+        let mesh = reduced(&Part { of: progress, stage: Stage::Form, part: 0, parts: 1 });
+        progress.on_stage_end(Stage::Form);
+        Ok(Self { mesh: mesh?, texture: None })
+    }
+}
+
 impl<R: Deref<Target = Rig> + Sync> Frame<R> {
     /// Makes a form of the finished mesh. The frame stays as it is, so that any number of forms can be made of it.
     ///
@@ -44,13 +62,38 @@ impl<R: Deref<Target = Rig> + Sync> Frame<R> {
     /// [`crate::Error::OutOfMemory`], and [`crate::Error::Cancelled`].
     pub fn form(&self, params: &FormParams, executor: &dyn Executor, progress: &dyn Progress) -> Result<Form> {
         self.require(Stage::Colour)?;
+        self.form_of(self.mesh(), &self.gains, params, executor, progress)
+    }
+
+    /// Makes a form of a mesh that was finished elsewhere from the same pictures with the same parameters, perhaps by
+    /// averaging. `gains` are its [`Frame::gains`]. The frame needs its views and the hull only, see [`Frame::carve`].
+    ///
+    /// # Errors
+    /// [`crate::Error::WrongOrder`] if [`Stage::Hull`] is not complete, [`crate::Error::Form`],
+    /// [`crate::Error::OutOfMemory`], and [`crate::Error::Cancelled`].
+    pub fn form_of(
+        &self,
+        mesh: &Mesh,
+        gains: &[[f32; 3]],
+        params: &FormParams,
+        executor: &dyn Executor,
+        progress: &dyn Progress,
+    ) -> Result<Form> {
+        self.require(Stage::Hull)?;
         progress.on_stage_start(Stage::Form);
-        let form = self.make_form(params, executor, progress);
+        let form = self.make_form(mesh, gains, params, executor, progress);
         progress.on_stage_end(Stage::Form);
         form
     }
 
-    fn make_form(&self, params: &FormParams, executor: &dyn Executor, progress: &dyn Progress) -> Result<Form> {
+    fn make_form(
+        &self,
+        mesh: &Mesh,
+        gains: &[[f32; 3]],
+        params: &FormParams,
+        executor: &dyn Executor,
+        progress: &dyn Progress,
+    ) -> Result<Form> {
         let hull = self.hull.as_ref().ok_or_else(no_hull)?;
         let footprint = hull.footprint();
         let within_memory = |mesh: &Mesh, size: u32| {
@@ -61,21 +104,25 @@ impl<R: Deref<Target = Rig> + Sync> Frame<R> {
         let steps = u32::from(params.faces.is_some()) + u32::from(params.texture.is_some());
         let part = |part| Part { of: progress, stage: Stage::Form, part, parts: steps };
         let mesh = match params.faces {
-            None => Cow::Borrowed(self.mesh()),
+            None => Cow::Borrowed(mesh),
             Some(faces) => {
-                within_memory(self.mesh(), 0)?;
+                within_memory(mesh, 0)?;
                 let defaults = SimplifyParams::new(faces, footprint);
                 // A texture has its own colours, so that those of the vertices need not be kept.
                 let colour_pixels = if params.texture.is_some() { 0.0 } else { defaults.colour_pixels };
                 let params = SimplifyParams { colour_pixels, ..defaults };
-                Cow::Owned(simplify(self.mesh(), &params, &part(0))?)
+                Cow::Owned(simplify(mesh, &params, &part(0))?)
             }
         };
         let Some(params) = &params.texture else {
             return Ok(Form { mesh: mesh.into_owned(), texture: None });
         };
+        if gains.len() != self.cameras() {
+            let problem = format!("there are gains of {} cameras instead of {}", gains.len(), self.cameras());
+            return Err(Error::Form { problem });
+        }
         // The frame keeps its gains in the order in which the cameras were given.
-        let gains: Vec<Vec3> = self.rig.order().iter().map(|&camera| self.gains[camera as usize].into()).collect();
+        let gains: Vec<Vec3> = self.rig.order().iter().map(|&camera| gains[camera as usize].into()).collect();
         let progress = part(steps - 1);
         let size = texture::size(&mesh, footprint, params)?;
         within_memory(&mesh, size)?;

@@ -43,11 +43,7 @@ impl<R: Deref<Target = Rig> + Sync> Frame<R> {
     fn run(&mut self, stage: Stage, executor: &dyn Executor, progress: &dyn Progress) -> Result<()> {
         match stage {
             Stage::Views => self.collect_views(),
-            Stage::Hull => {
-                self.carve_and_check(executor, progress)?;
-                self.cut_views(executor);
-                Ok(())
-            }
+            Stage::Hull => self.carve_and_cut(executor, progress),
             Stage::Contours => self.find_contours(executor, progress),
             Stage::Coarse => self.make_guide(executor, progress),
             Stage::Detect => self.detect_missing(executor, progress),
@@ -115,13 +111,45 @@ impl<R: Deref<Target = Rig> + Sync> Frame<R> {
         }
         self.kept.check(stage)?;
         self.reached = previous;
+        let is_reported = self.is_reported(stage);
+        self.complete_with(stage, is_reported, executor, progress, |frame| frame.run(stage, executor, progress))
+    }
+
+    /// Runs [`Stage::Views`] and [`Stage::Hull`], once every camera has its view. The result is that of [`Frame::step`], but a
+    /// program that calls this alone has no code of the later stages.
+    ///
+    /// # Errors
+    /// Those of both stages.
+    pub fn carve(&mut self, executor: &dyn Executor, progress: &dyn Progress) -> Result<()> {
+        if self.reached.is_none() {
+            self.complete_with(Stage::Views, false, executor, progress, Self::collect_views)?;
+        }
+        self.kept.check(Stage::Hull)?;
+        self.reached = Some(Stage::Views);
+        self.complete_with(Stage::Hull, true, executor, progress, |frame| frame.carve_and_cut(executor, progress))
+    }
+
+    fn carve_and_cut(&mut self, executor: &dyn Executor, progress: &dyn Progress) -> Result<()> {
+        self.carve_and_check(executor, progress)?;
+        self.cut_views(executor);
+        Ok(())
+    }
+
+    /// Runs a stage by `run` and notes that it is complete.
+    fn complete_with(
+        &mut self,
+        stage: Stage,
+        is_reported: bool,
+        executor: &dyn Executor,
+        progress: &dyn Progress,
+        run: impl FnOnce(&mut Self) -> Result<()>,
+    ) -> Result<()> {
         self.steadied = None;
-        let reported = self.is_reported(stage);
-        if reported {
+        if is_reported {
             progress.on_stage_start(stage);
         }
-        let result = self.run(stage, executor, progress);
-        if reported {
+        let result = run(self);
+        if is_reported {
             progress.on_stage_end(stage);
         }
         if result.is_err() && position(stage) <= position(Stage::Hull) {

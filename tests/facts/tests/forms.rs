@@ -104,6 +104,33 @@ fn forms_do_not_change_the_frame_and_are_the_same_every_time() {
 }
 
 #[test]
+fn forms_of_a_finished_mesh_need_only_the_views_and_the_hull() {
+    let shot = Shot::small(Subject::Torus, 12);
+    let rig = shot.rig();
+    let frame = finished(&rig, &shot);
+    let params = FormParams { faces: Some(1000), ..textured(Some(256)) };
+    let expected = frame.form(&params, &Serial, &Silent).expect("a texture");
+    let mut carved = Frame::new(&rig, *frame.params(), Memory::default());
+    carved.keep_views(false);
+    for (camera, input) in shot.inputs().iter().enumerate() {
+        carved.view(camera, input, &Silent).expect("the picture is sound");
+    }
+    let code = |result: Result<Form, Error>| result.map(|_| ()).map_err(|e| e.code());
+    let form_of = |carved: &Frame<&Rig>, gains| carved.form_of(frame.mesh(), gains, &params, &Serial, &Silent);
+    assert_eq!(code(form_of(&carved, frame.gains())), Err(ErrorCode::WrongOrder));
+    carved.carve(&Serial, &Silent).expect("the capture is sound");
+    assert_eq!(carved.hashes(), &frame.hashes()[..2]);
+    assert_eq!(form_of(&carved, frame.gains()).expect("a texture"), expected);
+    assert_eq!(code(form_of(&carved, &[])), Err(ErrorCode::InvalidArgument));
+    assert_eq!(code(carved.form(&params, &Serial, &Silent)), Err(ErrorCode::WrongOrder));
+
+    let fewer = FormParams { faces: Some(1000), texture: None };
+    let expected = frame.form(&fewer, &Serial, &Silent).expect("fewer triangles");
+    let footprint = frame.hull().expect("it has been carved").footprint();
+    assert_eq!(Form::untextured(frame.mesh(), fewer.faces, footprint, &Silent).expect("fewer triangles"), expected);
+}
+
+#[test]
 fn what_cannot_be_made_is_refused() {
     let shot = Shot::small(Subject::Torus, 12);
     let rig = shot.rig();

@@ -1,6 +1,6 @@
 // A clip on the page: one GLB per frame, added as they are made, and the playhead.
 
-import type { ViewReport } from "pcmvs";
+import type { Placement, ViewReport } from "pcmvs";
 import type { BufferGeometry } from "three";
 import type { FrameStages, QualityLevel } from "../workers/protocol";
 import { readGeometry } from "./glb";
@@ -15,7 +15,7 @@ export interface Findings {
     views: Map<string, ViewReport>;
 }
 
-/** How good a mesh is that is shown: "alone" is the best one before it is averaged with its neighbours. */
+/** How good a mesh is that is shown: "alone" is the best one before it is averaged with its neighbours and given its form. */
 export type ShownLevel = QualityLevel | "alone";
 
 export interface ClipFrame {
@@ -29,6 +29,8 @@ export interface ClipFrame {
     /** Seconds that its reconstruction took. */
     seconds: number;
     stages: FrameStages | null;
+    /** Where the file has the mesh, if it is of a form other than the full mesh as it is. */
+    placement: Placement | null;
     /** Null for a frame that came as a GLB or is not reconstructed yet. */
     findings: Findings | null;
 }
@@ -62,6 +64,7 @@ export class Clip {
             triangles: 0,
             seconds: 0,
             stages: null,
+            placement: null,
             findings: null,
         }));
         const host = {

@@ -4,7 +4,7 @@ import type { Scene } from "pcmvs";
 import { version } from "../version";
 import type { Pool } from "../workers/pool";
 import type { Clip, ClipFrame } from "./clip";
-import { inspectGlb, offsetOf } from "./glb";
+import { type GlbInfo, inspectGlb, offsetOf } from "./glb";
 
 export const fileName = (index: number, extension: string) => `frame_${String(index).padStart(4, "0")}.${extension}`;
 
@@ -17,9 +17,13 @@ export function save(blob: Blob, name: string) {
     setTimeout(() => URL.revokeObjectURL(link.href), 10_000);
 }
 
-/** A frame as PLY. It differs from the command line's only in the last digits of normals, which a GLB normalises. */
+/** A frame as PLY, which has no textures. It differs from the command line's only in the last digits of normals, which a GLB normalises. */
 export async function ply(clip: Clip, frame: ClipFrame, pool: Pool): Promise<Blob> {
     const geometry = await clip.geometry(frame);
+    if (geometry.userData.texture) {
+        const remedy = "save it as GLB, or reconstruct with the result “Full mesh”, which has colours at its vertices";
+        throw new Error(`This mesh has a texture, and PLY files have none: ${remedy}.`);
+    }
     const { attributes, index } = geometry;
     return pool.run({
         type: "ply",
@@ -31,27 +35,33 @@ export async function ply(clip: Clip, frame: ClipFrame, pool: Pool): Promise<Blo
     });
 }
 
-/** All finished frames and sequence.json, the clip's manifest. */
+const boundsOf = ({ min, max }: GlbInfo) => [min, max];
+
+/** All finished frames and sequence.json, the clip's manifest. If a form was chosen, frames without it are not finished. */
 export async function clipZip(clip: Clip, scene: Pick<Scene, "units" | "up">, pool: Pool): Promise<Blob> {
-    const frames = clip.frames.filter((frame) => frame.glb !== null);
+    const made = clip.frames.filter((frame) => frame.glb !== null);
+    const formed = made.filter((frame) => frame.placement !== null);
+    const frames = formed.length > 0 ? formed : made;
     const blobs: Blob[] = [];
     // One after the other: the frames of a published clip are loaded first.
     for (const frame of frames) blobs.push(await (frame.glb as () => Promise<Blob>)());
-    const [digests, infos] = await Promise.all([
+    const [digests, bounds] = await Promise.all([
         pool.run({ type: "digest", blobs }),
-        Promise.all(blobs.map(inspectGlb)),
+        Promise.all(blobs.map(async (blob, i) => frames[i].placement?.bounds ?? boundsOf(await inspectGlb(blob)))),
     ]);
-    const axis = (pick: (a: number, b: number) => number, key: "min" | "max") =>
-        [0, 1, 2].map((i) => infos.map((info) => info[key][i]).reduce(pick));
+    const placement = formed[0]?.placement;
+    const axis = (pick: (a: number, b: number) => number, end: 0 | 1) =>
+        [0, 1, 2].map((i) => bounds.map((box) => box[end][i]).reduce(pick));
     const manifest = {
         version: 1,
         generator: `pcmvs ${version}`,
         units: scene.units ?? null,
-        up: scene.up ?? null,
+        up: (placement ? placement.up : scene.up) ?? null,
+        ...(placement?.rotation ? { rotation: placement.rotation } : {}),
         fps: clip.fps,
         frame_count: frames.length,
         url: "frame_%04d.glb",
-        bounds: [axis((a, b) => Math.min(a, b), "min"), axis((a, b) => Math.max(a, b), "max")],
+        bounds: [axis((a, b) => Math.min(a, b), 0), axis((a, b) => Math.max(a, b), 1)],
         frames: frames.map((frame, i) => ({
             index: frame.index,
             time: (frame.index - clip.frames[0].index) / clip.fps,

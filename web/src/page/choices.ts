@@ -3,6 +3,7 @@
 import type { ChromaKey, Preset, Scene } from "pcmvs";
 import { type Choice, chosenCameras, type SilhouetteChoice, type ViewChoice, viewFiles } from "../run/views";
 import type { ShownRig } from "../viewer/strip";
+import type { ChosenForm } from "../workers/protocol";
 import { $, button, input, on, select } from "./dom";
 import { describe, showError } from "./messages";
 import { state } from "./state";
@@ -11,10 +12,60 @@ import { strip } from "./view";
 /** The unit of the sliders for the smallest part and hole, as a share of the picture. */
 const AREA_UNIT = 1e-5;
 
+const UPRIGHT = "The file is turned so that up is +y, as most programs expect.";
+
 /** The colours of a scene's backdrop in sRGB, each once. */
 function backdropColours({ background }: Scene): ChromaKey["rgb"][] {
     const all = [...(background?.chroma_rgb ? [background.chroma_rgb] : []), ...(background?.colours ?? [])];
     return [...new Map(all.map((rgb) => [rgb.join(), rgb])).values()];
+}
+
+interface Result {
+    /** The command line's options --faces and --texture. */
+    form: Pick<ChosenForm, "faces" | "texture">;
+    /** Whether its files are meant for players: small and upright, unless a person chooses otherwise. */
+    forPlayers: boolean;
+    summary: string;
+}
+
+/** The results that can be chosen. */
+const RESULTS: Record<string, Result> = {
+    full: { form: {}, forPlayers: false, summary: "All triangles, with a colour at every corner." },
+    textured: {
+        form: { texture: true },
+        forPlayers: false,
+        summary: "All triangles, and a texture as fine as the photographs.",
+    },
+    web: {
+        form: { faces: 20_000, texture: 1024 },
+        forPlayers: true,
+        summary: "20,000 triangles and a texture of 1024 × 1024 pixels.",
+    },
+    phone: {
+        form: { faces: 5_000, texture: 512 },
+        forPlayers: true,
+        summary: "5,000 triangles and a texture of 512 × 512 pixels.",
+    },
+};
+
+const chosenResult = () => RESULTS[select("result").value];
+
+function chosenForm(): ChosenForm | null {
+    const file = { compress: input("compress").checked, upright: input("upright").checked };
+    const { form } = chosenResult();
+    return form.texture || file.compress || file.upright ? { ...form, ...file } : null;
+}
+
+function showResult() {
+    $("result-summary").textContent = chosenResult().summary;
+}
+
+/** Sets how the file is written as it suits the chosen result. */
+function suggestFile() {
+    const { forPlayers } = chosenResult();
+    showResult();
+    input("compress").checked = forPlayers;
+    input("upright").checked = forPlayers && !input("upright").disabled;
 }
 
 /** Fills in what can be chosen for a scene. */
@@ -33,6 +84,9 @@ export function offerChoices(scene: Scene) {
     const frames = scene.frames.length;
     $("summary").textContent =
         `${count} cameras of ${width} × ${height}, ${frames} ${frames === 1 ? "frame" : "frames"}${masked ? ", with masks" : ""}.`;
+    input("upright").disabled = !scene.up;
+    input("upright").checked &&= !input("upright").disabled;
+    input("upright").title = scene.up ? UPRIGHT : "The capture does not say which way is up: add `up` to scene.json.";
     $("cameras-section").hidden = false;
     button("run").disabled = button("check").disabled = false;
     showKey();
@@ -55,6 +109,7 @@ export function chosen(): Choice {
         preset: select("preset").value as Preset,
         silhouettes: select("silhouettes").value as SilhouetteChoice,
         key,
+        form: chosenForm(),
     };
 }
 
@@ -79,6 +134,8 @@ const showKey = () => {
 export const refreshPictures = () => void strip.refresh(shownRig());
 
 export function listenToChoices() {
+    showResult();
+    on("result", "change", suggestFile);
     on("views", "change", () => strip.load(shownRig()));
     on("silhouettes", "change", () => {
         showKey();

@@ -109,7 +109,7 @@ async function openClip(name: string, entries: Entries, turn: number) {
 }
 
 /** A clip that came from files: nothing is known about how it was made. */
-const NOTHING_MADE = { preset: null, triangles: 0, seconds: 0, stages: null, findings: null };
+const NOTHING_MADE = { preset: null, triangles: 0, seconds: 0, stages: null, placement: null, findings: null };
 
 /** Shows a published clip, whose files are loaded as they are needed. */
 function showTake(name: string, take: Take, close = () => {}) {

@@ -25,6 +25,7 @@ const STAGE_WORDS: Record<Stage, string> = {
     mesh: "meshing",
     colour: "colouring",
     steady: "averaging with neighbouring frames",
+    form: "making the result",
 };
 const LEVEL_WORDS: Record<QualityLevel, string> = {
     sketch: "sketch",
@@ -69,7 +70,8 @@ export function reconstruct(sketch?: Promise<FrameResult>) {
     const pool = new Pool(1);
     state.pool = pool;
     sidePool.run({ type: "memory", cameras: session.cameras, preset: choice.preset }).then(
-        (bytes) => pool.grow(workersFor(scene.frames.length, bytes)),
+        // A texture is made by another module, in memory of its own.
+        (bytes) => pool.grow(workersFor(scene.frames.length, choice.form?.texture ? 2 * bytes : bytes)),
         () => {
             // The cameras are wrong, which the first frame reports.
         },

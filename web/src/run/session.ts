@@ -1,9 +1,9 @@
 // A run: all frames of a capture through the workers, the first frame from coarse to fine.
 
-import type { Camera, Scene, Stage } from "pcmvs";
+import type { Camera, Placement, Scene, Stage } from "pcmvs";
 import type { Clip, ShownLevel } from "../clip/clip";
 import { JobError, type Listener, type Pool } from "../workers/pool";
-import type { Entries, Failure, FrameResult, PackedMesh, QualityLevel } from "../workers/protocol";
+import type { Entries, Failure, FrameResult, PackedMesh, QualityLevel, ViewFiles } from "../workers/protocol";
 import { Neighbours } from "./neighbours";
 import { type Choice, chosenCameras, viewFiles } from "./views";
 
@@ -20,6 +20,8 @@ const STAGE_SHARES: Record<Stage, number> = {
     mesh: 0.1,
     colour: 0.05,
     steady: 0.1,
+    // Beyond the whole, because most frames keep the form in which they are made.
+    form: 0.25,
 };
 /** Threads of a frame at most: more of them wait for each other most of the time. */
 const MOST_THREADS = 8;
@@ -51,7 +53,7 @@ export class Session {
     private readonly chosen: number[];
     private readonly neighbours: Neighbours;
     private readonly first = Promise.withResolvers<void>();
-    /** Resolves when the first frame has its best mesh, which may still have to be averaged, or has failed. */
+    /** Resolves when the first frame has its best mesh, which may still have to be averaged and given its form, or has failed. */
     readonly finished = this.first.promise;
 
     /** `sketch` is a sketch of the first frame, if one has been started already. */
@@ -106,7 +108,7 @@ export class Session {
             up: this.scene.up,
             levels: sketched ? all.slice(1) : all,
             stages: position < STAGES_KEPT,
-            own: this.neighbours.has(position),
+            own: this.neighbours.has(position) || this.choice.form !== null,
             // Later frames are made at the same time, each by a worker, which uses all processors, too.
             threads: position === 0 ? threadsAlone() : 1,
         };
@@ -119,24 +121,44 @@ export class Session {
         const threads = (count: number) => performance.mark("threads", { detail: count });
         const result = (made: FrameResult) => void (made.own ? alone.push(made) : this.show(position, made));
         await pool.run(job, { progress, result, threads });
-        for (const made of alone) await this.average(pool, position, made, progress);
+        for (const made of alone) await this.finish(pool, position, made, job.views, progress);
         this.first.resolve();
         this.fractions[position] = 1;
         report(this.status(position, null, null));
     }
 
-    /** Averages a frame with its neighbours, once they are made or have failed. */
-    private async average(pool: Pool, position: number, made: FrameResult, progress: Listener["progress"]) {
+    /** Averages a frame with its neighbours, once they are made or have failed, and gives it its form. */
+    private async finish(
+        pool: Pool,
+        position: number,
+        made: FrameResult,
+        views: ViewFiles[],
+        progress: Listener["progress"],
+    ) {
+        const { form, preset } = this.choice;
         const own = made.own as PackedMesh;
         if (position === 0) this.show(position, made, "alone");
         this.first.resolve();
         this.neighbours.made(position, own);
         const neighbours = await this.neighbours.of(position);
-        // All neighbours have failed, but not because the run was cancelled.
-        if (neighbours.length === 0 && !pool.cancelled) return this.show(position, made);
-        const job = { type: "steady" as const, preset: made.preset, own, neighbours, up: this.scene.up };
-        const { glb, seconds } = await pool.run(job, { progress });
-        this.show(position, { ...made, glb, seconds: made.seconds + seconds });
+        let { glb, seconds } = made;
+        let mesh = own;
+        // All neighbours may have failed, or there are none.
+        if (neighbours.length > 0 || pool.cancelled) {
+            const formed = form !== null;
+            const job = { type: "steady" as const, preset, own, neighbours, up: this.scene.up, formed };
+            const mean = await pool.run(job, { progress });
+            seconds += mean.seconds;
+            if (mean.glb) glb = mean.glb;
+            else mesh = mean.finished;
+        }
+        if (!form) return this.show(position, { ...made, glb, seconds });
+        const { cameras } = this;
+        const job = { type: "form" as const, preset, cameras, views, mesh, up: this.scene.up, form };
+        const { placement, ...formed } = await pool.run(job, { progress });
+        const warnings = [...made.warnings, ...formed.warnings];
+        const result = { ...made, ...formed, warnings, seconds: seconds + formed.seconds };
+        this.show(position, result, result.preset, placement);
     }
 
     /** The first frame is shown at coarser levels on the way. */
@@ -146,7 +168,12 @@ export class Session {
         return preset === "hull" || preset === "preview" ? ["sketch", preset] : ["sketch", "preview", preset];
     }
 
-    private show(position: number, result: FrameResult, preset: ShownLevel = result.preset) {
+    private show(
+        position: number,
+        result: FrameResult,
+        preset: ShownLevel = result.preset,
+        placement: Placement | null = null,
+    ) {
         const { glb, triangles, seconds, stages, warnings, views } = result;
         const findings = {
             warnings: warnings.map(({ code, camera, message }) => ({
@@ -157,12 +184,15 @@ export class Session {
             views: new Map(views.map((view, i) => [this.cameras[i].name, view])),
         };
         const blob = new Blob([glb], { type: "model/gltf-binary" });
-        this.clip.set(position, { preset, triangles, seconds, stages, findings, glb: async () => blob });
+        const glbOf = async () => blob;
+        this.clip.set(position, { preset, triangles, seconds, stages, findings, placement, glb: glbOf });
     }
 
     private advance(position: number, levels: QualityLevel[], level: QualityLevel, stage: Stage, done: number) {
         const before = STAGES.slice(0, STAGES.indexOf(stage)).reduce((sum, s) => sum + STAGE_SHARES[s], 0);
-        const inside = before + STAGE_SHARES[stage] * done;
+        // The form is that of the last level.
+        const whole = this.choice.form && level === levels.at(-1) ? 1 + STAGE_SHARES.form : 1;
+        const inside = (before + STAGE_SHARES[stage] * done) / whole;
         const [shares, at] = [LEVEL_SHARES[levels.length], levels.indexOf(level)];
         const sum = shares.slice(0, at).reduce((a, b) => a + b, 0) + shares[at] * inside;
         this.fractions[position] = Math.max(this.fractions[position], Math.min(sum, 1));

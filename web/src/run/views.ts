@@ -2,7 +2,7 @@
 
 import type { ChromaKey, Preset, Scene } from "pcmvs";
 import { JobError } from "../workers/pool";
-import type { Entries, Entry, ViewFiles } from "../workers/protocol";
+import type { ChosenForm, Entries, Entry, ViewFiles } from "../workers/protocol";
 
 export type ViewChoice = "all" | "half" | "bino";
 export type SilhouetteChoice = "masks" | "chroma" | "none";
@@ -13,6 +13,8 @@ export interface Choice {
     preset: Preset;
     silhouettes: SilhouetteChoice;
     key: ChromaKey;
+    /** Null for the full mesh as it is. */
+    form: ChosenForm | null;
 }
 
 /** Indices of the chosen cameras. BINO is five neighbouring pairs of twenty cameras. */

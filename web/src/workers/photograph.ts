@@ -1,6 +1,6 @@
 // A camera's picture without lens distortion, and its silhouette.
 
-import type { Photograph } from "pcmvs";
+import { Frame, type Photograph, Rig } from "pcmvs";
 import { failureOf, inputError } from "./failure";
 import { withFrame } from "./frame";
 import type { PhotographJob, PhotographResult } from "./protocol";
@@ -10,8 +10,8 @@ import { setSilhouette } from "./views";
 /** Colour of a silhouette over its picture: red, green, blue. */
 const TINT = [61, 220, 151] as const;
 
-export const photograph = (job: PhotographJob) =>
-    withFrame(job.cameras, async (frame): Promise<PhotographResult> => {
+export function photograph(job: PhotographJob) {
+    const work = async (frame: Frame): Promise<PhotographResult> => {
         const { image, mask } = await readView(job.view);
         if (!image) throw inputError("this camera has no picture in this frame");
         frame.setImage(job.camera, image);
@@ -30,7 +30,9 @@ export const photograph = (job: PhotographJob) =>
         }
         const [picture, silhouette] = await bitmaps(made, job.width);
         return { picture, silhouette, problem };
-    });
+    };
+    return withFrame(job.cameras, work, { Frame, Rig });
+}
 
 /** The picture and, if there is one, its silhouette as an overlay, scaled down to a width. Frees the photograph. */
 async function bitmaps(made: Photograph, maxWidth: number): Promise<[ImageBitmap, ImageBitmap | null]> {

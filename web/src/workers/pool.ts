@@ -67,8 +67,8 @@ export class Pool {
         return new Promise((resolve, reject) => {
             if (this.cancelled) return reject(new JobError(CANCELLED));
             const task = { job, listener, failures: null, resolve, reject };
-            // Meshes are kept until they are averaged, and so that goes first.
-            if (job.type === "steady") this.waiting.unshift(task);
+            // Meshes are kept until they are averaged and have their form, and so that goes first.
+            if (job.type === "steady" || job.type === "form") this.waiting.unshift(task);
             else this.waiting.push(task);
             this.next();
         });

@@ -6,6 +6,7 @@ import type {
     ChromaKey,
     OwnMesh,
     PcmvsError,
+    Placement,
     Preset,
     Scene,
     Stage,
@@ -41,6 +42,7 @@ export type Job =
     | { type: "memory"; cameras: Camera[]; preset: Preset }
     | FrameJob
     | SteadyJob
+    | FormJob
     | PhotographJob
     | CalibrateJob
     | { type: "zip"; files: NamedBlob[] }
@@ -56,14 +58,14 @@ export interface FrameJob {
     levels: QualityLevel[];
     /** Whether the stages' outputs are returned, too. */
     stages: boolean;
-    /** Whether the mesh of the last level is returned so that it can be averaged, too. */
+    /** Whether the mesh of the last level is returned so that it can be averaged or given a form, too. */
     own: boolean;
     /** How many threads work on it. With more than one the worker is ended after the job. */
     threads: number;
 }
 
-/** The mesh of a frame alone. A blob is handed on without being copied. */
-export interface PackedMesh extends Pick<OwnMesh, "origin" | "footprint"> {
+/** The mesh of a frame. A blob is handed on without being copied. */
+export interface PackedMesh extends Pick<OwnMesh, "origin" | "footprint" | "gains"> {
     positions: Blob;
     normals: Blob;
     colours: Blob;
@@ -77,6 +79,30 @@ export interface SteadyJob {
     own: PackedMesh;
     neighbours: PackedMesh[];
     up: Scene["up"];
+    /** Whether the mean is returned as a mesh, to be given a form, instead of as a file. */
+    formed: boolean;
+}
+
+/** What becomes of a finished mesh. */
+export interface ChosenForm {
+    /** Largest number of triangles. */
+    faces?: number;
+    /** True for a texture that keeps the detail of the photographs, or the texels along a side. */
+    texture?: boolean | number;
+    compress: boolean;
+    upright: boolean;
+}
+
+/** Turns a finished mesh into a form. */
+export interface FormJob {
+    type: "form";
+    preset: Preset;
+    cameras: Camera[];
+    /** Read for a texture only. */
+    views: ViewFiles[];
+    mesh: PackedMesh;
+    up: Scene["up"];
+    form: ChosenForm;
 }
 
 /** Makes a camera's undistorted picture, at most `width` pixels wide. */
@@ -146,8 +172,19 @@ export interface FrameResult {
     views: ViewReport[];
 }
 
-/** The averaged mesh, and the seconds that this took. */
-export type SteadyResult = Pick<FrameResult, "glb" | "seconds">;
+/** The averaged mesh as a file or, if the job asks for it, as a mesh, and the seconds that this took. */
+export type SteadyResult =
+    | { glb: Uint8Array<ArrayBuffer>; finished: null; seconds: number }
+    | { glb: null; finished: PackedMesh; seconds: number };
+
+/** The form's file, where it has the mesh, what is not as it was asked for, and the seconds that this took. */
+export interface FormResult {
+    glb: Uint8Array<ArrayBuffer>;
+    placement: Placement;
+    triangles: number;
+    warnings: Warning[];
+    seconds: number;
+}
 
 /** An undistorted picture, and its silhouette as an overlay in the accent colour. */
 export interface PhotographResult {
@@ -170,6 +207,7 @@ export interface JobResults {
     memory: number;
     frame: null;
     steady: SteadyResult;
+    form: FormResult;
     photograph: PhotographResult;
     calibrate: CalibrateResult;
     zip: Blob;

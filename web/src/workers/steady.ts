@@ -16,7 +16,7 @@ export function pack({ positions, normals, colours, triangles, ...rest }: OwnMes
     };
 }
 
-async function unpack({ positions, normals, colours, triangles, ...rest }: PackedMesh): Promise<OwnMesh> {
+export async function unpack({ positions, normals, colours, triangles, ...rest }: PackedMesh): Promise<OwnMesh> {
     return {
         positions: new Float32Array(await positions.arrayBuffer()),
         normals: new Float32Array(await normals.arrayBuffer()),
@@ -33,6 +33,7 @@ export async function steady(job: SteadyJob, send: (message: Reply) => void): Pr
         const start = performance.now();
         made.steady(neighbours, (stage, done, total) => send({ type: "progress", preset, stage, done, total }));
         const seconds = (performance.now() - start) / 1000;
-        return { glb: made.glb(up) as Uint8Array<ArrayBuffer>, seconds };
+        if (job.formed) return { glb: null, finished: pack(made.finished()), seconds };
+        return { glb: made.glb(up) as Uint8Array<ArrayBuffer>, finished: null, seconds };
     });
 }

@@ -1,7 +1,7 @@
 // A worker: reads files, decodes, reconstructs. It does one job at a time; the page cancels a job by terminating it.
 //
 // Every worker loads the module for reconstruction when it starts, so that it is compiled when a job comes. The modules for
-// calibration and for opening captures are loaded by the first job that needs them.
+// calibration, for forms and for opening captures are loaded by the first job that needs them.
 
 import { ready } from "pcmvs";
 import { failureOf } from "./failure";
@@ -41,6 +41,10 @@ async function run(job: Job): Promise<[unknown, Transferable[]]> {
             return [null, []];
         case "steady": {
             const result = await steady(job, send);
+            return [result, result.glb ? [result.glb.buffer] : []];
+        }
+        case "form": {
+            const result = await (await import("./form")).form(job, send);
             return [result, [result.glb.buffer]];
         }
         case "photograph": {

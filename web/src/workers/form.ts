@@ -1,0 +1,48 @@
+// Turns a finished mesh into the form that was chosen.
+
+import { Frame, type MeshoptEncoder, Rig, ready } from "pcmvs/forms";
+import { withFrame } from "./frame";
+import { using } from "./objects";
+import type { FormJob, FormResult, Reply } from "./protocol";
+import { unpack } from "./steady";
+import { loadViews } from "./views";
+
+/** Share of the views and the hull, from which the colours of a texture come, in the time of a textured form. */
+const CARVING = 0.4;
+/** Progress is counted in so many steps. */
+const STEPS = 1000;
+
+type Send = (message: Reply) => void;
+
+export async function form(job: FormJob, send: Send): Promise<FormResult> {
+    await ready;
+    const { preset, up, form: chosen } = job;
+    const { faces, texture, upright } = chosen;
+    const report = (share: number) =>
+        send({ type: "progress", preset, stage: "form", done: Math.round(STEPS * share), total: STEPS });
+    const work = async (frame: Frame) => {
+        const start = performance.now();
+        if (texture) await loadViews(frame, job.views);
+        const before = texture ? CARVING : 0;
+        const made = frame.form(preset, await unpack(job.mesh), { faces, texture }, (stage, done, total) => {
+            const share = done / Math.max(total, 1);
+            if (stage === "hull") report(before * share);
+            if (stage === "form") report(before + (1 - before) * share);
+        });
+        return using(made, async (made): Promise<FormResult> => {
+            const options = { up, upright, compress: chosen.compress ? await encoder() : undefined };
+            const glb = made.glb(options) as Uint8Array<ArrayBuffer>;
+            const seconds = (performance.now() - start) / 1000;
+            const { triangles, warnings } = made;
+            return { glb, seconds, triangles, warnings, placement: made.placement(options) };
+        });
+    };
+    return withFrame(job.cameras, work, { Frame, Rig });
+}
+
+/** The encoder is loaded by the first file that is compressed. */
+async function encoder(): Promise<MeshoptEncoder> {
+    const { MeshoptEncoder } = await import("meshoptimizer/encoder");
+    await MeshoptEncoder.ready;
+    return MeshoptEncoder;
+}
