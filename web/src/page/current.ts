@@ -9,6 +9,7 @@ import { listWarnings } from "./findings";
 import { showStage } from "./look";
 import { type Capture, FPS, state } from "./state";
 import { drawTransport, setUpTimeline } from "./transport";
+import { showUp, upOf } from "./up";
 import { strip, viewer } from "./view";
 
 /** Replaces the capture that is shown, and frees what the view and the clip hold of the previous one. */
@@ -26,13 +27,15 @@ export function setCapture(next: Capture) {
     clip.onchange = () => drawTransport(clip);
     clip.onwarnings = () => listWarnings(clip);
     clip.onshow = (frame, geometry) => {
-        viewer.show(geometry);
+        viewer.show(geometry, `${frame.index} ${frame.preset}`);
         void viewer.drawn().then(() => performance.mark(`shown-${frame.preset ?? "clip"}`));
         showStage(frame);
         strip.mark(frame.findings);
     };
     $<HTMLProgressElement>("progress").value = 0;
     $("name").textContent = next.name;
+    showUp(next);
+    viewer.setUp(upOf(next));
     showCalibration();
     listWarnings(clip);
     setUpTimeline(clip);
@@ -41,12 +44,11 @@ export function setCapture(next: Capture) {
 
 /** Shows a scene without any mesh yet. */
 export function setScene(name: string, source: NonNullable<Capture["source"]>): Clip {
-    const { frames, fps, up, cameras }: Scene = source.scene;
+    const { frames, fps, cameras }: Scene = source.scene;
     const clip = new Clip(
         frames.map((frame) => frame.index),
         fps ?? FPS,
     );
-    setCapture({ name, source, clip });
-    viewer.setUp(up ?? meanUp(cameras));
+    setCapture({ name, source, clip, up: source.up ?? meanUp(cameras) });
     return clip;
 }

@@ -17,7 +17,7 @@ import { clearErrors, setStatus, showError } from "./messages";
 import { keepForOffline } from "./offline";
 import { reconstruct, stop } from "./runs";
 import { FPS, state } from "./state";
-import { strip, viewer } from "./view";
+import { strip } from "./view";
 
 /** Frames of a published clip that are kept ready to be drawn. */
 const READY_OF_STREAM = 10;
@@ -63,7 +63,7 @@ async function opening(work: (turn: number) => Promise<void>) {
 }
 
 function showScene(name: string, scene: Scene, entries: Entries, withCameras: boolean) {
-    setScene(name, { scene, entries, given: null, checked: null });
+    setScene(name, { scene, entries, up: scene.up, given: null, checked: null });
     offerChoices(scene);
     showCameras(withCameras);
 }
@@ -128,10 +128,10 @@ function showTake(name: string, take: Take, close = () => {}) {
 
 function showClip(name: string, clip: Clip, up: number[] | undefined) {
     clip.onproblem = (error) => showError(error instanceof Error ? error.message : String(error));
-    setCapture({ name, source: null, clip });
+    const [x, y, z] = up ?? [0, 1, 0];
+    setCapture({ name, source: null, clip, up: [x, y, z] });
     $("cameras-section").hidden = true;
     button("run").disabled = button("check").disabled = true;
-    viewer.setUp(up);
     const count = clip.frames.length;
     $("summary").textContent =
         `A clip of ${count} ${count === 1 ? "mesh" : "meshes"}: there is nothing to reconstruct.`;

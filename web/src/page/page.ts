@@ -8,12 +8,14 @@ import { listenToLook } from "./look";
 import { listenToRuns } from "./runs";
 import { listenToSources, openFirst } from "./sources";
 import { listenToTransport } from "./transport";
+import { listenToUp } from "./up";
 
 listenToSources();
 listenToChoices();
 listenToRuns();
 listenToChecks();
 listenToLook();
+listenToUp();
 listenToTransport();
 listenToDownloads();
 listenToKeys();

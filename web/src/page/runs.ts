@@ -13,6 +13,7 @@ import { clearErrors, describe, setStatus, showError } from "./messages";
 import { keepForOffline } from "./offline";
 import { state } from "./state";
 import { fillFrame, markFrame } from "./transport";
+import { upOfFiles } from "./up";
 import { strip } from "./view";
 
 const STAGE_WORDS: Record<Stage, string> = {
@@ -58,6 +59,7 @@ export function reconstruct(sketch?: Promise<FrameResult>) {
     stop();
     const turn = ++state.turn;
     const { name, source } = state.capture;
+    source.scene = { ...source.scene, up: upOfFiles(state.capture) };
     const { scene, entries } = source;
     clearErrors();
     const clip = setScene(name, source);

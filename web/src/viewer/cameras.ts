@@ -3,6 +3,8 @@
 import type { Camera } from "pcmvs";
 import { Matrix4, Quaternion, Vector3 } from "three";
 
+export type Vec3 = [number, number, number];
+
 /** Transforms from a camera's axes to the scene's frame. */
 export function cameraToWorld(camera: Camera): Matrix4 {
     const { R, t } = camera;
@@ -38,13 +40,13 @@ export function projection(camera: Camera, width: number, height: number, near: 
 }
 
 /** Rotates the scene's upward direction to +y. */
-export function upright(up: number[] | undefined): Quaternion {
+export function upright(up: readonly number[] | undefined): Quaternion {
     const [x, y, z] = up ?? [0, 1, 0];
     return new Quaternion().setFromUnitVectors(new Vector3(x, y, z).normalize(), new Vector3(0, 1, 0));
 }
 
 /** Mean upward direction of the cameras, for scenes that give none. */
-export function meanUp(cameras: Camera[]): [number, number, number] {
+export function meanUp(cameras: Camera[]): Vec3 {
     const sum = new Vector3();
     for (const { R } of cameras) sum.sub(new Vector3(...R[1]));
     sum.normalize();

@@ -1,5 +1,6 @@
 // The reconstructed surface, or a stage's output in its place.
 import {
+    Box3,
     BufferAttribute,
     BufferGeometry,
     Group,
@@ -37,6 +38,13 @@ export class Surface {
         this.wires.position.copy(this.mesh.position);
         this.setShading(this.shading);
         this.choose();
+    }
+
+    /** The box around the mesh as it stands in the view; null without a mesh. Its vertices decide, and not a turned box. */
+    bounds(): Box3 | null {
+        if (!this.mesh.geometry.hasAttribute("position")) return null;
+        this.mesh.updateWorldMatrix(true, false);
+        return new Box3().setFromObject(this.mesh, true);
     }
 
     clear() {

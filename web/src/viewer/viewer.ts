@@ -20,9 +20,8 @@ import {
     Vector3,
     WebGLRenderer,
 } from "three";
-import { offsetOf } from "../clip/glb";
 import type { StageCloud, StageMesh } from "../workers/protocol";
-import { cameraToWorld, fit, projection, upright } from "./cameras";
+import { cameraToWorld, fit, projection, upright, type Vec3 } from "./cameras";
 import { BLANK, FRUSTUM_LINES, POINTS, type Shading, SURFACE_MATERIALS, textured } from "./colours";
 import { Frusta } from "./frusta";
 import { Navigation } from "./navigation";
@@ -42,8 +41,10 @@ export class Viewer {
     private readonly surface = new Surface();
     private readonly frusta = new Frusta();
     private readonly grid = new PolarGridHelper(1, 12, 4, 96);
-    private bounds: Box3 | null = null;
+    /** What the free camera stands before: a level of a frame's mesh. Null before there is any. */
+    private framed: string | null = null;
     private cameras: Camera[] = [];
+    private centres: Vector3[] = [];
     private looking: number | null = null;
     /** A drawing has been asked for. Nothing is drawn before the shaders are compiled. */
     private wanted = true;
@@ -141,22 +142,39 @@ export class Viewer {
     }
 
     /** Sets the scene's upward direction. The next mesh is framed anew. */
-    setUp(up: number[] | undefined) {
+    setUp(up: Vec3) {
         this.world.quaternion.copy(upright(up));
-        this.bounds = null;
+        this.framed = null;
         this.draw();
     }
 
-    /** Shows a frame's mesh. The caller keeps the geometry and disposes of it. */
-    show(geometry: BufferGeometry) {
+    /** Turns what is shown so that another direction is up, and stands before it again. */
+    turn(up: Vec3) {
+        this.world.quaternion.copy(upright(up));
+        this.frame();
+        // The camera that is looked through turns, too.
+        this.resize();
+    }
+
+    /**
+     * Shows a frame's mesh. The caller keeps the geometry and disposes of it. `level` names the frame and how good its mesh is.
+     *
+     * The first mesh is framed, and so is each better one of the same frame until a person turns the view or zooms.
+     */
+    show(geometry: BufferGeometry, level: string) {
         this.surface.show(geometry);
-        if (!this.bounds) {
-            this.world.updateMatrixWorld(true);
-            geometry.computeBoundingBox();
-            const box = (geometry.boundingBox as Box3).clone().translate(new Vector3(...offsetOf(geometry)));
-            this.bounds = box.applyMatrix4(this.world.matrixWorld);
+        const [frame] = level.split(" ");
+        const better = this.framed !== level && this.framed?.split(" ")[0] === frame && !this.navigation.moved;
+        if (this.framed === null || better) {
+            this.framed = level;
             this.frame();
         }
+        this.draw();
+    }
+
+    /** Shows no mesh, because the frame has none. */
+    hideMesh() {
+        this.surface.clear();
         this.draw();
     }
 
@@ -164,7 +182,7 @@ export class Viewer {
     clear() {
         this.grid.visible = false;
         this.surface.clear();
-        this.bounds = null;
+        this.framed = null;
         this.draw();
     }
 
@@ -189,11 +207,9 @@ export class Viewer {
         this.frusta.set(cameras, centres);
         this.cameras = cameras;
         this.lookThrough(null);
-        if (cameras.length > 0 && !this.bounds) {
-            // There is no mesh yet: look at the cameras.
-            this.world.updateMatrixWorld(true);
-            this.frame(new Box3().setFromPoints(centres).applyMatrix4(this.world.matrixWorld));
-        }
+        this.centres = centres;
+        // There is no mesh yet: look at the cameras.
+        if (this.framed === null) this.frame();
         this.draw();
     }
 
@@ -238,9 +254,12 @@ export class Viewer {
         this.navigation.zoom(factor);
     }
 
-    /** Steps back until the whole object is in the window. */
-    frame(box = this.bounds) {
-        if (!box) return;
+    /** Steps back until the whole mesh that is shown is in the window, or else all cameras. */
+    frame() {
+        this.world.updateMatrixWorld(true);
+        const mesh = this.surface.bounds();
+        const box = mesh ?? new Box3().setFromPoints(this.centres).applyMatrix4(this.world.matrixWorld);
+        if (box.isEmpty()) return;
         // From near the first camera, which usually sees the front.
         const front = new Vector3(0.4, 0, 1);
         if (this.cameras.length > 0) {
@@ -252,7 +271,7 @@ export class Viewer {
         const { center, radius } = this.navigation.frame(box, front);
         this.grid.position.set(center.x, box.min.y, center.z);
         this.grid.scale.setScalar(radius * 1.1);
-        this.grid.visible = box === this.bounds;
+        this.grid.visible = mesh !== null;
         this.draw();
     }
 
