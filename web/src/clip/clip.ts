@@ -82,6 +82,11 @@ export class Clip {
         return this.playback.position;
     }
 
+    /** Position of the frame whose mesh is shown. */
+    get shown() {
+        return this.playback.shown;
+    }
+
     get current() {
         return this.frames[this.playback.position];
     }

@@ -1,6 +1,7 @@
 // What can be chosen for a reconstruction: views, quality, silhouettes and the chroma key.
 
 import type { ChromaKey, Preset, Scene } from "pcmvs";
+import type { Clip } from "../clip/clip";
 import { type Choice, chosenCameras, type SilhouetteChoice, type ViewChoice, viewFiles } from "../run/views";
 import type { ShownRig } from "../viewer/strip";
 import { $, button, input, on, select } from "./dom";
@@ -64,8 +65,10 @@ export function shownRig(): ShownRig | null {
     const { scene, entries } = state.capture.source;
     const { views, silhouettes, key } = chosen();
     const cameras = chosenCameras(scene, views);
-    const frame = scene.frames[state.capture.clip.position];
+    const { position } = state.capture.clip;
+    const frame = scene.frames[position];
     return {
+        frame: position,
         cameras: cameras.map((i) => scene.cameras[i]),
         files: (camera) => viewFiles(frame, entries, cameras[camera], silhouettes, key),
         tinted: silhouettes === "chroma",
@@ -76,7 +79,21 @@ const showKey = () => {
     $("key").hidden = select("silhouettes").value !== "chroma";
 };
 /** Makes the pictures of the cameras again. */
-export const refreshPictures = () => void strip.refresh(shownRig());
+const refreshPictures = () => void strip.refresh(shownRig());
+
+/** Milliseconds for which a frame must stand still before its pictures are made. */
+const STILL = 150;
+let still: ReturnType<typeof setTimeout> | undefined;
+
+/** Follows the frame that is shown: photographs of another one are not shown, and its own are made once it stands still. */
+export function followFrame(clip: Clip) {
+    const { position, playing, current } = clip;
+    const isShown = !playing && (current.glb === null || clip.shown === position);
+    strip.setShown(isShown ? position : null);
+    clearTimeout(still);
+    if (playing || strip.frame === null || strip.frame === position) return;
+    still = setTimeout(refreshPictures, STILL);
+}
 
 export function listenToChoices() {
     on("views", "change", () => strip.load(shownRig()));

@@ -4,6 +4,7 @@ import type { Scene } from "pcmvs";
 import { Clip } from "../clip/clip";
 import { meanUp } from "../viewer/cameras";
 import { showCalibration } from "./calibration";
+import { followFrame } from "./choices";
 import { $ } from "./dom";
 import { listWarnings } from "./findings";
 import { showStage } from "./look";
@@ -24,12 +25,18 @@ export function setCapture(next: Capture) {
     strip.load(null);
     viewer.clear();
     const { clip } = next;
-    clip.onchange = () => drawTransport(clip);
+    clip.onchange = () => {
+        drawTransport(clip);
+        // The mesh of another frame is not this one's.
+        if (!clip.playing && clip.current.glb === null) viewer.hideMesh();
+        followFrame(clip);
+    };
     clip.onwarnings = () => listWarnings(clip);
     clip.onshow = (frame, geometry) => {
         viewer.show(geometry, `${frame.index} ${frame.preset}`);
         void viewer.drawn().then(() => performance.mark(`shown-${frame.preset ?? "clip"}`));
         showStage(frame);
+        followFrame(clip);
         strip.mark(frame.findings);
     };
     $<HTMLProgressElement>("progress").value = 0;
@@ -40,6 +47,7 @@ export function setCapture(next: Capture) {
     listWarnings(clip);
     setUpTimeline(clip);
     drawTransport(clip);
+    followFrame(clip);
 }
 
 /** Shows a scene without any mesh yet. */

@@ -7,6 +7,7 @@ import { listenToKeys } from "./keys";
 import { listenToLook } from "./look";
 import { listenToRuns } from "./runs";
 import { listenToSources, openFirst } from "./sources";
+import { listenToThrough } from "./through";
 import { listenToTransport } from "./transport";
 import { listenToUp } from "./up";
 
@@ -16,6 +17,7 @@ listenToRuns();
 listenToChecks();
 listenToLook();
 listenToUp();
+listenToThrough();
 listenToTransport();
 listenToDownloads();
 listenToKeys();

@@ -2,8 +2,8 @@
 
 import type { CalibrationReport, Camera, Scene } from "pcmvs";
 import type { Clip, Findings } from "../clip/clip";
-import type { Pool } from "../workers/pool";
 import type { Vec3 } from "../viewer/cameras";
+import type { Pool } from "../workers/pool";
 import type { Entries, StageView } from "../workers/protocol";
 
 /** Frames per second of a scene that gives none. */

@@ -2,7 +2,7 @@
 
 import type { Preset } from "pcmvs";
 import type { Clip } from "../clip/clip";
-import { chosen, refreshPictures } from "./choices";
+import { chosen } from "./choices";
 import { $, button, input, on, select } from "./dom";
 import { state } from "./state";
 
@@ -58,7 +58,6 @@ export function step(direction: 1 | -1) {
     state.userPaused = true;
     state.capture.clip.play(false);
     state.capture.clip.step(direction);
-    refreshPictures();
 }
 
 function scrub() {
@@ -75,7 +74,6 @@ export function listenToTransport() {
     on("back", "click", () => step(-1));
     on("forward", "click", () => step(1));
     on("scrub", "input", scrub);
-    on("scrub", "change", refreshPictures);
     on("speed", "change", () => {
         if (state.capture) state.capture.clip.speed = Number(select("speed").value);
     });

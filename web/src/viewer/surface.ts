@@ -88,6 +88,21 @@ export class Surface {
         this.wires.material = texture ? SURFACE_MATERIALS.clay : SURFACE_MATERIALS[shading];
     }
 
+    /** Draws the mesh itself in its colours, whatever else is shown. */
+    inColours(draw: () => void) {
+        const { shading, wireframe, stage } = this;
+        this.wireframe = false;
+        this.stage = null;
+        if (stage) stage.visible = false;
+        this.setShading("colour");
+        this.choose();
+        draw();
+        [this.wireframe, this.stage] = [wireframe, stage];
+        if (stage) stage.visible = true;
+        this.setShading(shading);
+        this.choose();
+    }
+
     /** Frees what is its own. */
     dispose() {
         this.clear();

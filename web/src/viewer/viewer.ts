@@ -23,6 +23,7 @@ import {
 import type { StageCloud, StageMesh } from "../workers/protocol";
 import { cameraToWorld, fit, projection, upright, type Vec3 } from "./cameras";
 import { BLANK, FRUSTUM_LINES, POINTS, type Shading, SURFACE_MATERIALS, textured } from "./colours";
+import { Difference, type Pictures } from "./difference";
 import { Frusta } from "./frusta";
 import { Navigation } from "./navigation";
 import { Surface } from "./surface";
@@ -40,6 +41,8 @@ export class Viewer {
     private readonly through = new PerspectiveCamera();
     private readonly surface = new Surface();
     private readonly frusta = new Frusta();
+    private readonly difference = new Difference();
+    private differing = false;
     private readonly grid = new PolarGridHelper(1, 12, 4, 96);
     /** What the free camera stands before: a level of a frame's mesh. Null before there is any. */
     private framed: string | null = null;
@@ -237,6 +240,19 @@ export class Viewer {
         this.resize();
     }
 
+    /** Sets the photograph of the camera that is looked through, for the difference from it. */
+    setPhotograph(pictures: Pictures | null) {
+        this.difference.set(pictures);
+        this.draw();
+    }
+
+    /** Shows the amplified difference from the photograph instead of the mesh, or with null the mesh again. */
+    showDifference(gain: number | null) {
+        this.differing = gain !== null;
+        if (gain !== null) this.difference.gain = gain;
+        this.draw();
+    }
+
     /** Place of a camera's picture in the window, in CSS pixels. */
     pictureRectangle(camera: number) {
         const { clientWidth, clientHeight } = this.canvas;
@@ -280,8 +296,14 @@ export class Viewer {
         const { grid, frusta } = this;
         const shown = [grid.visible, frusta.root.visible];
         if (this.looking !== null) grid.visible = frusta.root.visible = false;
-        this.renderer.render(this.scene, camera);
+        if (this.looking !== null && this.differing && this.difference.ready) this.renderDifference(this.looking);
+        else this.renderer.render(this.scene, camera);
         [grid.visible, frusta.root.visible] = shown;
+    }
+
+    private renderDifference(camera: number) {
+        const rectangle = this.pictureRectangle(camera);
+        this.surface.inColours(() => this.difference.render(this.renderer, this.through, this.scene, rectangle));
     }
 
     private resize() {
