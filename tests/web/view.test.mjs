@@ -196,7 +196,7 @@ test("the difference is small on the person, and neutral outside of it", async (
     const { page, problems, shot } = await through(t, 3);
     await page.check("#comparisons input[value=difference]", { force: true });
     assert.equal(await page.isVisible("#photo"), false);
-    assert.match(await text(page, "through-note"), /^Orange: the mesh lacks it/);
+    assert.match(await text(page, "through-note"), /^Orange: missing/);
     await page.fill("#gain", "1");
     const plain = await compared(page, 3);
     await shot("difference-1");

@@ -9,6 +9,14 @@ import { describe, showError } from "./messages";
 import { state } from "./state";
 import { strip } from "./view";
 
+/** What can be chosen, in words. */
+const TITLES = {
+    views: "How many of the cameras are used. Fewer take less time and memory; pairs are cameras that stand beside each other",
+    preset: "Preview: half the resolution, soon done. Best: the usual quality. As in the paper: the published method without later additions. Hull only: the body that fits into all silhouettes, without matching",
+    silhouettes:
+        "Where the outline of the person comes from: mask files or the pictures' own transparency, the colour of the backdrop, or nowhere",
+};
+
 /** The unit of the sliders for the smallest part and hole, as a share of the picture. */
 const AREA_UNIT = 1e-5;
 
@@ -96,6 +104,7 @@ export function followFrame(clip: Clip) {
 }
 
 export function listenToChoices() {
+    for (const [id, title] of Object.entries(TITLES)) $(id).title = title;
     on("views", "change", () => strip.load(shownRig()));
     on("silhouettes", "change", () => {
         showKey();

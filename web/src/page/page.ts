@@ -3,6 +3,7 @@
 import { listenToChecks } from "./checks";
 import { listenToChoices } from "./choices";
 import { listenToDownloads } from "./downloads";
+import { listenToIntroduction } from "./introduction";
 import { listenToKeys } from "./keys";
 import { listenToLook } from "./look";
 import { listenToRuns } from "./runs";
@@ -11,6 +12,7 @@ import { listenToThrough } from "./through";
 import { listenToTransport } from "./transport";
 import { listenToUp } from "./up";
 
+listenToIntroduction();
 listenToSources();
 listenToChoices();
 listenToRuns();

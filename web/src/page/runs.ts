@@ -18,13 +18,13 @@ import { strip } from "./view";
 
 const STAGE_WORDS: Record<Stage, string> = {
     views: "reading silhouettes",
-    hull: "visual hull",
-    contours: "frontier points",
-    coarse: "coarse pass",
-    detect: "matching views",
-    merge: "merging clouds",
-    mesh: "meshing",
-    colour: "colouring",
+    hull: "body that fits into all silhouettes",
+    contours: "points of contours",
+    coarse: "rough mesh",
+    detect: "matching pictures",
+    merge: "merging points",
+    mesh: "fine mesh",
+    colour: "colours",
     steady: "averaging with neighbouring frames",
 };
 const LEVEL_WORDS: Record<QualityLevel, string> = {

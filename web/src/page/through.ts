@@ -12,13 +12,15 @@ const WORDS: Record<Comparison, [string, string]> = {
     wipe: ["Wipe", "The photograph on the left of a divider that you move, the mesh on its right"],
     difference: ["Difference", "How far the mesh's colours are from the photograph's: black where they are equal"],
 };
-const COLOURS = "Orange: the mesh lacks it. Blue: the mesh is too wide. Grey: outside of both.";
+const COLOURS = "Orange: missing. Blue: too wide. Grey: outside of both.";
 const NOTES = {
     shown: "",
     waiting: "The photograph of a frame appears when the clip stands still.",
     missing: "There is no photograph of this camera in this frame.",
 };
 
+/** Between the photograph and the controls, CSS pixels. */
+const GAP = 6;
 /** Percent by which an arrow key and a page key move the divider. */
 const [STEP, PAGE] = [2, 10];
 
@@ -91,7 +93,18 @@ function listenToDivider() {
     });
 }
 
+/** Keeps the photograph clear of the controls at the top and at the bottom of the stage. */
+function keepClear() {
+    const [stage, controls, transport] = ["stage", "through", "transport"].map((id) => $(id).getBoundingClientRect());
+    const [top, bottom] = [controls.bottom - stage.top, stage.bottom - transport.top];
+    // On a very small stage the picture is covered rather than tiny.
+    if (controls.height > 0 && stage.height - top - bottom > stage.height / 4) viewer.cover(top + GAP, bottom + GAP);
+    else viewer.cover(0, 0);
+}
+
 export function listenToThrough() {
+    const sizes = new ResizeObserver(keepClear);
+    for (const id of ["stage", "through", "transport"]) sizes.observe($(id));
     addRadios("comparisons", WORDS, (value) => {
         comparison = value;
         draw();

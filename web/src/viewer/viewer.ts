@@ -49,6 +49,8 @@ export class Viewer {
     private cameras: Camera[] = [];
     private centres: Vector3[] = [];
     private looking: number | null = null;
+    /** Parts of the window that controls cover, CSS pixels. */
+    private covered = { top: 0, bottom: 0 };
     /** A drawing has been asked for. Nothing is drawn before the shaders are compiled. */
     private wanted = true;
     private waiting: (() => void)[] = [];
@@ -257,8 +259,16 @@ export class Viewer {
     pictureRectangle(camera: number) {
         const { clientWidth, clientHeight } = this.canvas;
         const { width, height } = this.cameras[camera];
-        const { scale, left, top } = fit(this.cameras[camera], clientWidth, clientHeight);
+        const window = { width: clientWidth, height: clientHeight, covered: this.covered };
+        const { scale, left, top } = fit(this.cameras[camera], window);
         return { left, top, width: scale * width, height: scale * height };
+    }
+
+    /** Leaves a part of the window free at its top and at its bottom when a camera is looked through, CSS pixels. */
+    cover(top: number, bottom: number) {
+        if (top === this.covered.top && bottom === this.covered.bottom) return;
+        this.covered = { top, bottom };
+        this.resize();
     }
 
     /** Turns around the object, radians. */
@@ -322,7 +332,9 @@ export class Viewer {
         const target = this.navigation.target.clone().applyMatrix4(this.world.matrixWorld.clone().invert());
         const distance = target.distanceTo(new Vector3().setFromMatrixPosition(pose));
         this.through.matrix.copy(pose);
-        this.through.projectionMatrix.copy(projection(camera, width, height, distance / 50, distance * 10));
+        this.through.projectionMatrix.copy(
+            projection(camera, { width, height, covered: this.covered }, distance / 50, distance * 10),
+        );
         this.through.projectionMatrixInverse.copy(this.through.projectionMatrix).invert();
     }
 

@@ -43,7 +43,7 @@ export type Job =
     | SteadyJob
     | PhotographJob
     | CalibrateJob
-    | { type: "zip"; files: NamedBlob[] }
+    | ZipJob
     | { type: "digest"; blobs: Blob[] }
     | ({ type: "ply" } & PlyInput);
 
@@ -94,6 +94,13 @@ export interface CalibrateJob {
     cameras: Camera[];
     /** The views of all cameras in each frame. */
     frames: ViewFiles[][];
+}
+
+/** Packs files into a zip: those in memory, then `entries`, which are read first. */
+export interface ZipJob {
+    type: "zip";
+    files: NamedBlob[];
+    entries?: Entries;
 }
 
 export interface NamedBlob {
