@@ -36,6 +36,8 @@ export interface ClipFrame {
 export class Clip {
     readonly frames: ClipFrame[];
     private readonly playback: Playback;
+    /** The quality that is being made. A coarser mesh, or one that has not been averaged, is no result. Null for a clip of files. */
+    wanted: QualityLevel | null = null;
     /** Positions of the frames that have a mesh. */
     private made: number[] = [];
     /** Another frame is to be shown, or a better mesh of the same one. */
@@ -105,6 +107,11 @@ export class Clip {
 
     set speed(rate: number) {
         this.playback.clock.rate = rate;
+    }
+
+    /** Whether a frame's mesh is what is wanted, and not one that is shown on the way. */
+    isResult({ glb, preset }: ClipFrame): boolean {
+        return glb !== null && preset === this.wanted;
     }
 
     /** Adds a frame's mesh, or replaces it by a better one. */

@@ -31,9 +31,9 @@ export async function ply(clip: Clip, frame: ClipFrame, pool: Pool): Promise<Blo
     });
 }
 
-/** All finished frames and sequence.json, the clip's manifest. */
+/** All finished frames and sequence.json, the clip's manifest. A mesh that was shown on the way is not among them. */
 export async function clipZip(clip: Clip, scene: Pick<Scene, "units" | "up">, pool: Pool): Promise<Blob> {
-    const frames = clip.frames.filter((frame) => frame.glb !== null);
+    const frames = clip.frames.filter((frame) => clip.isResult(frame));
     const blobs: Blob[] = [];
     // One after the other: the frames of a published clip are loaded first.
     for (const frame of frames) blobs.push(await (frame.glb as () => Promise<Blob>)());

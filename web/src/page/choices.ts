@@ -5,7 +5,7 @@ import type { Clip } from "../clip/clip";
 import { type Choice, chosenCameras, type SilhouetteChoice, type ViewChoice, viewFiles } from "../run/views";
 import type { ShownRig } from "../viewer/strip";
 import { $, button, input, on, select } from "./dom";
-import { describe, showError } from "./messages";
+import { showFailure } from "./failures";
 import { state } from "./state";
 import { strip } from "./view";
 
@@ -113,5 +113,8 @@ export function listenToChoices() {
     for (const id of ["key-colour", "key-tolerance", "key-shadow", "key-part", "key-hole"]) {
         on(id, "input", refreshPictures);
     }
-    strip.onproblem = (failure) => showError(describe(failure, shownRig()?.cameras ?? []));
+    strip.onproblem = (failure, frame) => {
+        const scene = state.capture?.source?.scene;
+        if (scene) showFailure(failure, shownRig()?.cameras ?? [], scene, frame);
+    };
 }

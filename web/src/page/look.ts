@@ -62,7 +62,26 @@ export function addRadios<T extends string>(id: string, words: Record<T, Words>,
     ($(id).querySelector("input") as HTMLInputElement).checked = true;
 }
 
+/** Time within which a lost graphics processor usually comes back, ms. */
+const COMES_BACK = 8000;
+
+/** Says that there is no picture while the graphics processor is away. */
+function listenToLoss() {
+    let patience: ReturnType<typeof setTimeout> | undefined;
+    viewer.onlost = (lost) => {
+        $("lost").hidden = !lost;
+        $("lost").textContent = "The graphics processor was reset. The picture comes back by itself.";
+        clearTimeout(patience);
+        if (!lost) return;
+        patience = setTimeout(() => {
+            $("lost").textContent =
+                "The graphics processor has not come back. Save what you need, and load the page again. Reconstructions go on.";
+        }, COMES_BACK);
+    };
+}
+
 export function listenToLook() {
+    listenToLoss();
     addRadios("stages", STAGE_LABELS, (value) => {
         state.stage = value;
         if (state.capture) showStage(state.capture.clip.current);

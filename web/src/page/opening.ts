@@ -34,7 +34,7 @@ export function openSample(name: string, files: ReturnType<typeof sampleFiles>, 
         return () => {
             showScene(name, scene, entries, false);
             setStatus("Starting…");
-            reconstruct(sketch);
+            void reconstruct(sketch);
         };
     });
 }

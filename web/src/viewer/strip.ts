@@ -48,7 +48,8 @@ export class Strip {
     private compared: Pictures | null = null;
     private covered = true;
     onlook: (camera: number | null) => void = () => {};
-    onproblem: (failure: Failure) => void = () => {};
+    /** A picture of a frame cannot be made. */
+    onproblem: (failure: Failure, frame: number) => void = () => {};
     /** The photograph has another place in the window, in CSS pixels. */
     onplace: (place: Place) => void = () => {};
     /** What there is of the photograph has changed. */
@@ -262,7 +263,7 @@ export class Strip {
             const { failure } = error;
             if (rig === this.rig) {
                 this.buttons[failure.camera ?? camera]?.setAttribute("data-problem", "");
-                this.onproblem({ camera, ...failure });
+                this.onproblem({ camera, ...failure }, rig.frame);
             }
             return "failed";
         }

@@ -56,6 +56,8 @@ export class Viewer {
     private waiting: (() => void)[] = [];
     /** A frustum was clicked. */
     onpick: (camera: number) => void = () => {};
+    /** The graphics processor has been taken away, or has come back. */
+    onlost: (lost: boolean) => void = () => {};
     /** The place of a photograph in the window has changed. */
     onlayout: () => void = () => {};
 
@@ -80,6 +82,12 @@ export class Viewer {
         this.grid.visible = this.frusta.root.visible = false;
         for (const material of [this.grid.material].flat())
             Object.assign(material, { transparent: true, opacity: 0.28 });
+        // three.js makes all its objects again when the context comes back; it listens since before.
+        canvas.addEventListener("webglcontextlost", () => this.onlost(true));
+        canvas.addEventListener("webglcontextrestored", () => {
+            this.onlost(false);
+            this.draw();
+        });
         new ResizeObserver(() => this.resize()).observe(canvas.parentElement as HTMLElement);
         this.resize();
         this.listenForPicks();
