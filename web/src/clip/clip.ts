@@ -127,6 +127,16 @@ export class Clip {
         else this.onchange();
     }
 
+    /** Takes away a frame's mesh, which was shown on the way to one that could not be made. */
+    drop(position: number) {
+        const frame = this.frames[position];
+        if (!frame.glb) return;
+        this.playback.forget(position);
+        Object.assign(frame, { glb: null, preset: null, triangles: 0, seconds: 0, stages: null });
+        this.made = this.made.filter((other) => other !== position);
+        this.onchange();
+    }
+
     /** Gives all frames their meshes, and shows the first. */
     fill(made: (position: number) => Omit<ClipFrame, "index">) {
         for (const [position, frame] of this.frames.entries()) Object.assign(frame, made(position));

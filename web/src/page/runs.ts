@@ -84,6 +84,8 @@ export async function reconstruct(sketch?: Promise<FrameResult>) {
     const fail = (failure: Failure, frame: number) => {
         if (turn !== state.turn || failure.code === "cancelled") return;
         failed.add(frame);
+        // Its sketch is no result, and must not be played as one.
+        clip.drop(frame);
         markFrame(frame, "failed");
         showFailure(failure, session.cameras, scene, frame);
     };
@@ -127,11 +129,12 @@ function showProgress({ frame, stage, preset, left, done, fraction }: Status, cl
 function finish(clip: Clip, failed: number, seconds: number) {
     stop();
     const { frames, current } = clip;
-    const made = frames.filter((frame) => clip.isResult(frame)).length;
+    const results = frames.filter((frame) => clip.isResult(frame));
+    const made = results.length;
     if (made === 0) setStatus("Nothing could be reconstructed");
     else {
         const failures = failed ? `, ${failed} failed` : "";
-        const triangles = number.format(current.triangles);
+        const triangles = number.format((clip.isResult(current) ? current : results[0]).triangles);
         setStatus(`${made} of ${frames.length} frames in ${seconds.toFixed(1)} s${failures} · ${triangles} triangles`);
     }
     if (made > 1 && !clip.playing && !state.userPaused) clip.play(true);
