@@ -30,7 +30,10 @@ before(() => {
     mkdirSync(join(copy, "web"));
     mkdirSync(join(copy, "wasm"));
     symlinkSync(join(root, "wasm/pkg"), join(copy, "wasm/pkg"));
-    for (const path of ["index.html", "src", "public", "package.json", "tsconfig.json", "vite.config.ts"]) {
+    // The documentation, which is part of the site.
+    for (const path of ["README.md", "BENCHMARKS.md", "CHANGELOG.md", "docs", "wasm/npm"])
+        symlinkSync(join(root, path), join(copy, path));
+    for (const path of ["index.html", "src", "public", "package.json", "tsconfig.json", "vite.config.ts", "docs.ts"]) {
         cpSync(join(root, "web", path), join(copy, "web", path), { recursive: true });
     }
     symlinkSync(join(root, "web/node_modules"), join(copy, "web/node_modules"));
