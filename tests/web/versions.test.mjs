@@ -167,6 +167,10 @@ test("a reload shows a new version, which then works without a network", async (
         problems.filter((p) => !p.includes("ERR_INTERNET_DISCONNECTED")),
         [],
     );
+    // The documentation, too.
+    await page.goto(await page.getAttribute("#intro a", "href").then((path) => new URL(path, address).href));
+    assert.equal(await page.title(), "pcmvs");
+    assert.equal(await page.locator("h1").innerText(), "pcmvs");
 });
 
 test("a host that begins to isolate the page can use the version that a visitor has", async (t) => {

@@ -55,7 +55,7 @@ void main() {
 }`;
 
 export class Difference {
-    private readonly target = new WebGLRenderTarget(1, 1, { type: HalfFloatType, samples: 4 });
+    private readonly target = new WebGLRenderTarget(1, 1, { type: HalfFloatType });
     private readonly material = new ShaderMaterial({
         uniforms: {
             drawn: { value: this.target.texture },
@@ -101,6 +101,11 @@ export class Difference {
     /** Whether there is a picture to compare with. */
     get ready(): boolean {
         return this.shown;
+    }
+
+    /** Frees the memory for drawing, which is as large as the window. Drawing takes it again. */
+    rest() {
+        this.target.dispose();
     }
 
     /** Draws the difference. `draw` draws the mesh. `rectangle` is the picture's place in the window, in CSS pixels. */

@@ -259,7 +259,8 @@ export class Viewer {
     /** Shows the amplified difference from the photograph instead of the mesh, or with null the mesh again. */
     showDifference(gain: number | null) {
         this.differing = gain !== null;
-        if (gain !== null) this.difference.gain = gain;
+        if (gain === null) this.difference.rest();
+        else this.difference.gain = gain;
         this.draw();
     }
 
