@@ -4,9 +4,13 @@ import { join } from "node:path";
 import { fileURLToPath } from "node:url";
 import { defineConfig } from "vite";
 import { VitePWA } from "vite-plugin-pwa";
+import { docs } from "./docs";
 
 const here = (path: string) => fileURLToPath(new URL(path, import.meta.url));
-const { version } = JSON.parse(readFileSync(here("../wasm/pkg/package.json"), "utf8"));
+const { version, repository } = JSON.parse(readFileSync(here("../wasm/pkg/package.json"), "utf8"));
+/** The address of the repository, once the package's description names one. */
+const source: string | null =
+    (repository?.url ?? repository ?? null)?.replace(/^git\+/, "").replace(/\.git$/, "") ?? null;
 const sampleHash = hashOf(here("public/sample"));
 
 /** Hash of a folder's files and their names. */
@@ -47,7 +51,11 @@ export default defineConfig({
     base: "./",
     // Addresses other than those of files are errors.
     appType: "mpa",
-    define: { __VERSION__: JSON.stringify(version), __SAMPLE_HASH__: JSON.stringify(sampleHash) },
+    define: {
+        __VERSION__: JSON.stringify(version),
+        __SAMPLE_HASH__: JSON.stringify(sampleHash),
+        __SOURCE__: JSON.stringify(source),
+    },
     resolve: {
         alias: {
             "pcmvs/calibration": here("../wasm/pkg/calibration.js"),
@@ -65,6 +73,7 @@ export default defineConfig({
     server: { fs: { allow: [".."] }, headers: ISOLATION },
     preview: { host: "127.0.0.1", port: 8420, headers: ISOLATION },
     plugins: [
+        docs(source),
         {
             name: "content-security-policy",
             apply: "build",

@@ -30,7 +30,10 @@ before(() => {
     mkdirSync(join(copy, "web"));
     mkdirSync(join(copy, "wasm"));
     symlinkSync(join(root, "wasm/pkg"), join(copy, "wasm/pkg"));
-    for (const path of ["index.html", "src", "public", "package.json", "tsconfig.json", "vite.config.ts"]) {
+    // The documentation, which is part of the site.
+    for (const path of ["README.md", "BENCHMARKS.md", "CHANGELOG.md", "docs", "wasm/npm"])
+        symlinkSync(join(root, path), join(copy, path));
+    for (const path of ["index.html", "src", "public", "package.json", "tsconfig.json", "vite.config.ts", "docs.ts"]) {
         cpSync(join(root, "web", path), join(copy, "web", path), { recursive: true });
     }
     symlinkSync(join(root, "web/node_modules"), join(copy, "web/node_modules"));
@@ -164,6 +167,10 @@ test("a reload shows a new version, which then works without a network", async (
         problems.filter((p) => !p.includes("ERR_INTERNET_DISCONNECTED")),
         [],
     );
+    // The documentation, too.
+    await page.goto(await page.getAttribute("#intro a", "href").then((path) => new URL(path, address).href));
+    assert.equal(await page.title(), "pcmvs");
+    assert.equal(await page.locator("h1").innerText(), "pcmvs");
 });
 
 test("a host that begins to isolate the page can use the version that a visitor has", async (t) => {

@@ -38,7 +38,8 @@ const isolate = async ({ request, response }: { request: Request; response: Resp
 };
 addPlugins([{ handlerWillRespond: isolate }]);
 // The first route that matches is taken.
-registerRoute(new NavigationRoute(newest));
+// The documentation is that of this version.
+registerRoute(new NavigationRoute(newest, { denylist: [/\/docs\/[^/]+\.html$/] }));
 precacheAndRoute(self.__WB_MANIFEST);
 clientsClaim();
 

@@ -38,6 +38,8 @@ export interface ClipFrame {
 export class Clip {
     readonly frames: ClipFrame[];
     private readonly playback: Playback;
+    /** The quality that is being made. A coarser mesh, or one that has not been averaged, is no result. Null for a clip of files. */
+    wanted: QualityLevel | null = null;
     /** Positions of the frames that have a mesh. */
     private made: number[] = [];
     /** Another frame is to be shown, or a better mesh of the same one. */
@@ -85,6 +87,11 @@ export class Clip {
         return this.playback.position;
     }
 
+    /** Position of the frame whose mesh is shown. */
+    get shown() {
+        return this.playback.shown;
+    }
+
     get current() {
         return this.frames[this.playback.position];
     }
@@ -105,6 +112,11 @@ export class Clip {
         this.playback.clock.rate = rate;
     }
 
+    /** Whether a frame's mesh is what is wanted, and not one that is shown on the way. */
+    isResult({ glb, preset }: ClipFrame): boolean {
+        return glb !== null && preset === this.wanted;
+    }
+
     /** Adds a frame's mesh, or replaces it by a better one. */
     set(position: number, made: Omit<ClipFrame, "index">) {
         const frame = this.frames[position];
@@ -116,6 +128,16 @@ export class Clip {
         if (warned) this.onwarnings();
         if (position === this.position || empty) void this.show(position);
         else this.onchange();
+    }
+
+    /** Takes away a frame's mesh, which was shown on the way to one that could not be made. */
+    drop(position: number) {
+        const frame = this.frames[position];
+        if (!frame.glb) return;
+        this.playback.forget(position);
+        Object.assign(frame, { glb: null, preset: null, triangles: 0, seconds: 0, stages: null, placement: null });
+        this.made = this.made.filter((other) => other !== position);
+        this.onchange();
     }
 
     /** Gives all frames their meshes, and shows the first. */

@@ -37,11 +37,9 @@ export async function ply(clip: Clip, frame: ClipFrame, pool: Pool): Promise<Blo
 
 const boundsOf = ({ min, max }: GlbInfo) => [min, max];
 
-/** All finished frames and sequence.json, the clip's manifest. If a form was chosen, frames without it are not finished. */
+/** All finished frames and sequence.json, the clip's manifest. A mesh that was shown on the way is not among them. */
 export async function clipZip(clip: Clip, scene: Pick<Scene, "units" | "up">, pool: Pool): Promise<Blob> {
-    const made = clip.frames.filter((frame) => frame.glb !== null);
-    const formed = made.filter((frame) => frame.placement !== null);
-    const frames = formed.length > 0 ? formed : made;
+    const frames = clip.frames.filter((frame) => clip.isResult(frame));
     const blobs: Blob[] = [];
     // One after the other: the frames of a published clip are loaded first.
     for (const frame of frames) blobs.push(await (frame.glb as () => Promise<Blob>)());
@@ -49,7 +47,7 @@ export async function clipZip(clip: Clip, scene: Pick<Scene, "units" | "up">, po
         pool.run({ type: "digest", blobs }),
         Promise.all(blobs.map(async (blob, i) => frames[i].placement?.bounds ?? boundsOf(await inspectGlb(blob)))),
     ]);
-    const placement = formed[0]?.placement;
+    const placement = frames[0]?.placement;
     const axis = (pick: (a: number, b: number) => number, end: 0 | 1) =>
         [0, 1, 2].map((i) => bounds.map((box) => box[end][i]).reduce(pick));
     const manifest = {

@@ -1,13 +1,22 @@
 // What can be chosen for a reconstruction: views, quality, silhouettes and the chroma key.
 
 import type { ChromaKey, Preset, Scene } from "pcmvs";
+import type { Clip } from "../clip/clip";
 import { type Choice, chosenCameras, type SilhouetteChoice, type ViewChoice, viewFiles } from "../run/views";
 import type { ShownRig } from "../viewer/strip";
 import type { ChosenForm } from "../workers/protocol";
 import { $, button, input, on, select } from "./dom";
-import { describe, showError } from "./messages";
+import { showFailure } from "./failures";
 import { state } from "./state";
 import { strip } from "./view";
+
+/** What can be chosen, in words. */
+const TITLES = {
+    views: "How many of the cameras are used. Fewer take less time and memory; pairs are cameras that stand beside each other",
+    preset: "Preview: half the resolution, soon done. Best: the usual quality. As in the paper: the published method without later additions. Hull only: the body that fits into all silhouettes, without matching",
+    silhouettes:
+        "Where the outline of the person comes from: mask files or the pictures' own transparency, the colour of the backdrop, or nowhere",
+};
 
 /** The unit of the sliders for the smallest part and hole, as a share of the picture. */
 const AREA_UNIT = 1e-5;
@@ -119,8 +128,10 @@ export function shownRig(): ShownRig | null {
     const { scene, entries } = state.capture.source;
     const { views, silhouettes, key } = chosen();
     const cameras = chosenCameras(scene, views);
-    const frame = scene.frames[state.capture.clip.position];
+    const { position } = state.capture.clip;
+    const frame = scene.frames[position];
     return {
+        frame: position,
         cameras: cameras.map((i) => scene.cameras[i]),
         files: (camera) => viewFiles(frame, entries, cameras[camera], silhouettes, key),
         tinted: silhouettes === "chroma",
@@ -131,11 +142,26 @@ const showKey = () => {
     $("key").hidden = select("silhouettes").value !== "chroma";
 };
 /** Makes the pictures of the cameras again. */
-export const refreshPictures = () => void strip.refresh(shownRig());
+const refreshPictures = () => void strip.refresh(shownRig());
+
+/** Milliseconds for which a frame must stand still before its pictures are made. */
+const STILL = 150;
+let still: ReturnType<typeof setTimeout> | undefined;
+
+/** Follows the frame that is shown: photographs of another one are not shown, and its own are made once it stands still. */
+export function followFrame(clip: Clip) {
+    const { position, playing, current } = clip;
+    const isShown = !playing && (current.glb === null || clip.shown === position);
+    strip.setShown(isShown ? position : null);
+    clearTimeout(still);
+    if (playing || strip.frame === null || strip.frame === position) return;
+    still = setTimeout(refreshPictures, STILL);
+}
 
 export function listenToChoices() {
     showResult();
     on("result", "change", suggestFile);
+    for (const [id, title] of Object.entries(TITLES)) $(id).title = title;
     on("views", "change", () => strip.load(shownRig()));
     on("silhouettes", "change", () => {
         showKey();
@@ -144,5 +170,8 @@ export function listenToChoices() {
     for (const id of ["key-colour", "key-tolerance", "key-shadow", "key-part", "key-hole"]) {
         on(id, "input", refreshPictures);
     }
-    strip.onproblem = (failure) => showError(describe(failure, shownRig()?.cameras ?? []));
+    strip.onproblem = (failure, frame) => {
+        const scene = state.capture?.source?.scene;
+        if (scene) showFailure(failure, shownRig()?.cameras ?? [], scene, frame);
+    };
 }

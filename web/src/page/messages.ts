@@ -7,8 +7,8 @@ import { $ } from "./dom";
 
 /** Screen readers get progress at most this often, ms. */
 const ANNOUNCE_EVERY = 5000;
-/** Errors shown at a time. */
-const MAX_ERRORS = 3;
+/** Errors kept at a time. Their list scrolls. */
+const MAX_ERRORS = 12;
 let announced = -ANNOUNCE_EVERY;
 
 /** Sets the status line. Screen readers get every status, but progress only now and then. */
@@ -19,9 +19,12 @@ export function setStatus(text: string, progress = false) {
     $("spoken").textContent = text;
 }
 
-export function showError(message: string) {
+/** Shows an error, unless it is shown already. Returns its element. */
+export function showError(message: string): HTMLElement {
     // The strip of cameras and the reconstruction may find the same error.
-    if ([...document.querySelectorAll("#errors p")].some((shown) => shown.textContent === message)) return;
+    const boxes = [...$("errors").children] as HTMLElement[];
+    const same = boxes.find((box) => box.querySelector("p")?.textContent === message);
+    if (same) return same;
     const box = document.createElement("div");
     const text = document.createElement("p");
     text.textContent = message;
@@ -32,6 +35,7 @@ export function showError(message: string) {
     box.append(text, close);
     $("errors").append(box);
     while ($("errors").childElementCount > MAX_ERRORS) $("errors").firstElementChild?.remove();
+    return box;
 }
 
 export const clearErrors = () => $("errors").replaceChildren();

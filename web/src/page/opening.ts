@@ -11,79 +11,99 @@ import type { Entries, Entry, FrameResult } from "../workers/protocol";
 import { offerChoices, shownRig } from "./choices";
 import { setCapture, setScene } from "./current";
 import { $, button } from "./dom";
+import { explained } from "./explained";
 import type { sampleFiles } from "./files";
+import { foldIntroduction } from "./introduction";
 import { showCameras } from "./look";
 import { clearErrors, setStatus, showError } from "./messages";
 import { keepForOffline } from "./offline";
 import { reconstruct, stop } from "./runs";
 import { FPS, state } from "./state";
-import { strip, viewer } from "./view";
+import { strip } from "./view";
 
 /** Frames of a published clip that are kept ready to be drawn. */
 const READY_OF_STREAM = 10;
 
+/** Counts openings, of which only the last one is shown. */
+let openings = 0;
+
 /** Opens the sample and reconstructs it at once, with a sketch if one has been started. */
 export function openSample(name: string, files: ReturnType<typeof sampleFiles>, sketch?: Promise<FrameResult>) {
-    return opening(async (turn) => {
+    return opening(async () => {
         const { entries, scene } = await files;
-        if (turn !== state.turn) return;
-        showScene(name, scene, entries, false);
-        setStatus("Starting…");
-        reconstruct(sketch);
+        return () => {
+            showScene(name, scene, entries, false);
+            setStatus("Starting…");
+            void reconstruct(sketch);
+        };
     });
 }
 
 /** Opens a person's files that are being found. */
 export function open(name: string, found: Promise<Entries>) {
-    return opening(async (turn) => {
+    return opening(async () => {
         const entries = await found;
         const isClip = [...entries.keys()].some((path) => path.toLowerCase().endsWith(".glb"));
-        if (isClip) return openClip(name, entries, turn);
-        const scene = await sidePool.run({ type: "open", entries });
-        if (turn !== state.turn) return;
-        showScene(name, scene, entries, true);
-        strip.load(shownRig());
-        setStatus("Ready: check cameras and silhouettes, then reconstruct");
+        return isClip ? readClip(name, entries) : readScene(name, entries);
     });
 }
 
-async function opening(work: (turn: number) => Promise<void>) {
-    const turn = ++state.turn;
-    stop();
-    clearErrors();
-    setStatus("Opening…");
+async function readScene(name: string, entries: Entries): Promise<Show> {
+    const scene = await sidePool.run({ type: "open", entries }).catch((error) => {
+        throw explained(error, entries);
+    });
+    return () => {
+        foldIntroduction();
+        showScene(name, scene, entries, true);
+        strip.load(shownRig());
+        setStatus("Ready: check cameras and silhouettes, then reconstruct");
+    };
+}
+
+/** Shows what has been read. `discard` frees it instead, because meanwhile something else has been opened. */
+type Show = (() => void) & { discard?: () => void };
+
+/** Reads something, then ends what runs and shows it. If it cannot be read, what runs goes on. */
+async function opening(read: () => Promise<Show>) {
+    const opening = ++openings;
+    const running = () => state.pool !== null || state.checkPool !== null;
+    if (!running()) {
+        clearErrors();
+        setStatus("Opening…");
+    }
     try {
-        await work(turn);
+        const show = await read();
+        if (opening !== openings) return show.discard?.();
+        state.turn++;
+        stop();
+        clearErrors();
+        show();
     } catch (error) {
-        if (turn !== state.turn) return;
-        setStatus("Nothing opened");
-        keepForOffline();
+        if (opening !== openings) return;
+        if (!running()) {
+            setStatus("Nothing opened");
+            keepForOffline();
+        }
         throw error;
     }
 }
 
 function showScene(name: string, scene: Scene, entries: Entries, withCameras: boolean) {
-    setScene(name, { scene, entries, given: null, checked: null });
+    setScene(name, { scene, entries, up: scene.up, given: null, checked: null });
     offerChoices(scene);
     showCameras(withCameras);
 }
 
 /** Opens a published clip at an address. */
-export async function openPublished(url: string) {
-    const turn = ++state.turn;
-    stop();
-    clearErrors();
-    setStatus("Opening…");
-    try {
-        const take = await readTake(new URL(url, document.baseURI).href);
-        if (turn === state.turn) showTake(new URL(url, document.baseURI).pathname.split("/").at(-2) || url, take);
-    } catch (error) {
-        if (turn === state.turn) setStatus("Nothing opened");
-        throw error;
-    }
+export function openPublished(url: string) {
+    return opening(async () => {
+        const { href, pathname } = new URL(url, document.baseURI);
+        const take = await readTake(href);
+        return () => showTake(pathname.split("/").at(-2) || url, take);
+    });
 }
 
-async function openClip(name: string, entries: Entries, turn: number) {
+async function readClip(name: string, entries: Entries): Promise<Show> {
     const paths = [...entries.keys()].filter((path) => path.toLowerCase().endsWith(".glb")).sort();
     const blob = async (path: string) => {
         const bytes = await sidePool.run({ type: "read", entry: entries.get(path) as Entry });
@@ -95,17 +115,17 @@ async function openClip(name: string, entries: Entries, turn: number) {
         : {};
     if (manifestPath && manifest.version === 2) {
         const { take, revoke } = await localTake(manifest, manifestPath, blob);
-        if (turn === state.turn) return showTake(name, take, revoke);
-        return revoke();
+        return Object.assign(() => showTake(name, take, revoke), { discard: revoke });
     }
     const blobs = await Promise.all(paths.map(blob));
     const infos = await Promise.all(blobs.map(inspectGlb));
-    if (turn !== state.turn) return;
     const index = (path: string, i: number) => Number(/(\d+)\.glb$/i.exec(path)?.[1] ?? i);
-    const clip = new Clip(paths.map(index), manifest.fps ?? FPS);
-    showClip(name, clip, infos[0].up ?? manifest.up);
-    clip.fill((i) => ({ ...NOTHING_MADE, glb: async () => blobs[i], triangles: infos[i].triangles }));
-    startClip(clip);
+    return () => {
+        const clip = new Clip(paths.map(index), manifest.fps ?? FPS);
+        showClip(name, clip, infos[0].up ?? manifest.up);
+        clip.fill((i) => ({ ...NOTHING_MADE, glb: async () => blobs[i], triangles: infos[i].triangles }));
+        startClip(clip);
+    };
 }
 
 /** A clip that came from files: nothing is known about how it was made. */
@@ -127,11 +147,12 @@ function showTake(name: string, take: Take, close = () => {}) {
 }
 
 function showClip(name: string, clip: Clip, up: number[] | undefined) {
+    foldIntroduction();
     clip.onproblem = (error) => showError(error instanceof Error ? error.message : String(error));
-    setCapture({ name, source: null, clip });
+    const [x, y, z] = up ?? [0, 1, 0];
+    setCapture({ name, source: null, clip, up: [x, y, z] });
     $("cameras-section").hidden = true;
     button("run").disabled = button("check").disabled = true;
-    viewer.setUp(up);
     const count = clip.frames.length;
     $("summary").textContent =
         `A clip of ${count} ${count === 1 ? "mesh" : "meshes"}: there is nothing to reconstruct.`;

@@ -1,29 +1,33 @@
 // Runs: a reconstruction of the whole capture, from its start to its end or to its cancellation.
 
-import type { Preset, Stage } from "pcmvs";
+import type { Stage } from "pcmvs";
 import type { Clip } from "../clip/clip";
 import { sidePool } from "../early";
+import { tooLarge, workersFor } from "../run/memory";
 import { Session, type Status } from "../run/session";
+import { type Choice, chosenCameras } from "../run/views";
 import { Pool } from "../workers/pool";
 import type { Failure, FrameResult, QualityLevel } from "../workers/protocol";
 import { chosen, shownRig } from "./choices";
 import { setScene } from "./current";
 import { $, button, on } from "./dom";
-import { clearErrors, describe, setStatus, showError } from "./messages";
+import { showFailure } from "./failures";
+import { attempt, clearErrors, setStatus, showError } from "./messages";
 import { keepForOffline } from "./offline";
-import { state } from "./state";
+import { type Source, state } from "./state";
 import { fillFrame, markFrame } from "./transport";
+import { upOfFiles } from "./up";
 import { strip } from "./view";
 
 const STAGE_WORDS: Record<Stage, string> = {
     views: "reading silhouettes",
-    hull: "visual hull",
-    contours: "frontier points",
-    coarse: "coarse pass",
-    detect: "matching views",
-    merge: "merging clouds",
-    mesh: "meshing",
-    colour: "colouring",
+    hull: "body that fits into all silhouettes",
+    contours: "points of contours",
+    coarse: "rough mesh",
+    detect: "matching pictures",
+    merge: "merging points",
+    mesh: "fine mesh",
+    colour: "colours",
     steady: "averaging with neighbouring frames",
     form: "making the result",
 };
@@ -46,56 +50,70 @@ export function stop() {
     button("run").textContent = "Reconstruct";
 }
 
-/** Number of workers for so many frames, where each needs so many bytes. They get half of the machine's memory. */
-function workersFor(frames: number, bytes: number): number {
-    // Gigabytes; not all browsers report them.
-    const memory = (navigator as { deviceMemory?: number }).deviceMemory ?? 4;
-    return Math.min(navigator.hardwareConcurrency, frames, Math.floor((memory * 2 ** 30) / 2 / bytes));
-}
-
 /** Reconstructs the capture as it is chosen. `sketch` is a sketch of its first frame, if one has been started. */
-export function reconstruct(sketch?: Promise<FrameResult>) {
+export async function reconstruct(sketch?: Promise<FrameResult>) {
     if (!state.capture?.source) return;
     stop();
     const turn = ++state.turn;
+    const { capture } = state;
     const { name, source } = state.capture;
-    const { scene, entries } = source;
     clearErrors();
-    const clip = setScene(name, source);
-    const choice = chosen();
-    const session = new Session(scene, entries, choice, clip, sketch);
-    // The strip's pictures are made after the first frame, which somebody waits for.
-    strip.load(shownRig(), session.finished);
     // The first frame runs alone in any case.
     const pool = new Pool(1);
     state.pool = pool;
-    sidePool.run({ type: "memory", cameras: session.cameras, preset: choice.preset }).then(
-        // A texture is made by another module, in memory of its own.
-        (bytes) => pool.grow(workersFor(scene.frames.length, choice.form?.texture ? 2 * bytes : bytes)),
-        () => {
-            // The cameras are wrong, which the first frame reports.
-        },
-    );
     button("cancel").disabled = false;
     button("check").disabled = true;
     button("run").textContent = "Start again";
     document.body.dataset.state = "running";
-    let failed = 0;
+    const choice = chosen();
+    const fits = reckon(source, choice, pool);
+    // The sample is small, and its sketch is waited for.
+    if (!sketch && !(await fits)) return;
+    if (turn !== state.turn) return;
+    source.scene = { ...source.scene, up: upOfFiles(capture) };
+    const { scene, entries } = source;
+    const clip = setScene(name, source);
+    clip.wanted = choice.preset;
+    const session = new Session(scene, entries, choice, clip, sketch);
+    // The strip's pictures are made after the first frame, which somebody waits for.
+    strip.load(shownRig(), session.finished);
+    const failed = new Set<number>();
     const started = performance.now();
     const report = (status: Status) => {
         if (turn === state.turn) showProgress(status, clip);
     };
     const fail = (failure: Failure, frame: number) => {
         if (turn !== state.turn || failure.code === "cancelled") return;
-        failed++;
+        failed.add(frame);
+        // Its sketch is no result, and must not be played as one.
+        clip.drop(frame);
         markFrame(frame, "failed");
-        showError(describe(failure, session.cameras, scene.frames.length > 1 ? scene.frames[frame] : undefined));
+        showFailure(failure, session.cameras, scene, frame);
     };
-    void session.run(pool, report, fail).then(() => {
-        pool.rest();
-        keepForOffline();
-        if (turn === state.turn) finish(clip, choice.preset, failed, (performance.now() - started) / 1000);
-    });
+    await session.run(pool, report, fail);
+    pool.rest();
+    keepForOffline();
+    if (turn === state.turn) finish(clip, failed.size, (performance.now() - started) / 1000);
+}
+
+/** Reckons a run's memory, and lets it have as many workers as there is room for. Ends it if there is none for one frame. */
+async function reckon({ scene }: Source, { views, preset, form }: Choice, pool: Pool): Promise<boolean> {
+    const cameras = chosenCameras(scene, views).map((i) => scene.cameras[i]);
+    // If the cameras are wrong, the first frame reports it.
+    const bytes = await sidePool.run({ type: "memory", cameras, preset }).catch(() => null);
+    if (pool.cancelled || bytes === null) return !pool.cancelled;
+    const problem = tooLarge(bytes, cameras.length);
+    if (problem === null) {
+        // A texture is made by another module, in memory of its own.
+        pool.grow(workersFor(scene.frames.length, form?.texture ? 2 * bytes : bytes));
+        return true;
+    }
+    state.turn++;
+    stop();
+    showError(problem);
+    setStatus("Not started: there is not enough memory");
+    document.body.dataset.state = "failed";
+    return false;
 }
 
 function showProgress({ frame, stage, preset, left, done, fraction }: Status, clip: Clip) {
@@ -110,15 +128,15 @@ function showProgress({ frame, stage, preset, left, done, fraction }: Status, cl
     setStatus(parts.join(" · "), true);
 }
 
-function finish(clip: Clip, preset: Preset, failed: number, seconds: number) {
+function finish(clip: Clip, failed: number, seconds: number) {
     stop();
     const { frames, current } = clip;
-    // A coarser mesh, or one that could not be averaged, is no result.
-    const made = frames.filter((frame) => frame.glb && frame.preset === preset).length;
+    const results = frames.filter((frame) => clip.isResult(frame));
+    const made = results.length;
     if (made === 0) setStatus("Nothing could be reconstructed");
     else {
         const failures = failed ? `, ${failed} failed` : "";
-        const triangles = number.format(current.triangles);
+        const triangles = number.format((clip.isResult(current) ? current : results[0]).triangles);
         setStatus(`${made} of ${frames.length} frames in ${seconds.toFixed(1)} s${failures} · ${triangles} triangles`);
     }
     if (made > 1 && !clip.playing && !state.userPaused) clip.play(true);
@@ -128,7 +146,7 @@ function finish(clip: Clip, preset: Preset, failed: number, seconds: number) {
 }
 
 export function listenToRuns() {
-    on("run", "click", () => reconstruct());
+    on("run", "click", () => void attempt(() => reconstruct()));
     on("cancel", "click", () => {
         state.turn++;
         stop();

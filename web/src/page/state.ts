@@ -2,6 +2,7 @@
 
 import type { CalibrationReport, Camera, Scene } from "pcmvs";
 import type { Clip, Findings } from "../clip/clip";
+import type { Vec3 } from "../viewer/cameras";
 import type { Pool } from "../workers/pool";
 import type { Entries, StageView } from "../workers/protocol";
 
@@ -22,8 +23,10 @@ export interface Checked {
 
 /** What a capture is reconstructed from. */
 export interface Source {
-    /** With the cameras that are used. */
+    /** With the cameras that are used, and the upward direction of the meshes that are made. */
     scene: Scene;
+    /** The capture's own upward direction. */
+    up: Scene["up"];
     entries: Entries;
     /** The capture's own cameras while refined ones are used instead, else null. */
     given: Camera[] | null;
@@ -36,6 +39,8 @@ export interface Capture {
     /** Null for a clip that came as GLBs. */
     source: Source | null;
     clip: Clip;
+    /** The upward direction that is shown unless a person chooses another one. */
+    up: Vec3;
 }
 
 export const state = {

@@ -1,8 +1,6 @@
 // Playing: the buttons below the view, the timeline and its marks.
 
-import type { Preset } from "pcmvs";
 import type { Clip } from "../clip/clip";
-import { chosen, refreshPictures } from "./choices";
 import { $, button, input, on, select } from "./dom";
 import { state } from "./state";
 
@@ -29,10 +27,9 @@ export function fillFrame(position: number, done: number) {
 
 export function drawTransport(clip: Clip) {
     const { position, frames } = clip;
-    const target: Preset | null = state.capture?.source ? chosen().preset : null;
     for (const [i, cell] of [...$("cells").children].entries()) {
         cell.classList.toggle("here", i === position);
-        if (frames[i].glb && (frames[i].preset === target || target === null)) markFrame(i, "made");
+        if (clip.isResult(frames[i])) markFrame(i, "made");
     }
     input("scrub").value = String(position);
     input("scrub").setAttribute("aria-valuetext", `frame ${position + 1} of ${frames.length}`);
@@ -40,9 +37,11 @@ export function drawTransport(clip: Clip) {
     button("play").setAttribute("aria-pressed", String(clip.playing));
     button("play").setAttribute("aria-label", clip.playing ? "Pause" : "Play");
     button("loop").setAttribute("aria-pressed", String(clip.looping));
-    for (const id of EXPORTS) button(id).disabled = clip.current.glb === null;
+    const { length: finished } = frames.filter((frame) => clip.isResult(frame));
+    // A sketch must not be saved under a frame's name.
+    for (const id of EXPORTS) button(id).disabled = !clip.isResult(clip.current);
+    button("export-zip").disabled = finished === 0;
     document.body.dataset.preset = clip.current.preset ?? "";
-    const finished = frames.filter((frame) => frame.glb && frame.preset === target).length;
     if (!clip.playing && !state.userPaused && state.pool && finished === ENOUGH_TO_PLAY) clip.play(true);
 }
 
@@ -58,7 +57,6 @@ export function step(direction: 1 | -1) {
     state.userPaused = true;
     state.capture.clip.play(false);
     state.capture.clip.step(direction);
-    refreshPictures();
 }
 
 function scrub() {
@@ -75,7 +73,6 @@ export function listenToTransport() {
     on("back", "click", () => step(-1));
     on("forward", "click", () => step(1));
     on("scrub", "input", scrub);
-    on("scrub", "change", refreshPictures);
     on("speed", "change", () => {
         if (state.capture) state.capture.clip.speed = Number(select("speed").value);
     });

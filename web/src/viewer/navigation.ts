@@ -5,6 +5,8 @@ import { OrbitControls } from "three/addons/controls/OrbitControls.js";
 export class Navigation {
     readonly camera = new PerspectiveCamera(35, 1, 0.01, 100);
     private readonly controls: OrbitControls;
+    /** Whether a person has turned the view or zoomed since the object was framed. */
+    moved = false;
 
     constructor(
         canvas: HTMLCanvasElement,
@@ -15,6 +17,9 @@ export class Navigation {
         this.controls.enableDamping = true;
         this.controls.dampingFactor = 0.12;
         this.controls.addEventListener("change", onChange);
+        this.controls.addEventListener("start", () => {
+            this.moved = true;
+        });
     }
 
     set enabled(on: boolean) {
@@ -60,6 +65,7 @@ export class Navigation {
     }
 
     private move(offset: Vector3) {
+        this.moved = true;
         this.camera.position.copy(this.target).add(offset);
         this.controls.update();
         this.onChange();
@@ -71,6 +77,7 @@ export class Navigation {
         const direction = front.setY(0).normalize().applyAxisAngle(this.camera.up, 0.35).setY(0.2).normalize();
         const narrow = Math.min(1, this.camera.aspect);
         const distance = (sphere.radius * 1.12) / Math.sin((this.camera.fov / 2) * (Math.PI / 180)) / narrow;
+        this.moved = false;
         this.target.copy(sphere.center);
         this.camera.position.copy(sphere.center).addScaledVector(direction, distance);
         [this.camera.near, this.camera.far] = [distance / 100, distance * 20];

@@ -4,6 +4,7 @@ import type { Camera } from "pcmvs";
 import type { Findings } from "../clip/clip";
 import { JobError, type Pool } from "../workers/pool";
 import type { Failure, PhotographResult, ViewFiles } from "../workers/protocol";
+import type { Pictures } from "./difference";
 import type { Viewer } from "./viewer";
 
 /** Widths of small pictures and, at most, of the photograph, pixels. */
@@ -12,11 +13,16 @@ const PHOTOGRAPH = 4096;
 
 /** Cameras to show and where their pictures come from. */
 export interface ShownRig {
+    /** Position of the frame whose pictures these are. */
+    frame: number;
     cameras: Camera[];
     files: (camera: number) => ViewFiles;
     /** Whether the silhouette is tinted into the photograph. */
     tinted: boolean;
 }
+
+/** Of a photograph in the window. */
+export type Place = ReturnType<Viewer["pictureRectangle"]>;
 
 export class Strip {
     private rig: ShownRig | null = null;
@@ -32,8 +38,22 @@ export class Strip {
     private checked: Findings["warnings"] = [];
     /** The camera that is looked through. */
     private looking: number | null = null;
+    /** Position of the frame that is shown and stands still; null while frames change. */
+    private shown: number | null = null;
+    /** Which photograph has been made last, and its pictures, which the view needs for the difference. */
+    private photographed: (Pictures & { camera: number; frame: number }) | null = null;
+    /** The frame has no photograph of the camera that is looked through, or it cannot be read. */
+    private missing = false;
+    /** The photograph that the view has. */
+    private compared: Pictures | null = null;
+    private covered = true;
     onlook: (camera: number | null) => void = () => {};
-    onproblem: (failure: Failure) => void = () => {};
+    /** A picture of a frame cannot be made. */
+    onproblem: (failure: Failure, frame: number) => void = () => {};
+    /** The photograph has another place in the window, in CSS pixels. */
+    onplace: (place: Place) => void = () => {};
+    /** What there is of the photograph has changed. */
+    onphotograph: (found: "shown" | "waiting" | "missing") => void = () => {};
 
     constructor(
         private readonly root: HTMLElement,
@@ -75,6 +95,26 @@ export class Strip {
         this.titles.push(button.title);
     }
 
+    /** Position of the frame whose pictures are shown. */
+    get frame(): number | null {
+        return this.rig?.frame ?? null;
+    }
+
+    /** Tells which frame is shown, or with null that frames change. A photograph of another one is not shown. */
+    setShown(frame: number | null) {
+        if (frame === this.shown) return;
+        this.shown = frame;
+        this.missing &&= frame === this.rig?.frame;
+        this.choose();
+    }
+
+    /** Whether the photograph is laid over the view. It is not while the difference from it is shown. */
+    cover(on: boolean) {
+        if (on === this.covered) return;
+        this.covered = on;
+        this.choose();
+    }
+
     /** Makes all pictures again, for other files or silhouettes. The camera that is looked through comes first. */
     async refresh(rig: ShownRig | null) {
         this.rig = rig;
@@ -103,6 +143,7 @@ export class Strip {
             return;
         }
         paint(canvas, made, true);
+        close(made);
         button.toggleAttribute("data-problem", made.problem !== null);
         this.titles[camera] = made.problem ? `${name}: ${made.problem}` : `Look through ${name}`;
         this.viewer.setThumbnail(camera, canvas);
@@ -156,11 +197,13 @@ export class Strip {
 
     /** Looks through a camera, or with null from outside again. */
     look(camera: number | null) {
+        if (camera !== this.looking) this.forget();
+        this.missing = false;
         this.looking = camera;
         for (const [i, button] of this.buttons.entries()) button.setAttribute("aria-pressed", String(i === camera));
-        this.photo.hidden = true;
         this.viewer.lookThrough(camera);
         this.onlook(camera);
+        this.choose();
         void this.takePhotograph();
     }
 
@@ -173,16 +216,37 @@ export class Strip {
     private async takePhotograph() {
         const camera = this.looking;
         const wanted = ++this.photographs;
-        if (camera === null) return;
+        if (camera === null || !this.rig) return;
+        const { frame, tinted } = this.rig;
         const made = await this.take(camera, PHOTOGRAPH);
-        if (wanted !== this.photographs || made === "failed") return;
-        if (made === "absent") {
-            this.photo.hidden = true;
-            return;
+        if (made !== "failed" && made !== "absent" && wanted !== this.photographs) close(made);
+        if (wanted !== this.photographs) return;
+        this.forget();
+        this.missing = made === "failed" || made === "absent";
+        if (made !== "failed" && made !== "absent") {
+            paint(this.photo, made, tinted);
+            this.photographed = { camera, frame, ...made };
         }
-        paint(this.photo, made, this.rig?.tinted ?? false);
-        this.photo.hidden = false;
+        this.choose();
+    }
+
+    /** Frees the photograph. */
+    private forget() {
+        if (!this.photographed) return;
+        close(this.photographed);
+        this.photographed = null;
+    }
+
+    /** Shows the photograph if it is that of the camera that is looked through and of the frame that is shown. */
+    private choose() {
+        const made = this.photographed;
+        const shown = made !== null && made.camera === this.looking && made.frame === this.shown;
+        this.photo.hidden = !shown || !this.covered;
+        const compared = shown ? made : null;
+        if (compared !== this.compared) this.viewer.setPhotograph(compared);
+        this.compared = compared;
         this.place();
+        this.onphotograph(shown ? "shown" : this.missing ? "missing" : "waiting");
     }
 
     /** A camera's picture, unless it has none in this frame, or none can be made, which is reported. */
@@ -199,7 +263,7 @@ export class Strip {
             const { failure } = error;
             if (rig === this.rig) {
                 this.buttons[failure.camera ?? camera]?.setAttribute("data-problem", "");
-                this.onproblem({ camera, ...failure });
+                this.onproblem({ camera, ...failure }, rig.frame);
             }
             return "failed";
         }
@@ -208,9 +272,9 @@ export class Strip {
     /** Lays the photograph over the place where its camera sees the scene. */
     private place() {
         if (this.looking === null) return;
-        for (const [side, pixels] of Object.entries(this.viewer.pictureRectangle(this.looking))) {
-            this.photo.style.setProperty(side, `${pixels}px`);
-        }
+        const place = this.viewer.pictureRectangle(this.looking);
+        for (const [side, pixels] of Object.entries(place)) this.photo.style.setProperty(side, `${pixels}px`);
+        this.onplace(place);
     }
 }
 
@@ -218,7 +282,7 @@ function clear(canvas: HTMLCanvasElement) {
     canvas.getContext("2d")?.clearRect(0, 0, canvas.width, canvas.height);
 }
 
-function paint(canvas: HTMLCanvasElement, made: PhotographResult, tinted: boolean) {
+function paint(canvas: HTMLCanvasElement, made: Pictures, tinted: boolean) {
     [canvas.width, canvas.height] = [made.picture.width, made.picture.height];
     const context = canvas.getContext("2d") as CanvasRenderingContext2D;
     context.drawImage(made.picture, 0, 0);
@@ -227,6 +291,9 @@ function paint(canvas: HTMLCanvasElement, made: PhotographResult, tinted: boolea
         context.drawImage(made.silhouette, 0, 0);
         context.globalAlpha = 1;
     }
-    made.picture.close();
-    made.silhouette?.close();
+}
+
+function close({ picture, silhouette }: Pictures) {
+    picture.close();
+    silhouette?.close();
 }

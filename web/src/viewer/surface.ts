@@ -1,5 +1,6 @@
 // The reconstructed surface, or a stage's output in its place.
 import {
+    Box3,
     BufferAttribute,
     BufferGeometry,
     Group,
@@ -37,6 +38,13 @@ export class Surface {
         this.wires.position.copy(this.mesh.position);
         this.setShading(this.shading);
         this.choose();
+    }
+
+    /** The box around the mesh as it stands in the view; null without a mesh. Its vertices decide, and not a turned box. */
+    bounds(): Box3 | null {
+        if (!this.mesh.geometry.hasAttribute("position")) return null;
+        this.mesh.updateWorldMatrix(true, false);
+        return new Box3().setFromObject(this.mesh, true);
     }
 
     clear() {
@@ -78,6 +86,21 @@ export class Surface {
             this.mesh.material = this.textured;
         }
         this.wires.material = texture ? SURFACE_MATERIALS.clay : SURFACE_MATERIALS[shading];
+    }
+
+    /** Draws the mesh itself in its colours, whatever else is shown. */
+    inColours(draw: () => void) {
+        const { shading, wireframe, stage } = this;
+        this.wireframe = false;
+        this.stage = null;
+        if (stage) stage.visible = false;
+        this.setShading("colour");
+        this.choose();
+        draw();
+        [this.wireframe, this.stage] = [wireframe, stage];
+        if (stage) stage.visible = true;
+        this.setShading(shading);
+        this.choose();
     }
 
     /** Frees what is its own. */

@@ -20,10 +20,10 @@ import {
     Vector3,
     WebGLRenderer,
 } from "three";
-import { offsetOf } from "../clip/glb";
 import type { StageCloud, StageMesh } from "../workers/protocol";
-import { cameraToWorld, fit, projection, upright } from "./cameras";
+import { cameraToWorld, fit, projection, upright, type Vec3 } from "./cameras";
 import { BLANK, FRUSTUM_LINES, POINTS, type Shading, SURFACE_MATERIALS, textured } from "./colours";
+import { Difference, type Pictures } from "./difference";
 import { Frusta } from "./frusta";
 import { Navigation } from "./navigation";
 import { Surface } from "./surface";
@@ -41,15 +41,23 @@ export class Viewer {
     private readonly through = new PerspectiveCamera();
     private readonly surface = new Surface();
     private readonly frusta = new Frusta();
+    private readonly difference = new Difference();
+    private differing = false;
     private readonly grid = new PolarGridHelper(1, 12, 4, 96);
-    private bounds: Box3 | null = null;
+    /** What the free camera stands before: a level of a frame's mesh. Null before there is any. */
+    private framed: string | null = null;
     private cameras: Camera[] = [];
+    private centres: Vector3[] = [];
     private looking: number | null = null;
+    /** Parts of the window that controls cover, CSS pixels. */
+    private covered = { top: 0, bottom: 0 };
     /** A drawing has been asked for. Nothing is drawn before the shaders are compiled. */
     private wanted = true;
     private waiting: (() => void)[] = [];
     /** A frustum was clicked. */
     onpick: (camera: number) => void = () => {};
+    /** The graphics processor has been taken away, or has come back. */
+    onlost: (lost: boolean) => void = () => {};
     /** The place of a photograph in the window has changed. */
     onlayout: () => void = () => {};
 
@@ -74,6 +82,12 @@ export class Viewer {
         this.grid.visible = this.frusta.root.visible = false;
         for (const material of [this.grid.material].flat())
             Object.assign(material, { transparent: true, opacity: 0.28 });
+        // three.js makes all its objects again when the context comes back; it listens since before.
+        canvas.addEventListener("webglcontextlost", () => this.onlost(true));
+        canvas.addEventListener("webglcontextrestored", () => {
+            this.onlost(false);
+            this.draw();
+        });
         new ResizeObserver(() => this.resize()).observe(canvas.parentElement as HTMLElement);
         this.resize();
         this.listenForPicks();
@@ -141,22 +155,39 @@ export class Viewer {
     }
 
     /** Sets the scene's upward direction. The next mesh is framed anew. */
-    setUp(up: number[] | undefined) {
+    setUp(up: Vec3) {
         this.world.quaternion.copy(upright(up));
-        this.bounds = null;
+        this.framed = null;
         this.draw();
     }
 
-    /** Shows a frame's mesh. The caller keeps the geometry and disposes of it. */
-    show(geometry: BufferGeometry) {
+    /** Turns what is shown so that another direction is up, and stands before it again. */
+    turn(up: Vec3) {
+        this.world.quaternion.copy(upright(up));
+        this.frame();
+        // The camera that is looked through turns, too.
+        this.resize();
+    }
+
+    /**
+     * Shows a frame's mesh. The caller keeps the geometry and disposes of it. `level` names the frame and how good its mesh is.
+     *
+     * The first mesh is framed, and so is each better one of the same frame until a person turns the view or zooms.
+     */
+    show(geometry: BufferGeometry, level: string) {
         this.surface.show(geometry);
-        if (!this.bounds) {
-            this.world.updateMatrixWorld(true);
-            geometry.computeBoundingBox();
-            const box = (geometry.boundingBox as Box3).clone().translate(new Vector3(...offsetOf(geometry)));
-            this.bounds = box.applyMatrix4(this.world.matrixWorld);
+        const [frame] = level.split(" ");
+        const better = this.framed !== level && this.framed?.split(" ")[0] === frame && !this.navigation.moved;
+        if (this.framed === null || better) {
+            this.framed = level;
             this.frame();
         }
+        this.draw();
+    }
+
+    /** Shows no mesh, because the frame has none. */
+    hideMesh() {
+        this.surface.clear();
         this.draw();
     }
 
@@ -164,7 +195,7 @@ export class Viewer {
     clear() {
         this.grid.visible = false;
         this.surface.clear();
-        this.bounds = null;
+        this.framed = null;
         this.draw();
     }
 
@@ -189,11 +220,9 @@ export class Viewer {
         this.frusta.set(cameras, centres);
         this.cameras = cameras;
         this.lookThrough(null);
-        if (cameras.length > 0 && !this.bounds) {
-            // There is no mesh yet: look at the cameras.
-            this.world.updateMatrixWorld(true);
-            this.frame(new Box3().setFromPoints(centres).applyMatrix4(this.world.matrixWorld));
-        }
+        this.centres = centres;
+        // There is no mesh yet: look at the cameras.
+        if (this.framed === null) this.frame();
         this.draw();
     }
 
@@ -221,12 +250,34 @@ export class Viewer {
         this.resize();
     }
 
+    /** Sets the photograph of the camera that is looked through, for the difference from it. */
+    setPhotograph(pictures: Pictures | null) {
+        this.difference.set(pictures);
+        this.draw();
+    }
+
+    /** Shows the amplified difference from the photograph instead of the mesh, or with null the mesh again. */
+    showDifference(gain: number | null) {
+        this.differing = gain !== null;
+        if (gain === null) this.difference.rest();
+        else this.difference.gain = gain;
+        this.draw();
+    }
+
     /** Place of a camera's picture in the window, in CSS pixels. */
     pictureRectangle(camera: number) {
         const { clientWidth, clientHeight } = this.canvas;
         const { width, height } = this.cameras[camera];
-        const { scale, left, top } = fit(this.cameras[camera], clientWidth, clientHeight);
+        const window = { width: clientWidth, height: clientHeight, covered: this.covered };
+        const { scale, left, top } = fit(this.cameras[camera], window);
         return { left, top, width: scale * width, height: scale * height };
+    }
+
+    /** Leaves a part of the window free at its top and at its bottom when a camera is looked through, CSS pixels. */
+    cover(top: number, bottom: number) {
+        if (top === this.covered.top && bottom === this.covered.bottom) return;
+        this.covered = { top, bottom };
+        this.resize();
     }
 
     /** Turns around the object, radians. */
@@ -238,9 +289,12 @@ export class Viewer {
         this.navigation.zoom(factor);
     }
 
-    /** Steps back until the whole object is in the window. */
-    frame(box = this.bounds) {
-        if (!box) return;
+    /** Steps back until the whole mesh that is shown is in the window, or else all cameras. */
+    frame() {
+        this.world.updateMatrixWorld(true);
+        const mesh = this.surface.bounds();
+        const box = mesh ?? new Box3().setFromPoints(this.centres).applyMatrix4(this.world.matrixWorld);
+        if (box.isEmpty()) return;
         // From near the first camera, which usually sees the front.
         const front = new Vector3(0.4, 0, 1);
         if (this.cameras.length > 0) {
@@ -252,7 +306,7 @@ export class Viewer {
         const { center, radius } = this.navigation.frame(box, front);
         this.grid.position.set(center.x, box.min.y, center.z);
         this.grid.scale.setScalar(radius * 1.1);
-        this.grid.visible = box === this.bounds;
+        this.grid.visible = mesh !== null;
         this.draw();
     }
 
@@ -261,8 +315,14 @@ export class Viewer {
         const { grid, frusta } = this;
         const shown = [grid.visible, frusta.root.visible];
         if (this.looking !== null) grid.visible = frusta.root.visible = false;
-        this.renderer.render(this.scene, camera);
+        if (this.looking !== null && this.differing && this.difference.ready) this.renderDifference(this.looking);
+        else this.renderer.render(this.scene, camera);
         [grid.visible, frusta.root.visible] = shown;
+    }
+
+    private renderDifference(camera: number) {
+        const rectangle = this.pictureRectangle(camera);
+        this.surface.inColours(() => this.difference.render(this.renderer, this.through, this.scene, rectangle));
     }
 
     private resize() {
@@ -281,7 +341,9 @@ export class Viewer {
         const target = this.navigation.target.clone().applyMatrix4(this.world.matrixWorld.clone().invert());
         const distance = target.distanceTo(new Vector3().setFromMatrixPosition(pose));
         this.through.matrix.copy(pose);
-        this.through.projectionMatrix.copy(projection(camera, width, height, distance / 50, distance * 10));
+        this.through.projectionMatrix.copy(
+            projection(camera, { width, height, covered: this.covered }, distance / 50, distance * 10),
+        );
         this.through.projectionMatrixInverse.copy(this.through.projectionMatrix).invert();
     }
 

@@ -45,7 +45,7 @@ export type Job =
     | FormJob
     | PhotographJob
     | CalibrateJob
-    | { type: "zip"; files: NamedBlob[] }
+    | ZipJob
     | { type: "digest"; blobs: Blob[] }
     | ({ type: "ply" } & PlyInput);
 
@@ -120,6 +120,13 @@ export interface CalibrateJob {
     cameras: Camera[];
     /** The views of all cameras in each frame. */
     frames: ViewFiles[][];
+}
+
+/** Packs files into a zip: those in memory, then `entries`, which are read first. */
+export interface ZipJob {
+    type: "zip";
+    files: NamedBlob[];
+    entries?: Entries;
 }
 
 export interface NamedBlob {

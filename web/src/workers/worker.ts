@@ -8,7 +8,7 @@ import { failureOf } from "./failure";
 import { memoryOf } from "./frame";
 import { photograph } from "./photograph";
 import { writePly } from "./ply";
-import type { Job, Reply } from "./protocol";
+import type { Entries, Job, Reply } from "./protocol";
 import { forgetFetched, loadZip, read } from "./reading";
 import { reconstruct } from "./reconstruct";
 import { steady } from "./steady";
@@ -62,11 +62,15 @@ async function run(job: Job): Promise<[unknown, Transferable[]]> {
         case "ply":
             return [new Blob([writePly(job)], { type: "application/octet-stream" }), []];
         case "zip":
-            return [await (await loadZip()).writeZip(job.files), []];
+            return [await (await loadZip()).writeZip([...job.files, ...(await files(job.entries))]), []];
         case "digest":
             return [await Promise.all(job.blobs.map(sha256)), []];
     }
 }
+
+/** Reads entries. */
+const files = (entries: Entries = new Map()) =>
+    Promise.all([...entries].map(async ([name, entry]) => ({ name, blob: new Blob([await read(entry)]) })));
 
 async function sha256(blob: Blob): Promise<string> {
     const hash = await crypto.subtle.digest("SHA-256", await blob.arrayBuffer());
