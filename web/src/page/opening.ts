@@ -85,10 +85,7 @@ export async function openPublished(url: string) {
 
 async function openClip(name: string, entries: Entries, turn: number) {
     const paths = [...entries.keys()].filter((path) => path.toLowerCase().endsWith(".glb")).sort();
-    const blob = async (path: string) => {
-        const bytes = await sidePool.run({ type: "read", entry: entries.get(path) as Entry });
-        return new Blob([bytes], { type: "model/gltf-binary" });
-    };
+    const blob = (path: string) => sidePool.run({ type: "file", entry: entries.get(path) as Entry });
     const manifestPath = [...entries.keys()].find((path) => /(^|\/)sequence\.json$/.test(path));
     const manifest: { version?: number; fps?: number; up?: number[] } = manifestPath
         ? JSON.parse(await (await blob(manifestPath)).text())
@@ -98,13 +95,13 @@ async function openClip(name: string, entries: Entries, turn: number) {
         if (turn === state.turn) return showTake(name, take, revoke);
         return revoke();
     }
-    const blobs = await Promise.all(paths.map(blob));
-    const infos = await Promise.all(blobs.map(inspectGlb));
+    // A long clip does not fit into memory: the other frames are read when they are shown.
+    const { up } = await inspectGlb(await blob(paths[0]));
     if (turn !== state.turn) return;
     const index = (path: string, i: number) => Number(/(\d+)\.glb$/i.exec(path)?.[1] ?? i);
     const clip = new Clip(paths.map(index), manifest.fps ?? FPS);
-    showClip(name, clip, infos[0].up ?? manifest.up);
-    clip.fill((i) => ({ ...NOTHING_MADE, glb: async () => blobs[i], triangles: infos[i].triangles }));
+    showClip(name, clip, up ?? manifest.up);
+    clip.fill((i) => ({ ...NOTHING_MADE, glb: () => blob(paths[i]) }));
     startClip(clip);
 }
 
@@ -120,6 +117,16 @@ function showTake(name: string, take: Take, close = () => {}) {
         stream.dispose();
         close();
     };
+    clip.files = () => {
+        // Its files are not forgotten because the clip plays elsewhere.
+        const own = new Stream(take);
+        own.chosen = 0;
+        const read = (position: number) => {
+            own.need(position, false);
+            return own.frame(position);
+        };
+        return { read, close: () => own.dispose() };
+    };
     showClip(name, clip, upInScene(take));
     clip.hear(take.audio);
     clip.fill((i) => ({ ...NOTHING_MADE, glb: () => stream.frame(i) }));
@@ -127,7 +134,10 @@ function showTake(name: string, take: Take, close = () => {}) {
 }
 
 function showClip(name: string, clip: Clip, up: number[] | undefined) {
-    clip.onproblem = (error) => showError(error instanceof Error ? error.message : String(error));
+    clip.onproblem = (error, { index }) => {
+        const message = error instanceof Error ? error.message : String(error);
+        showError(clip.frames.length > 1 ? `frame ${index}: ${message}` : message);
+    };
     setCapture({ name, source: null, clip });
     $("cameras-section").hidden = true;
     button("run").disabled = button("check").disabled = true;

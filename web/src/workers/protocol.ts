@@ -36,7 +36,7 @@ export type QualityLevel = "sketch" | Preset;
 
 export type Job =
     | { type: "open"; entries: Entries }
-    | { type: "read"; entry: Entry }
+    | { type: "file"; entry: Entry }
     | { type: "unzip"; zip: Blob }
     | { type: "memory"; cameras: Camera[]; preset: Preset }
     | FrameJob
@@ -165,7 +165,7 @@ export interface CalibrateResult extends Calibration {
 
 export interface JobResults {
     open: Scene;
-    read: Uint8Array<ArrayBuffer>;
+    file: Blob;
     unzip: Entries;
     memory: number;
     frame: null;

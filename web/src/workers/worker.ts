@@ -9,7 +9,7 @@ import { memoryOf } from "./frame";
 import { photograph } from "./photograph";
 import { writePly } from "./ply";
 import type { Job, Reply } from "./protocol";
-import { forgetFetched, loadZip, read } from "./reading";
+import { fileOf, forgetFetched, loadZip } from "./reading";
 import { reconstruct } from "./reconstruct";
 import { steady } from "./steady";
 
@@ -49,10 +49,8 @@ async function run(job: Job): Promise<[unknown, Transferable[]]> {
         }
         case "calibrate":
             return [await (await import("./calibrate")).calibrate(job, send), []];
-        case "read": {
-            const bytes = await read(job.entry);
-            return [bytes, [bytes.buffer]];
-        }
+        case "file":
+            return [await fileOf(job.entry), []];
         case "unzip":
             return [await (await loadZip()).readZip(job.zip), []];
         case "ply":
