@@ -5,6 +5,7 @@ import { Clip } from "../clip/clip";
 import { meanUp } from "../viewer/cameras";
 import { showCalibration } from "./calibration";
 import { $ } from "./dom";
+import { shownCapture } from "./exporting";
 import { listWarnings } from "./findings";
 import { showStage } from "./look";
 import { type Capture, FPS, state } from "./state";
@@ -37,6 +38,7 @@ export function setCapture(next: Capture) {
     listWarnings(clip);
     setUpTimeline(clip);
     drawTransport(clip);
+    shownCapture.onchange();
 }
 
 /** Shows a scene without any mesh yet. */

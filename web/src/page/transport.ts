@@ -4,9 +4,9 @@ import type { Preset } from "pcmvs";
 import type { Clip } from "../clip/clip";
 import { chosen, refreshPictures } from "./choices";
 import { $, button, input, on, select } from "./dom";
+import { offerExports } from "./exporting";
 import { state } from "./state";
 
-const EXPORTS = ["export-glb", "export-ply", "export-png", "export-zip"];
 /** A clip starts to play when it has this many finished frames. */
 const ENOUGH_TO_PLAY = 2;
 
@@ -40,7 +40,10 @@ export function drawTransport(clip: Clip) {
     button("play").setAttribute("aria-pressed", String(clip.playing));
     button("play").setAttribute("aria-label", clip.playing ? "Pause" : "Play");
     button("loop").setAttribute("aria-pressed", String(clip.looping));
-    for (const id of EXPORTS) button(id).disabled = clip.current.glb === null;
+    offerExports(
+        clip.current.glb !== null,
+        frames.some(({ glb }) => glb !== null),
+    );
     document.body.dataset.preset = clip.current.preset ?? "";
     const finished = frames.filter((frame) => frame.glb && frame.preset === target).length;
     if (!clip.playing && !state.userPaused && state.pool && finished === ENOUGH_TO_PLAY) clip.play(true);

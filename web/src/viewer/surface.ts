@@ -80,6 +80,20 @@ export class Surface {
         this.wires.material = texture ? SURFACE_MATERIALS.clay : SURFACE_MATERIALS[shading];
     }
 
+    /** Another surface that shows the same geometries. Whichever disposes of one, the other fills the graphics card again. */
+    copy(): Surface {
+        const copy = new Surface();
+        copy.wireframe = this.wireframe;
+        copy.shading = this.shading;
+        if (this.mesh.geometry.hasAttribute("position")) copy.show(this.mesh.geometry);
+        if (this.stage) {
+            copy.stage = this.stage.clone();
+            copy.root.add(copy.stage);
+        }
+        copy.choose();
+        return copy;
+    }
+
     /** Frees what is its own. */
     dispose() {
         this.clear();
