@@ -9,7 +9,7 @@ import { inspectGlb } from "../clip/glb";
 import { version } from "../version";
 import type { Pool } from "../workers/pool";
 import { ofFrame } from "./frames";
-import { FileWriter, MEMORY_LIMIT, tooLarge, writeError } from "./sink";
+import { FileWriter, MEMORY_LIMIT, removeSoon, tooLarge, writeError } from "./sink";
 
 const MANIFEST = "sequence.json";
 
@@ -124,7 +124,7 @@ export async function intoFolder(sequence: Sequence, folder: FileSystemDirectory
             }
         });
     } catch (error) {
-        for (const name of written) await folder.removeEntry(name).catch(() => {});
+        for (const name of written) await removeSoon(() => folder.removeEntry(name));
         throw writeError(error, folder.name);
     }
 }

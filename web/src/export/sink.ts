@@ -43,10 +43,22 @@ export class FileWriter {
 }
 
 async function removeEmpty(handle: FileSystemFileHandle & { remove?: () => Promise<void> }) {
-    try {
+    await removeSoon(async () => {
         if ((await handle.getFile()).size === 0) await handle.remove?.();
-    } catch {
-        // It is not there.
+    });
+}
+
+/** Removes a file. The browser may hold it for a moment after writing into it has failed. */
+export async function removeSoon(remove: () => Promise<void>) {
+    for (let trial = 0; trial < 20; trial++) {
+        try {
+            return await remove();
+        } catch (error) {
+            // Another error than that somebody holds it: it is not there, or may not be removed.
+            const held = error instanceof DOMException && error.name === "NoModificationAllowedError";
+            if (!held) return;
+            await new Promise((resolve) => setTimeout(resolve, 100));
+        }
     }
 }
 

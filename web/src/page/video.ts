@@ -25,6 +25,8 @@ let views: OrbitView[] = [];
 let viewed: unknown = null;
 /** The settings and what they would be encoded as; null if no video can be made with them. */
 let offered: { wanted: ReturnType<typeof settings>; format: Format } | null = null;
+/** Ends when the last change of the settings is answered. */
+let telling = Promise.resolve();
 /** Counts changes of the settings, so that the answer about earlier ones is left out. */
 let change = 0;
 
@@ -50,7 +52,6 @@ function motion(): Motion {
 async function tell() {
     const now = ++change;
     if (!$<HTMLDetailsElement>("video").open) return;
-    offer(null);
     let text = "";
     let chosen: typeof offered = null;
     try {
@@ -71,6 +72,11 @@ async function tell() {
     if (now !== change) return;
     $("video-format").textContent = text;
     offer(chosen);
+}
+
+/** Says what would be made with changed settings. */
+function refresh() {
+    telling = tell();
 }
 
 function offer(next: typeof offered) {
@@ -116,7 +122,7 @@ function setViews(next: OrbitView[]) {
         }),
     );
     button("video-clear").disabled = views.length === 0;
-    void tell();
+    refresh();
 }
 
 function addView() {
@@ -126,6 +132,8 @@ function addView() {
 }
 
 async function saveVideo(capture: Capture) {
+    // A click on the button also ends the editing of a field.
+    await telling;
     if (!offered) return;
     const { format, wanted } = offered;
     const { width, height, rate, count } = wanted;
@@ -169,10 +177,10 @@ async function saveVideo(capture: Capture) {
 
 export function listenToVideo() {
     listenToPicture("video");
-    on("video", "toggle", () => void tell());
+    on("video", "toggle", () => refresh());
     shownCapture.onchange = propose;
     propose();
-    void tell();
+    refresh();
     for (const id of [
         "video-motion",
         "video-size",
@@ -182,7 +190,7 @@ export function listenToVideo() {
         "video-length",
         "video-quality",
     ]) {
-        on(id, "change", () => void tell());
+        on(id, "change", () => refresh());
     }
     on("video-motion", "change", () => {
         $("video-path").hidden = select("video-motion").value !== "path";
