@@ -69,7 +69,21 @@ export default defineConfig({
         },
     },
     worker: { format: "es" },
-    build: { target: "es2022", chunkSizeWarningLimit: 900 },
+    build: {
+        target: "es2022",
+        chunkSizeWarningLimit: 900,
+        // What is built contains packages whose licences ask for their text.
+        license: { fileName: "licences.md" },
+        rolldownOptions: {
+            output: {
+                // Exports are loaded later and share parts of this, which would be a file each. What starts before stays apart.
+                codeSplitting: {
+                    includeDependenciesRecursively: false,
+                    groups: [{ name: "view", test: /node_modules\/three|src\/(clip|viewer)\// }],
+                },
+            },
+        },
+    },
     server: { fs: { allow: [".."] }, headers: ISOLATION },
     preview: { host: "127.0.0.1", port: 8420, headers: ISOLATION },
     plugins: [

@@ -43,6 +43,16 @@ for (const [device, options] of Object.entries({ desktop: {}, phone: PHONE })) {
         await check(page);
         await page.click("#calibration-figures summary");
         await look("checked");
+        await page.evaluate(() => {
+            for (const details of document.querySelectorAll("details")) details.open = true;
+        });
+        for (const kind of ["still", "video"]) {
+            await page.selectOption(`#${kind}-size`, "own");
+            await page.selectOption(`#${kind}-background`, "own");
+        }
+        await page.selectOption("#video-motion", "path");
+        await page.click("#video-add");
+        await look("exports");
         await page.selectOption("#silhouettes", "chroma");
         await page.click("#strip button:first-child");
         await page.waitForSelector("#photo:not([hidden])");

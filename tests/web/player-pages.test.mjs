@@ -1,9 +1,11 @@
 // The player on pages: its controls, its module in a scene, and ?clip= of the project's page.
 import assert from "node:assert/strict";
-import { readFileSync } from "node:fs";
+import { execFileSync } from "node:child_process";
+import { readFileSync, writeFileSync } from "node:fs";
 import { join } from "node:path";
 import { test } from "node:test";
-import { add, browser, edit, heard, openElement, root, showsFrame, site } from "./clips.mjs";
+import { folder } from "./captures.mjs";
+import { add, browser, COUNT, edit, heard, openElement, root, showsFrame, site } from "./clips.mjs";
 import { dist, download, openFolder, openPage, same, serve, text } from "./site.mjs";
 
 test("a browser without WebGL is told so", async (t) => {
@@ -106,6 +108,20 @@ test("the module plays a clip in a scene of a user's own", async (t) => {
     assert.deepEqual(problems, []);
 });
 
+/** The frames in a zip. */
+function unzip(zip) {
+    const to = folder();
+    writeFileSync(join(to, "clip.zip"), zip);
+    execFileSync("python3", ["-m", "zipfile", "-e", "clip.zip", "."], { cwd: to });
+    const { frames } = JSON.parse(readFileSync(join(to, "sequence.json"), "utf8"));
+    return frames.map(({ url }) => readFileSync(join(to, url)));
+}
+
+function triangles(glb) {
+    const { accessors, meshes } = JSON.parse(glb.subarray(20, 20 + glb.readUInt32LE(12)).toString());
+    return accessors[meshes[0].primitives[0].indices].count / 3;
+}
+
 test("the page plays a published clip that its address names", async (t) => {
     for (const name of ["one", "two"]) {
         const { page, problems, shot } = await openPage(
@@ -123,6 +139,13 @@ test("the page plays a published clip that its address names", async (t) => {
         await page.waitForFunction(() => document.getElementById("counter").textContent === "6 / 8");
         if (name === "one") same(await download(page, "export-glb"), readFileSync(join(root, "one/frame_0005.glb")));
         await shot(`published-${name}`);
+        // The clip is saved in its best quality, whichever is shown.
+        const frames = unzip(await download(page, "export-zip"));
+        for (const [i, glb] of frames.entries()) {
+            if (name === "one") same(glb, readFileSync(join(root, `one/frame_000${i}.glb`)));
+            else assert.ok(triangles(glb) > 1000, `frame ${i} has ${triangles(glb)} triangles`);
+        }
+        assert.equal(frames.length, COUNT);
         assert.deepEqual(problems, []);
     }
     edit("other", (manifest) => (manifest.version = 7));

@@ -69,8 +69,11 @@ export function launch(more = []) {
     return chromium.launch({ executablePath: process.env.CHROMIUM ?? "/usr/bin/chromium", args: [...FLAGS, ...more] });
 }
 
-/** A page, and a list of the errors that occur in it. */
-export async function openPage(browser, address, { options = {}, script, prepare } = {}) {
+/** Nobody answers the questions of file pickers. Without them the page saves downloads. */
+const NO_PICKERS = () => Object.assign(window, { showSaveFilePicker: undefined, showDirectoryPicker: undefined });
+
+/** A page, and a list of the errors that occur in it. `pickers` replaces the browser's, and gets `disk`. */
+export async function openPage(browser, address, { options = {}, script, pickers = NO_PICKERS, disk, prepare } = {}) {
     const context = await browser.newContext({
         // Pictures are drawn by software, and small ones take less time.
         viewport: { width: 960, height: 600 },
@@ -84,6 +87,7 @@ export async function openPage(browser, address, { options = {}, script, prepare
         (message) => message.type() === "error" && problems.push(`${message.text()} ${message.location().url}`),
     );
     page.on("pageerror", (error) => problems.push(String(error)));
+    await page.addInitScript(pickers, disk);
     if (script) await page.addInitScript(script);
     await prepare?.(page);
     await page.goto(address);

@@ -35,6 +35,12 @@ export interface ClipFrame {
     findings: Findings | null;
 }
 
+/** The files of a clip's frames for an export, which reads them in order. */
+export interface FrameFiles {
+    read(position: number): Promise<Blob>;
+    close(): void;
+}
+
 export class Clip {
     readonly frames: ClipFrame[];
     private readonly playback: Playback;
@@ -49,10 +55,15 @@ export class Clip {
     /** The warnings of a frame have changed. */
     onwarnings: () => void = () => {};
     /** A frame's file cannot be read. */
-    onproblem: (error: unknown) => void = () => {};
+    onproblem: (error: unknown, frame: ClipFrame) => void = () => {};
     /** Called before every drawing while the clip plays. */
     ontick: () => void = () => {};
     ondispose: () => void = () => {};
+    /** The files as they are now, in the best quality. Only frames that have a file may be read. */
+    files: () => FrameFiles = () => {
+        const all = this.frames.map(({ glb }) => glb as () => Promise<Blob>);
+        return { read: (position) => all[position](), close: () => {} };
+    };
 
     constructor(
         indices: number[],
@@ -75,9 +86,9 @@ export class Clip {
             show: (position: number, geometry: BufferGeometry) => this.onshow(this.frames[position], geometry),
             changed: () => this.onchange(),
             ended: () => {},
-            failed: (error: unknown) => {
+            failed: (error: unknown, position: number) => {
                 this.play(false);
-                this.onproblem(error);
+                this.onproblem(error, this.frames[position]);
             },
         };
         this.playback = new Playback(fps, host, ready);

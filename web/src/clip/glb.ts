@@ -55,7 +55,6 @@ type Triple = [number, number, number];
 /** Directions and positions are in the scene's frame. */
 export interface GlbInfo {
     up?: Triple;
-    triangles: number;
     min: number[];
     max: number[];
 }
@@ -73,7 +72,6 @@ export async function inspectGlb(glb: Blob): Promise<GlbInfo> {
     const primitive = json.meshes?.[0]?.primitives?.[0];
     const position = json.accessors?.[primitive?.attributes?.POSITION];
     if (!position) throw new Error("this GLB contains no mesh");
-    const corners = json.accessors[primitive.indices]?.count ?? position.count;
     const { translation = [0, 0, 0], rotation = [0, 0, 0, 1], scale = [1, 1, 1] } = json.nodes?.[0] ?? {};
     const back = new Quaternion(...rotation).invert();
     const turned = new Vector3(...translation).applyQuaternion(back);
@@ -81,7 +79,6 @@ export async function inspectGlb(glb: Blob): Promise<GlbInfo> {
     const moved = (corner: number[]) => corner.map((v, axis) => v * scale[axis] + turned.getComponent(axis));
     return {
         up: up && new Vector3(...up).applyQuaternion(back).toArray(),
-        triangles: corners / 3,
         min: moved(position.min),
         max: moved(position.max),
     };

@@ -103,7 +103,8 @@ export class Ready {
     }
 }
 
-function dispose(geometry: BufferGeometry) {
+/** Frees a frame's mesh and its texture. */
+export function dispose(geometry: BufferGeometry) {
     const { texture } = geometry.userData;
     texture?.dispose();
     // The picture's memory is not that of JavaScript, whose collector does not see how much it is.

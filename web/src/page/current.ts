@@ -6,6 +6,7 @@ import { meanUp } from "../viewer/cameras";
 import { showCalibration } from "./calibration";
 import { followFrame } from "./choices";
 import { $ } from "./dom";
+import { shownCapture } from "./exporting";
 import { listWarnings } from "./findings";
 import { showStage } from "./look";
 import { type Capture, FPS, state } from "./state";
@@ -48,6 +49,7 @@ export function setCapture(next: Capture) {
     setUpTimeline(clip);
     drawTransport(clip);
     followFrame(clip);
+    shownCapture.onchange();
 }
 
 /** Shows a scene without any mesh yet. */

@@ -29,13 +29,19 @@ const SHADING_LABELS: Record<(typeof SHADINGS)[number], Words> = {
     normals: ["Normals", "The direction in which the surface faces, as a colour: it shows fine bumps"],
 };
 
+/** The chosen stage of a frame as the arguments of `showStage`. Null stands for the mesh. */
+export function chosenStage({ stages }: ClipFrame): Parameters<typeof viewer.showStage> {
+    if (state.stage === "mesh" || !stages) return [null];
+    return [stages.outputs[state.stage], stages.origin, state.stage === "contours"];
+}
+
 /** Shows the chosen stage of a frame, or the frame's mesh where the stage's output is not kept. */
-export function showStage({ stages }: ClipFrame) {
+export function showStage(frame: ClipFrame) {
+    const { stages } = frame;
     for (const radio of document.querySelectorAll<HTMLInputElement>("#stages input")) {
         radio.disabled = radio.value !== "mesh" && !stages;
     }
-    if (state.stage === "mesh" || !stages) viewer.showStage(null);
-    else viewer.showStage(stages.outputs[state.stage], stages.origin, state.stage === "contours");
+    viewer.showStage(...chosenStage(frame));
 }
 
 export function showCameras(on: boolean) {

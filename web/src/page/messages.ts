@@ -53,6 +53,8 @@ export async function attempt(work: () => Promise<void>) {
         await work();
     } catch (error) {
         if (error instanceof JobError && error.failure.code === "cancelled") return;
+        // The person has closed a question for a file.
+        if (error instanceof DOMException && error.name === "AbortError") return;
         showError(error instanceof Error ? error.message : String(error));
     }
 }

@@ -105,10 +105,7 @@ export function openPublished(url: string) {
 
 async function readClip(name: string, entries: Entries): Promise<Show> {
     const paths = [...entries.keys()].filter((path) => path.toLowerCase().endsWith(".glb")).sort();
-    const blob = async (path: string) => {
-        const bytes = await sidePool.run({ type: "read", entry: entries.get(path) as Entry });
-        return new Blob([bytes], { type: "model/gltf-binary" });
-    };
+    const blob = (path: string) => sidePool.run({ type: "file", entry: entries.get(path) as Entry });
     const manifestPath = [...entries.keys()].find((path) => /(^|\/)sequence\.json$/.test(path));
     const manifest: { version?: number; fps?: number; up?: number[] } = manifestPath
         ? JSON.parse(await (await blob(manifestPath)).text())
@@ -117,13 +114,13 @@ async function readClip(name: string, entries: Entries): Promise<Show> {
         const { take, revoke } = await localTake(manifest, manifestPath, blob);
         return Object.assign(() => showTake(name, take, revoke), { discard: revoke });
     }
-    const blobs = await Promise.all(paths.map(blob));
-    const infos = await Promise.all(blobs.map(inspectGlb));
+    // A long clip does not fit into memory: the other frames are read when they are shown.
+    const { up } = await inspectGlb(await blob(paths[0]));
     const index = (path: string, i: number) => Number(/(\d+)\.glb$/i.exec(path)?.[1] ?? i);
     return () => {
         const clip = new Clip(paths.map(index), manifest.fps ?? FPS);
-        showClip(name, clip, infos[0].up ?? manifest.up);
-        clip.fill((i) => ({ ...NOTHING_MADE, glb: async () => blobs[i], triangles: infos[i].triangles }));
+        showClip(name, clip, up ?? manifest.up);
+        clip.fill((i) => ({ ...NOTHING_MADE, glb: () => blob(paths[i]) }));
         startClip(clip);
     };
 }
@@ -140,6 +137,16 @@ function showTake(name: string, take: Take, close = () => {}) {
         stream.dispose();
         close();
     };
+    clip.files = () => {
+        // Its files are not forgotten because the clip plays elsewhere.
+        const own = new Stream(take);
+        own.chosen = 0;
+        const read = (position: number) => {
+            own.need(position, false);
+            return own.frame(position);
+        };
+        return { read, close: () => own.dispose() };
+    };
     showClip(name, clip, upInScene(take));
     clip.hear(take.audio);
     clip.fill((i) => ({ ...NOTHING_MADE, glb: () => stream.frame(i) }));
@@ -148,7 +155,10 @@ function showTake(name: string, take: Take, close = () => {}) {
 
 function showClip(name: string, clip: Clip, up: number[] | undefined) {
     foldIntroduction();
-    clip.onproblem = (error) => showError(error instanceof Error ? error.message : String(error));
+    clip.onproblem = (error, { index }) => {
+        const message = error instanceof Error ? error.message : String(error);
+        showError(clip.frames.length > 1 ? `frame ${index}: ${message}` : message);
+    };
     const [x, y, z] = up ?? [0, 1, 0];
     setCapture({ name, source: null, clip, up: [x, y, z] });
     $("cameras-section").hidden = true;

@@ -2,9 +2,9 @@
 
 import type { Clip } from "../clip/clip";
 import { $, button, input, on, select } from "./dom";
+import { offerExports } from "./exporting";
 import { state } from "./state";
 
-const EXPORTS = ["export-glb", "export-ply", "export-png", "export-zip"];
 /** A clip starts to play when it has this many finished frames. */
 const ENOUGH_TO_PLAY = 2;
 
@@ -39,8 +39,7 @@ export function drawTransport(clip: Clip) {
     button("loop").setAttribute("aria-pressed", String(clip.looping));
     const { length: finished } = frames.filter((frame) => clip.isResult(frame));
     // A sketch must not be saved under a frame's name.
-    for (const id of EXPORTS) button(id).disabled = !clip.isResult(clip.current);
-    button("export-zip").disabled = finished === 0;
+    offerExports(clip.isResult(clip.current), finished > 0);
     document.body.dataset.preset = clip.current.preset ?? "";
     if (!clip.playing && !state.userPaused && state.pool && finished === ENOUGH_TO_PLAY) clip.play(true);
 }

@@ -1,5 +1,5 @@
 // The free camera: dragging, keys, and standing back until the whole object is in the window.
-import { type Box3, PerspectiveCamera, Sphere, type Vector3 } from "three";
+import { type Box3, Matrix4, PerspectiveCamera, Sphere, type Vector3 } from "three";
 import { OrbitControls } from "three/addons/controls/OrbitControls.js";
 
 export class Navigation {
@@ -62,6 +62,22 @@ export class Navigation {
     /** Multiplies the distance from the target. */
     zoom(factor: number) {
         this.move(this.camera.position.clone().sub(this.target).multiplyScalar(factor));
+    }
+
+    /** Looks at another point from elsewhere. */
+    place(position: Vector3, target: Vector3) {
+        this.target.copy(target);
+        this.move(position.clone().sub(target));
+    }
+
+    /** Projections of pictures whose narrower side shows what the window's narrower side shows now. */
+    lens(): (aspect: number) => Matrix4 {
+        const { fov, aspect, near, far } = this.camera;
+        const narrow = near * Math.tan((fov / 2) * (Math.PI / 180)) * Math.min(1, aspect);
+        return (aspect) => {
+            const top = narrow / Math.min(1, aspect);
+            return new Matrix4().makePerspective(-top * aspect, top * aspect, top, -top, near, far);
+        };
     }
 
     private move(offset: Vector3) {

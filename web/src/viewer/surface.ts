@@ -103,6 +103,20 @@ export class Surface {
         this.choose();
     }
 
+    /** Another surface that shows the same geometries. Whichever disposes of one, the other fills the graphics card again. */
+    copy(): Surface {
+        const copy = new Surface();
+        copy.wireframe = this.wireframe;
+        copy.shading = this.shading;
+        if (this.mesh.geometry.hasAttribute("position")) copy.show(this.mesh.geometry);
+        if (this.stage) {
+            copy.stage = this.stage.clone();
+            copy.root.add(copy.stage);
+        }
+        copy.choose();
+        return copy;
+    }
+
     /** Frees what is its own. */
     dispose() {
         this.clear();

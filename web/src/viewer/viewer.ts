@@ -10,6 +10,7 @@ import {
     Group,
     LineSegments,
     Mesh,
+    type Object3D,
     PerspectiveCamera,
     PlaneGeometry,
     Points,
@@ -21,13 +22,16 @@ import {
     WebGLRenderer,
 } from "three";
 import type { StageCloud, StageMesh } from "../workers/protocol";
-import { cameraToWorld, fit, projection, upright, type Vec3 } from "./cameras";
+import { cameraToWorld, fit, projection, upright, type Vec3, type Window } from "./cameras";
 import { BLANK, FRUSTUM_LINES, POINTS, type Shading, SURFACE_MATERIALS, textured } from "./colours";
+import { lookingAt, type OrbitView, type SceneCopy, type Standpoint } from "./copy";
 import { Difference, type Pictures } from "./difference";
 import { Frusta } from "./frusta";
 import { Navigation } from "./navigation";
 import { Surface } from "./surface";
 
+/** No controls cover the picture. */
+const FREE = { top: 0, bottom: 0 };
 /** A pointer that moves less than this many CSS pixels between down and up is a click. */
 const CLICK = 4;
 
@@ -50,7 +54,7 @@ export class Viewer {
     private centres: Vector3[] = [];
     private looking: number | null = null;
     /** Parts of the window that controls cover, CSS pixels. */
-    private covered = { top: 0, bottom: 0 };
+    private covered = FREE;
     /** A drawing has been asked for. Nothing is drawn before the shaders are compiled. */
     private wanted = true;
     private waiting: (() => void)[] = [];
@@ -143,15 +147,59 @@ export class Viewer {
         });
     }
 
-    /** The current view as a PNG. */
-    still(): Promise<Blob> {
-        this.render();
-        return new Promise((resolve, reject) =>
-            this.canvas.toBlob(
-                (blob) => (blob ? resolve(blob) : reject(new Error("the picture cannot be made"))),
-                "image/png",
-            ),
-        );
+    /** A copy of what is shown. Geometries, textures and materials are the same objects. */
+    copy(): SceneCopy {
+        const { navigation, cameras, looking } = this;
+        // Something may have moved since the last drawing.
+        this.scene.updateMatrixWorld(true);
+        const scene = this.scene.clone();
+        const twin = (copied: Object3D, parent: Object3D, child: Object3D) =>
+            copied.children[parent.children.indexOf(child)];
+        const world = twin(scene, this.scene, this.world);
+        const [grid, frusta] = [twin(scene, this.scene, this.grid), twin(world, this.world, this.frusta.root)];
+        if (looking !== null) grid.visible = frusta.visible = false;
+        const surface = this.surface.copy();
+        world.remove(twin(world, this.world, this.surface.root)).add(surface.root);
+        const { through, canvas } = this;
+        const target = navigation.target.clone();
+        const [pose, outside] = [through, navigation.camera].map(({ matrixWorld }) => matrixWorld.clone());
+        const lens = navigation.lens();
+        const standAt = (view: OrbitView, width: number, height: number) => {
+            const pose = lookingAt(view);
+            return { pose, lamp: pose, projection: lens(width / height) };
+        };
+        const standpoint = (width: number, height: number): Standpoint => {
+            if (looking === null) return { pose: outside, lamp: outside, projection: lens(width / height) };
+            return { pose, lamp: outside, projection: this.lensOf(cameras[looking], { width, height, covered: FREE }) };
+        };
+        const narrow = Math.min(canvas.width, canvas.height);
+        return {
+            scene,
+            surface,
+            lamp: twin(scene, this.scene, navigation.camera),
+            grid,
+            target,
+            standpoint,
+            standAt,
+            narrow,
+        };
+    }
+
+    /** The view from outside; null while a camera is looked through. */
+    get outside(): OrbitView | null {
+        if (this.looking !== null) return null;
+        const { camera, target } = this.navigation;
+        return { position: camera.position.clone(), target: target.clone() };
+    }
+
+    /** Takes a view from outside. */
+    set outside(view: OrbitView) {
+        this.navigation.place(view.position, view.target);
+    }
+
+    /** Width and height of the window's picture, in its pixels. */
+    get size(): [number, number] {
+        return [this.canvas.width, this.canvas.height];
     }
 
     /** Sets the scene's upward direction. The next mesh is framed anew. */
@@ -337,14 +385,17 @@ export class Viewer {
 
     /** Places the camera that is looked through. */
     private standIn(camera: Camera, width: number, height: number) {
-        const pose = cameraToWorld(camera);
-        const target = this.navigation.target.clone().applyMatrix4(this.world.matrixWorld.clone().invert());
-        const distance = target.distanceTo(new Vector3().setFromMatrixPosition(pose));
-        this.through.matrix.copy(pose);
-        this.through.projectionMatrix.copy(
-            projection(camera, { width, height, covered: this.covered }, distance / 50, distance * 10),
-        );
+        const lens = this.lensOf(camera, { width, height, covered: this.covered });
+        this.through.matrix.copy(cameraToWorld(camera));
+        this.through.projectionMatrix.copy(lens);
         this.through.projectionMatrixInverse.copy(this.through.projectionMatrix).invert();
+    }
+
+    /** The projection of a camera of the rig, whose picture is fitted into a window. */
+    private lensOf(camera: Camera, window: Window) {
+        const target = this.navigation.target.clone().applyMatrix4(this.world.matrixWorld.clone().invert());
+        const distance = target.distanceTo(new Vector3().setFromMatrixPosition(cameraToWorld(camera)));
+        return projection(camera, window, distance / 50, distance * 10);
     }
 
     private listenForPicks() {

@@ -37,7 +37,7 @@ export type QualityLevel = "sketch" | Preset;
 
 export type Job =
     | { type: "open"; entries: Entries }
-    | { type: "read"; entry: Entry }
+    | { type: "file"; entry: Entry }
     | { type: "unzip"; zip: Blob }
     | { type: "memory"; cameras: Camera[]; preset: Preset }
     | FrameJob
@@ -209,7 +209,7 @@ export interface CalibrateResult extends Calibration {
 
 export interface JobResults {
     open: Scene;
-    read: Uint8Array<ArrayBuffer>;
+    file: Blob;
     unzip: Entries;
     memory: number;
     frame: null;

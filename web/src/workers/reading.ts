@@ -22,6 +22,13 @@ export async function read(entry: Entry): Promise<Uint8Array<ArrayBuffer>> {
     }
 }
 
+/** An entry as a file, whose bytes are read when they are needed. */
+export async function fileOf(entry: Entry): Promise<Blob> {
+    if (entry.kind === "blob") return entry.blob;
+    if (entry.kind === "zip") return (await loadZip()).fileOf(entry);
+    return new Blob([await read(entry)]);
+}
+
 async function download(url: string): Promise<Uint8Array<ArrayBuffer>> {
     const response = await fetch(url);
     if (!response.ok) throw inputError(`${url}: the server answers ${response.status}: load the page again`);

@@ -9,7 +9,7 @@ import { memoryOf } from "./frame";
 import { photograph } from "./photograph";
 import { writePly } from "./ply";
 import type { Entries, Job, Reply } from "./protocol";
-import { forgetFetched, loadZip, read } from "./reading";
+import { fileOf, forgetFetched, loadZip } from "./reading";
 import { reconstruct } from "./reconstruct";
 import { steady } from "./steady";
 
@@ -53,10 +53,8 @@ async function run(job: Job): Promise<[unknown, Transferable[]]> {
         }
         case "calibrate":
             return [await (await import("./calibrate")).calibrate(job, send), []];
-        case "read": {
-            const bytes = await read(job.entry);
-            return [bytes, [bytes.buffer]];
-        }
+        case "file":
+            return [await fileOf(job.entry), []];
         case "unzip":
             return [await (await loadZip()).readZip(job.zip), []];
         case "ply":
@@ -70,7 +68,7 @@ async function run(job: Job): Promise<[unknown, Transferable[]]> {
 
 /** Reads entries. */
 const files = (entries: Entries = new Map()) =>
-    Promise.all([...entries].map(async ([name, entry]) => ({ name, blob: new Blob([await read(entry)]) })));
+    Promise.all([...entries].map(async ([name, entry]) => ({ name, blob: await fileOf(entry) })));
 
 async function sha256(blob: Blob): Promise<string> {
     const hash = await crypto.subtle.digest("SHA-256", await blob.arrayBuffer());

@@ -18,7 +18,11 @@ const MAX_BYTES = 8 * 2 ** 30;
 const MAX_GROWTH = 200;
 const LARGE = 2 ** 20;
 /** Compression methods: stored, deflated. */
-const METHODS = [0, 8];
+const STORED = 0;
+const METHODS = [STORED, 8];
+/** Bytes of the header before each entry, and its first four. */
+const LOCAL_HEADER = 30;
+const LOCAL_MAGIC = 0x04034b50;
 
 type Listing = Map<string, FileEntry>;
 
@@ -40,6 +44,20 @@ export async function unpack({ zip, id, path }: Extract<Entry, { kind: "zip" }>)
     const entry = (await listing(id, zip)).get(path);
     if (!entry) throw inputError(`${path} is missing in the zip`);
     return undamaged(entry.getData(new Uint8ArrayWriter(), { checkCrc32: true }));
+}
+
+/** An entry as a file. One that is stored as it is needs no memory: it is a part of the zip. */
+export async function fileOf(entry: Extract<Entry, { kind: "zip" }>): Promise<Blob> {
+    const { zip, id, path } = entry;
+    const found = (await listing(id, zip)).get(path);
+    if (found?.compressionMethod !== STORED) return new Blob([await unpack(entry)]);
+    const head = new DataView(await zip.slice(found.offset, found.offset + LOCAL_HEADER).arrayBuffer());
+    if (head.byteLength < LOCAL_HEADER || head.getUint32(0, true) !== LOCAL_MAGIC) {
+        throw inputError(`the zip is damaged at ${path}: copy or export it again`);
+    }
+    // The lengths of the name and of further fields, which the data follow.
+    const start = found.offset + LOCAL_HEADER + head.getUint16(26, true) + head.getUint16(28, true);
+    return zip.slice(start, start + found.compressedSize);
 }
 
 /** Packs files without compression: meshes hardly compress, and players read stored entries in place. */

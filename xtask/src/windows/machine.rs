@@ -53,6 +53,8 @@ pub fn wine(exe: &Path) -> Result<Command> {
         folders.extend(Path::new(path.trim()).parent().map(windows_path));
     }
     let mut wine = program("wine", "");
+    // Wine makes the last folder of this path only.
+    fs::create_dir_all(prefix()).map_err(|e| format!("{}: {e}", prefix().display()))?;
     wine.arg(exe).env("WINEPATH", folders.join(";")).env("WINEDEBUG", "-all").env("WINEPREFIX", prefix());
     // Without it names that are not ASCII get lost.
     wine.env("LC_ALL", "C.UTF-8");
