@@ -63,6 +63,9 @@ impl<R: Deref<Target = Rig> + Sync> Frame<R> {
         if again {
             self.carve_and_compare(executor, progress)?;
         }
+        if self.params.agreement.is_some() {
+            self.leave_out_moved(executor, progress)?;
+        }
         let overlaps = self.views.iter().zip(&self.compared).filter(|(view, _)| is_evidence(view));
         let overlap = median(overlaps.filter_map(|(_, found)| found.overlap)).unwrap_or(1.0);
         if overlap < DOUBTFUL_OVERLAP {
@@ -73,6 +76,17 @@ impl<R: Deref<Target = Rig> + Sync> Frame<R> {
             if self.agreement.too_many && overlap < HOPELESS_OVERLAP {
                 return Err(contradictory(overlap));
             }
+        }
+        Ok(())
+    }
+
+    /// Leaves out cameras that were moved by a pixel or two, one after the other: without one, others fit again.
+    fn leave_out_moved(&mut self, executor: &dyn Executor, progress: &dyn Progress) -> Result<()> {
+        let most = self.most_moved();
+        for left in (1..=most).rev() {
+            let Some(place) = self.moved(left) else { break };
+            self.views[usize::from(place)].left_out = Some(LeftOut::Contradicts);
+            self.carve_and_compare(executor, progress)?;
         }
         Ok(())
     }

@@ -1,6 +1,11 @@
 //! What a frame has found out about its views: figures and warnings.
 
-use super::{diagnostics::ViewDiagnostics, state::Frame, warning::Warning};
+use super::{
+    diagnostics::ViewDiagnostics,
+    outlying::{self, Fit},
+    state::Frame,
+    warning::Warning,
+};
 use crate::{
     calibration::Finding,
     left_out::LeftOut,
@@ -20,24 +25,8 @@ const CONTRADICT_BELOW: f32 = 0.95;
 /// They do so only if the hull's outline also lies more than this from half of the contours, in pixels. In small pictures the
 /// contour alone is a large part of a silhouette.
 const CONTRADICT_PIXELS: f32 = 1.0;
-/// A silhouette disagrees with the others if its contour and the hull's outline are on average this many times farther apart
-/// than the median of all, and this many pixels. A camera that was moved by two pixels is.
-const OUTLYING: f32 = 3.0;
-const OUTLYING_PIXELS: f32 = 0.3;
-
 /// Colours differ much if a gain is larger than this or smaller than its inverse. One and a half aperture stops are.
 const DIFFERENT_GAIN: f32 = 2.0;
-
-/// How a camera's silhouette fits the hull of all.
-struct Fit {
-    camera: u32,
-    /// Whether it excludes what several others show.
-    contradicts: bool,
-    /// Intersection over union.
-    overlap: f32,
-    /// Mean distance of contour and hull's outline in pixels.
-    apart: f32,
-}
 
 impl<R: Deref<Target = Rig>> Frame<R> {
     /// How well each camera's view agrees with the others, in the order in which the cameras were given. Empty before
@@ -126,21 +115,14 @@ impl<R: Deref<Target = Rig>> Frame<R> {
 
     /// Warnings about silhouettes of used views that disagree with the others.
     fn disagreements(&self) -> Vec<Warning> {
-        let fit = |camera: u32| {
-            let place = self.rig().place(camera as usize)?;
-            let view = self.views().get(place).filter(|view| view.is_used() && !view.is_set_aside());
-            let found = view.and(self.compared.get(place))?;
-            let contradicts = self.agreement.contradicting.contains(&(place as u16));
-            Some(Fit { camera, contradicts, overlap: found.overlap?, apart: found.apart? })
-        };
-        let fits: Vec<Fit> = (0..self.cameras() as u32).filter_map(fit).collect();
+        let fits = self.fits();
         let Some(&Fit { camera: worst, overlap, .. }) = fits.iter().min_by_key(|fit| ordered(fit.overlap)) else {
             return Vec::new();
         };
         let typical = median(fits.iter().map(|fit| fit.overlap)).unwrap_or(overlap);
-        let apart = median(fits.iter().map(|fit| fit.apart)).unwrap_or(0.0);
-        let outlying = max(OUTLYING * apart, OUTLYING_PIXELS);
-        let named = fits.iter().filter(|fit| fit.contradicts || fit.apart > outlying);
+        let outlying = outlying::limit(&fits, outlying::NAMED);
+        let contradicts = |fit: &Fit| self.agreement.contradicting.contains(&fit.place);
+        let named = fits.iter().filter(|fit| contradicts(fit) || fit.apart > outlying);
         let warning =
             |&Fit { camera, overlap, .. }: &Fit| Warning::SilhouetteDisagrees { camera, overlap, median: typical };
         let mut named: Vec<Warning> = named.map(warning).collect();

@@ -10,6 +10,7 @@ mod intermediates;
 mod memory;
 mod mistakes;
 mod order;
+mod outlying;
 mod prior;
 mod reconstruction;
 mod stages;
