@@ -83,8 +83,8 @@ impl<R: Deref<Target = Rig> + Sync> Frame<R> {
     /// Leaves out cameras that were moved by a pixel or two, one after the other: without one, others fit again.
     fn leave_out_moved(&mut self, executor: &dyn Executor, progress: &dyn Progress) -> Result<()> {
         let most = self.most_moved();
-        for left in (1..=most).rev() {
-            let Some(place) = self.moved(left) else { break };
+        for _ in 0..most {
+            let Some(place) = self.moved(most) else { break };
             self.views[usize::from(place)].left_out = Some(LeftOut::Contradicts);
             self.carve_and_compare(executor, progress)?;
         }

@@ -2,7 +2,7 @@
 
 use super::{
     diagnostics::ViewDiagnostics,
-    outlying::{self, Fit},
+    outlying::{Fit, is_outlying},
     state::Frame,
     warning::Warning,
 };
@@ -120,9 +120,9 @@ impl<R: Deref<Target = Rig>> Frame<R> {
             return Vec::new();
         };
         let typical = median(fits.iter().map(|fit| fit.overlap)).unwrap_or(overlap);
-        let outlying = outlying::limit(&fits, outlying::NAMED);
+        let is_outlying = is_outlying(&fits);
         let contradicts = |fit: &Fit| self.agreement.contradicting.contains(&fit.place);
-        let named = fits.iter().filter(|fit| contradicts(fit) || fit.apart > outlying);
+        let named = fits.iter().filter(|fit| contradicts(fit) || is_outlying(fit));
         let warning =
             |&Fit { camera, overlap, .. }: &Fit| Warning::SilhouetteDisagrees { camera, overlap, median: typical };
         let mut named: Vec<Warning> = named.map(warning).collect();

@@ -23,28 +23,31 @@ pub(super) struct Fit {
     pub apart: f32,
 }
 
-/// How far a contour may lie from the hull's outline: a multiple of the median of all views, and a number of pixels, whichever
-/// is more.
-pub(super) struct Allowed {
-    medians: f32,
-    pixels: f32,
-}
-
-/// A silhouette disagrees with the others beyond this. It is named.
-pub(super) const NAMED: Allowed = Allowed { medians: 3.0, pixels: 0.3 };
-/// A camera has been moved beyond this, if its silhouette follows its picture. Clean captures stay below 2 medians, rough ones
-/// too, and one with inaccurate masks below 3. A camera that was moved by 1.3 pixels is at 5.
-const MOVED: Allowed = Allowed { medians: 4.0, pixels: 0.2 };
-/// So many views may be left out: one, or at most this share. A camera that was moved makes the one on the other side outlying,
-/// too, so that twice as many may be outlying at first. If more are, it is not clear who is right.
+/// A silhouette disagrees with the others if its contour and the hull's outline are farther apart than this multiple of the
+/// median of all views, and than this number of pixels. Clean captures and rough ones stay below two medians, one with
+/// inaccurate masks below three. A camera that was moved by 1.3 pixels is at five.
+const MEDIANS: f32 = 3.0;
+const PIXELS: f32 = 0.2;
+/// Cameras that may have been moved: one, or at most this share and this number. One that was moved makes the one on the other
+/// side outlying, too, so that twice as many may be outlying at first. If more are, it is not clear who is right.
 const LARGEST_SHARE: f32 = 0.1;
+const MOST: usize = 2;
 /// Number of silhouettes that must remain. With fewer, each view that is missing costs more than one that is a little off.
 const FEWEST: usize = 8;
 
-/// The limit in pixels.
-pub(super) fn limit(fits: &[Fit], allowed: Allowed) -> f32 {
-    let typical = median(fits.iter().map(|fit| fit.apart)).unwrap_or(0.0);
-    max(allowed.medians * typical, allowed.pixels)
+/// If half of the contours lie more than this from the hull's outline, in pixels, the silhouettes are not accurate enough to tell
+/// that a single camera was moved.
+const INACCURATE: f32 = 0.5;
+
+/// The distance in pixels of contours from the hull's outline, the median of all views.
+fn typical(fits: &[Fit]) -> f32 {
+    median(fits.iter().map(|fit| fit.apart)).unwrap_or(0.0)
+}
+
+/// Whether a silhouette disagrees with the others.
+pub(super) fn is_outlying(fits: &[Fit]) -> impl Fn(&Fit) -> bool {
+    let limit = max(MEDIANS * typical(fits), PIXELS);
+    move |fit| fit.apart > limit
 }
 
 impl<R: Deref<Target = Rig>> Frame<R> {
@@ -62,7 +65,7 @@ impl<R: Deref<Target = Rig>> Frame<R> {
     /// How many views may be left out because their cameras were moved a little.
     pub(super) fn most_moved(&self) -> usize {
         let silhouettes = self.fits().len();
-        let most = max(LARGEST_SHARE * silhouettes as f32, 1.0) as usize;
+        let most = (max(LARGEST_SHARE * silhouettes as f32, 1.0) as usize).min(MOST);
         most.min(silhouettes.saturating_sub(FEWEST))
     }
 
@@ -70,10 +73,11 @@ impl<R: Deref<Target = Rig>> Frame<R> {
     /// most were moved.
     pub(super) fn moved(&self, most: usize) -> Option<u16> {
         let fits = self.fits();
-        let limit = limit(&fits, MOVED);
-        let outlying = || fits.iter().filter(|fit| fit.apart > limit);
+        let is_outlying = is_outlying(&fits);
+        let outlying = || fits.iter().filter(|&fit| is_outlying(fit));
         let worst = outlying().max_by_key(|fit| ordered(fit.apart))?;
         let follows = self.views()[usize::from(worst.place)].edge.is_some_and(|edge| edge.is_followed());
-        (follows && outlying().count() <= 2 * most).then_some(worst.place)
+        let is_clear = typical(&fits) < INACCURATE && outlying().count() <= 2 * most;
+        (follows && is_clear).then_some(worst.place)
     }
 }
