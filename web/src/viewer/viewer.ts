@@ -32,6 +32,7 @@ import { Surface } from "./surface";
 
 /** No controls cover the picture. */
 const FREE = { top: 0, bottom: 0 };
+const scaled = ({ top, bottom }: typeof FREE, factor: number) => ({ top: factor * top, bottom: factor * bottom });
 /** A pointer that moves less than this many CSS pixels between down and up is a click. */
 const CLICK = 4;
 
@@ -170,7 +171,10 @@ export class Viewer {
         };
         const standpoint = (width: number, height: number): Standpoint => {
             if (looking === null) return { pose: outside, lamp: outside, projection: lens(width / height) };
-            return { pose, lamp: outside, projection: this.lensOf(cameras[looking], { width, height, covered: FREE }) };
+            // A picture of the window's size is what the window shows, between its controls.
+            const ofWindow = width === canvas.width && height === canvas.height;
+            const covered = ofWindow ? scaled(this.covered, height / canvas.clientHeight) : FREE;
+            return { pose, lamp: outside, projection: this.lensOf(cameras[looking], { width, height, covered }) };
         };
         const narrow = Math.min(canvas.width, canvas.height);
         return {
