@@ -181,24 +181,27 @@ test("cancelling is answered within half a second, in every stage of a run", asy
         ["colours", 1],
         ["matching pictures", 2],
     ]) {
-        await page.click("#run");
-        await page.waitForFunction(
-            ([stage, frame]) => {
-                const status = document.getElementById("status").textContent;
-                return status.includes(stage) && status.startsWith(`frame ${frame} `);
-            },
+        // The stage is seen whenever it is named, however short it is.
+        const [ms, free] = await page.evaluate(
+            ([stage, frame]) =>
+                new Promise((resolve) => {
+                    const status = document.getElementById("status");
+                    const observer = new MutationObserver(() => {
+                        const { textContent } = status;
+                        if (!textContent.includes(stage) || !textContent.startsWith(`frame ${frame} `)) return;
+                        observer.disconnect();
+                        const started = performance.now();
+                        document.getElementById("cancel").click();
+                        const answered = /^Cancelled/.test(status.textContent);
+                        const ms = answered ? performance.now() - started : Number.POSITIVE_INFINITY;
+                        // Here pictures are drawn by software, which keeps the page waiting on a busy machine.
+                        setTimeout(() => resolve([ms, performance.now() - started]));
+                    });
+                    observer.observe(status, { childList: true, characterData: true, subtree: true });
+                    document.getElementById("run").click();
+                }),
             [stage, frame],
-            { polling: 20, timeout: 120_000 },
         );
-        const [ms, free] = await page.evaluate(async () => {
-            const started = performance.now();
-            document.getElementById("cancel").click();
-            const answered = /^Cancelled/.test(document.getElementById("status").textContent);
-            const ms = answered ? performance.now() - started : Number.POSITIVE_INFINITY;
-            // Here pictures are drawn by software, which keeps the page waiting on a busy machine.
-            await new Promise((resolve) => setTimeout(resolve));
-            return [ms, performance.now() - started];
-        });
         t.diagnostic(`${stage}, frame ${frame}: answered in ${ms.toFixed(0)} ms, free in ${free.toFixed(0)} ms`);
         assert.ok(ms < 500, `${stage}: ${ms} ms`);
         assert.equal(await page.isDisabled("#cancel"), true);
