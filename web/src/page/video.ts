@@ -143,7 +143,8 @@ async function saveVideo(capture: Capture) {
     const plan = {
         shown: chosenView("video"),
         frames: clip.frames.flatMap((frame, position) => {
-            if (frame.glb === null || (held !== null && held !== position)) return [];
+            // A mesh that is shown on the way is no frame of a video.
+            if (!clip.isResult(frame) || (held !== null && held !== position)) return [];
             return [{ index: frame.index, glb: () => files.read(position), stage: chosenStage(frame) }];
         }),
         clipRate: clip.fps,

@@ -4,16 +4,11 @@ import {
     AmbientLight,
     type Camera as AnyCamera,
     Box3,
-    BufferAttribute,
-    BufferGeometry,
+    type BufferGeometry,
     DirectionalLight,
     Group,
-    LineSegments,
-    Mesh,
     type Object3D,
     PerspectiveCamera,
-    PlaneGeometry,
-    Points,
     PolarGridHelper,
     Raycaster,
     Scene,
@@ -23,7 +18,8 @@ import {
 } from "three";
 import type { StageCloud, StageMesh } from "../workers/protocol";
 import { cameraToWorld, fit, projection, upright, type Vec3, type Window } from "./cameras";
-import { BLANK, FRUSTUM_LINES, POINTS, type Shading, SURFACE_MATERIALS, textured } from "./colours";
+import { POINTS, type Shading } from "./colours";
+import { compile } from "./compile";
 import { lookingAt, type OrbitView, type SceneCopy, type Standpoint } from "./copy";
 import { Difference, type Pictures } from "./difference";
 import { Frusta } from "./frusta";
@@ -96,36 +92,10 @@ export class Viewer {
         new ResizeObserver(() => this.resize()).observe(canvas.parentElement as HTMLElement);
         this.resize();
         this.listenForPicks();
-        void this.compile().then(() => {
+        void compile(this.renderer, this.scene, this.navigation.camera, this.grid).then(() => {
             this.wanted = false;
             this.draw();
         });
-    }
-
-    /** Compiles all shaders in the background, because the first use of one that is not ready blocks this thread. */
-    private async compile() {
-        // In a task of its own, because the constructor's is long enough.
-        await new Promise((resolve) => setTimeout(resolve));
-        const floats = () => new BufferAttribute(new Float32Array(9), 3);
-        const geometry = new BufferGeometry()
-            .setAttribute("position", floats())
-            .setAttribute("normal", floats())
-            .setAttribute("color", floats());
-        const all = new Group();
-        for (const material of Object.values(SURFACE_MATERIALS)) all.add(new Mesh(geometry, material));
-        const plate = new PlaneGeometry();
-        all.add(
-            new Points(geometry, POINTS),
-            new LineSegments(plate, FRUSTUM_LINES),
-            new Mesh(plate, BLANK),
-            new Mesh(plate, textured()),
-            new LineSegments(this.grid.geometry, this.grid.material),
-        );
-        const { renderer, scene } = this;
-        // Without this extension three.js cannot ask for readiness, and compileAsync only warns.
-        if (renderer.extensions.has("KHR_parallel_shader_compile")) {
-            await renderer.compileAsync(all, this.navigation.camera, scene);
-        } else renderer.compile(all, this.navigation.camera, scene);
     }
 
     /** Resolves when the next picture has been drawn. */
