@@ -7,6 +7,25 @@ import { test } from "node:test";
 import { add, browser, COUNT, edit, FPS, heard, openElement, root, showsFrame, site } from "./clips.mjs";
 import { openPage, pcmvs, sample } from "./site.mjs";
 
+/**
+ * A host of its own for the clip in a folder, and a page that may load from it. `answer` sends the clip's only GLB, given its bytes;
+ * the manifest is sent as it is.
+ */
+async function hosted(t, folder, answer) {
+    const file = readFileSync(join(folder, "full.glb"));
+    const server = createServer((request, response) => {
+        response.setHeader("access-control-allow-origin", "*");
+        if (request.url.endsWith(".json")) response.end(readFileSync(join(folder, "sequence.json")));
+        else answer(request, response, file);
+    }).listen(0, "127.0.0.1");
+    t.after(() => server.closeAllConnections());
+    t.after(() => server.close());
+    const { page } = await openPage(browser, `${site.address}/site/plain.html`);
+    t.after(() => page.context().close());
+    await page.waitForFunction(() => customElements.get("pcmvs-player"));
+    return { page, src: `http://127.0.0.1:${server.address().port}/sequence.json`, file };
+}
+
 test("what is wrong with a clip is said in words", async (t) => {
     const { page } = await openElement(t);
     const faults = {
@@ -76,28 +95,19 @@ test("what is wrong with a clip is said in words", async (t) => {
 });
 
 test("the first frames are shown before a file is complete", async (t) => {
-    const file = readFileSync(join(root, "whole/full.glb"));
-    const { page } = await openElement(t);
     let finish;
-    const held = new Promise((resolve) => (finish = resolve));
-    const server = createServer(async (request, response) => {
-        response.setHeader("access-control-allow-origin", "*");
-        if (request.url.endsWith(".json")) return response.end(readFileSync(join(root, "whole/sequence.json")));
+    const { page, src } = await hosted(t, join(root, "whole"), (_, response, file) => {
         response.write(file.subarray(0, file.length / 2));
-        await held;
-        response.end(file.subarray(file.length / 2));
-    }).listen(0, "127.0.0.1");
-    t.after(() => server.close());
-    const own = await openPage(browser, `${site.address}/site/plain.html`);
-    t.after(() => own.page.context().close());
-    await own.page.waitForFunction(() => customElements.get("pcmvs-player"));
-    await add(own.page, { src: `http://127.0.0.1:${server.address().port}/sequence.json`, autoplay: "" });
-    await heard(own.page, "ready");
+        finish = () => response.end(file.subarray(file.length / 2));
+    });
+    await add(page, { src, autoplay: "" });
+    await heard(page, "ready");
     finish();
-    await heard(own.page, "ended");
+    await heard(page, "ended");
     // The strict page allows its own host only.
-    await add(page, { src: `http://127.0.0.1:${server.address().port}/sequence.json` });
-    await heard(page, "error");
+    const strict = await openElement(t);
+    await add(strict.page, { src });
+    await heard(strict.page, "error");
 });
 
 test("a connection that breaks is tried once more, and not more often", async (t) => {
@@ -122,55 +132,39 @@ test("a connection that breaks is tried once more, and not more often", async (t
 
 test("a connection on which nothing arrives any more is tried once more", async (t) => {
     const asked = [];
-    const server = createServer((request, response) => {
-        asked.push(request.url);
-        response.setHeader("access-control-allow-origin", "*");
-        if (request.url.endsWith(".json")) return response.end(readFileSync(join(root, "whole/sequence.json")));
-        const file = readFileSync(join(root, "whole/full.glb"));
+    const { page, src } = await hosted(t, join(root, "whole"), ({ url }, response, file) => {
+        asked.push(url);
         // The first answer stops in the middle.
-        if (asked.length === 2) return response.write(file.subarray(0, file.length / 2));
-        response.end(file);
-    }).listen(0, "127.0.0.1");
-    t.after(() => server.closeAllConnections());
-    t.after(() => server.close());
-    const { page } = await openPage(browser, `${site.address}/site/plain.html`);
-    t.after(() => page.context().close());
-    await page.waitForFunction(() => customElements.get("pcmvs-player"));
-    await add(page, { src: `http://127.0.0.1:${server.address().port}/sequence.json`, autoplay: "" });
+        if (asked.length === 1) response.write(file.subarray(0, file.length / 2));
+        else response.end(file);
+    });
+    await add(page, { src, autoplay: "" });
     // The clip's time passes, and the last frame is shown as soon as it is there.
     await showsFrame(page, COUNT - 1);
-    assert.deepEqual(asked, ["/sequence.json", "/full.glb", "/full.glb"]);
+    assert.deepEqual(asked, ["/full.glb", "/full.glb"]);
 });
 
 test("a frame far ahead is loaded at once if the host sends parts of files, and in its turn otherwise", async (t) => {
     const folders = ["frames", "site"].map((name) => join(root, "far", name));
     pcmvs("reconstruct", sample, "-o", folders[0], "--preset", "hull", "--frames", "0..3");
     pcmvs("pack", folders[0], "--manifest", "-o", folders[1]);
-    const file = readFileSync(join(folders[1], "full.glb"));
     const asked = [];
     let [sendsParts, finish] = [true, () => {}];
-    const server = createServer((request, response) => {
-        response.setHeader("access-control-allow-origin", "*");
-        if (request.url.endsWith(".json")) return response.end(readFileSync(join(folders[1], "sequence.json")));
-        const { range } = request.headers;
+    const { page, src, file } = await hosted(t, folders[1], ({ headers: { range } }, response, file) => {
         asked.push(range ?? "whole");
         if (range && sendsParts) {
             const [from, to] = /^bytes=(\d+)-(\d+)$/.exec(range).slice(1).map(Number);
             response.statusCode = 206;
-            return response.end(file.subarray(from, to + 1));
+            response.end(file.subarray(from, to + 1));
+            return;
         }
         // The rest of a whole file comes late.
         response.write(file.subarray(0, file.length / 4));
         finish = () => response.end(file.subarray(file.length / 4));
-    }).listen(0, "127.0.0.1");
-    t.after(() => server.closeAllConnections());
-    t.after(() => server.close());
-    const { page } = await openPage(browser, `${site.address}/site/plain.html`);
-    t.after(() => page.context().close());
-    await page.waitForFunction(() => customElements.get("pcmvs-player"));
+    });
     const seek = async () => {
         asked.length = 0;
-        await add(page, { src: `http://127.0.0.1:${server.address().port}/sequence.json` });
+        await add(page, { src });
         await heard(page, "ready");
         await page.evaluate((time) => (globalThis.clip.currentTime = time), 3 / FPS);
     };
