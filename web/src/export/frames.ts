@@ -1,11 +1,11 @@
-// What goes wrong with a frame, told with the frame's number.
+// Errors of single frames, with the frame's number in their message.
 
-/** Adds the number of the frame to what is wrong with its file. */
+/** Waits for work on a frame's file. If it fails, the error's message begins with the number of the frame. */
 export async function ofFrame<T>(index: number, work: Promise<T>): Promise<T> {
     try {
         return await work;
     } catch (error) {
-        // What the browser itself reports, such as a cancellation, is told by others.
+        // Callers recognise the browser's own errors, such as a cancellation or a full disk, by their type: they pass unchanged.
         if (!(error instanceof Error) || error instanceof DOMException) throw error;
         throw new Error(`frame ${index}: ${error.message}`);
     }

@@ -28,7 +28,7 @@ export interface Sequence {
 
 export interface Writing {
     signal: AbortSignal;
-    /** `done` of `count` frames are written, which have so many bytes. */
+    /** Called after each frame: `done` of `count` frames have been written, `bytes` bytes in all. */
     progress: (done: number, count: number, bytes: number) => void;
 }
 
@@ -86,7 +86,7 @@ async function addAll(sequence: Sequence, { signal, progress }: Writing, add: Ad
 /** Without compression: meshes hardly compress, and players read stored entries in place. Large ones are zip64. */
 const OPTIONS = { level: 0, dataDescriptor: false } as const;
 
-/** Writes a zip into a file, which appears as a whole when it is complete. */
+/** Writes a zip into a file. The file is replaced when the zip is complete. */
 export async function zipIntoFile(sequence: Sequence, handle: FileSystemFileHandle, writing: Writing) {
     const writer = await FileWriter.open(handle);
     try {

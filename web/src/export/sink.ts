@@ -18,7 +18,10 @@ export function writeError(error: unknown, name: string): unknown {
     return reason ? new Error(`${name}: ${reason}. Nothing was kept.`) : error;
 }
 
-/** Opens a file that appears as a whole when it is closed. What fails is told in words. */
+/**
+ * Writes a file on disk. The browser puts the file in its place when the stream is closed, so that nobody sees half of it. Errors
+ * have messages for the person.
+ */
 export class FileWriter {
     private constructor(
         private readonly handle: FileSystemFileHandle,
@@ -34,7 +37,7 @@ export class FileWriter {
         }
     }
 
-    /** Gives up what has been written. A file that the question for its name has made is removed. */
+    /** Discards what has been written. The save dialog has made an empty file, which is removed. */
     async abort() {
         // The stream may have failed already.
         await this.stream.abort().catch(() => {});
@@ -54,7 +57,7 @@ export async function removeSoon(remove: () => Promise<void>) {
         try {
             return await remove();
         } catch (error) {
-            // Another error than that somebody holds it: it is not there, or may not be removed.
+            // The file is not there, or the page may not remove it: trying again does not help.
             const held = error instanceof DOMException && error.name === "NoModificationAllowedError";
             if (!held) return;
             await new Promise((resolve) => setTimeout(resolve, 100));
@@ -83,7 +86,7 @@ export async function fileSink(handle: FileSystemFileHandle): Promise<Sink> {
     return {
         write(data, position) {
             written = written.then(() => writer.stream.write({ type: "write", data, position }));
-            // It is reported when somebody waits for it.
+            // `settle` and `close` throw the error. Here it only must not count as unhandled.
             written.catch(() => {});
         },
         settle,

@@ -43,7 +43,7 @@ const QUEUE = 3;
 const KEY_EVERY = 2;
 /** Bytes that are written at a time. */
 const CHUNK = 2 ** 20;
-/** A moment that is as near to that of a frame counts as it, in frames. */
+/** Tolerance in frames: rounding must not show the frame before the one that is due. */
 const NEAR = 1e-6;
 
 /** Makes the video. `progress` gets the number of pictures that are done. */
@@ -99,7 +99,7 @@ export async function makeVideo(
         muxer.finalize();
         return await sink.close();
     } catch (error) {
-        // The encoder's own error says more than what follows from it.
+        // The encoder's own error is the cause; the later one only follows from it.
         throw failure ?? error;
     } finally {
         if (encoder.state !== "closed") encoder.close();

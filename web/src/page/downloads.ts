@@ -28,7 +28,7 @@ export function listenToDownloads() {
     $("video").addEventListener("toggle", () => void attempt(loadVideo), { once: true });
 }
 
-/** The settings of videos do something once somebody looks at them. */
+/** The code for videos is loaded when the settings of videos are opened. */
 async function loadVideo() {
     (await import("./video")).listenToVideo();
 }

@@ -1,4 +1,4 @@
-// The export that is being made: its progress, and that there is one at a time.
+// The export that is being made. There is one at a time.
 
 import { $, button, on } from "./dom";
 
@@ -7,7 +7,7 @@ const AT_ONCE = ["export-glb", "export-ply", "export-png"];
 const OF_CLIP = ["export-zip", "export-folder"];
 /** A video has settings of its own, without which it cannot be made. */
 const possible = { frame: false, clip: false, video: false };
-/** Tells whoever needs it that another capture is shown. */
+/** Its `onchange` is called when another capture is shown. */
 export const shownCapture = { onchange: () => {} };
 let running: AbortController | null = null;
 
@@ -33,8 +33,8 @@ export function offerVideo(video: boolean) {
 }
 
 /**
- * Makes an export with progress, until it is done or the person cancels it. `make` returns what is told at the end. Resolves
- * with whether it was made; throws what went wrong.
+ * Runs an export and shows its progress. The person may cancel it. `make` returns the message that is shown when the export is
+ * done. Throws the error of a failed export; a cancelled export throws nothing.
  */
 export async function exporting(make: (signal: AbortSignal, report: Report) => Promise<string>) {
     if (running) throw new Error("another export is being made: wait for it or cancel it");

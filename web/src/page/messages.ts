@@ -53,7 +53,7 @@ export async function attempt(work: () => Promise<void>) {
         await work();
     } catch (error) {
         if (error instanceof JobError && error.failure.code === "cancelled") return;
-        // The person has closed a question for a file.
+        // The person has closed the save dialog.
         if (error instanceof DOMException && error.name === "AbortError") return;
         showError(error instanceof Error ? error.message : String(error));
     }

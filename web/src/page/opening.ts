@@ -138,7 +138,7 @@ function showTake(name: string, take: Take, close = () => {}) {
         close();
     };
     clip.files = () => {
-        // Its files are not forgotten because the clip plays elsewhere.
+        // An export has a stream of its own: playing must not discard the files that the export needs.
         const own = new Stream(take);
         own.chosen = 0;
         const read = (position: number) => {

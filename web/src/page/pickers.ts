@@ -1,4 +1,4 @@
-// Questions for files and folders that the page may write. Not all browsers have them.
+// Dialogs that ask for a file or a folder to write. Not all browsers have them.
 
 /** The parts of the File System Access API that TypeScript does not know. */
 interface Pickers {
@@ -10,7 +10,7 @@ const pickers = window as unknown as Pickers;
 export const picksFiles = () => pickers.showSaveFilePicker !== undefined;
 export const picksFolders = () => pickers.showDirectoryPicker !== undefined;
 
-/** Asks for a file to write; null where the browser has no such question. Must be called when the person has just clicked. */
+/** Asks for a file to write; null if the browser has no such dialog. Browsers allow it only right after a click. */
 export async function askForFile(suggestedName: string, mime: string): Promise<FileSystemFileHandle | null> {
     const extension = `.${suggestedName.split(".").at(-1)}`;
     const types = [{ accept: { [mime]: [extension] } }];

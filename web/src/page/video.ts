@@ -25,7 +25,7 @@ let views: OrbitView[] = [];
 let viewed: unknown = null;
 /** The settings and what they would be encoded as; null if no video can be made with them. */
 let offered: { wanted: ReturnType<typeof settings>; format: Format } | null = null;
-/** Ends when the last change of the settings is answered. */
+/** Resolves when `offered` follows the last change of the settings. */
 let telling = Promise.resolve();
 /** Counts changes of the settings, so that the answer about earlier ones is left out. */
 let change = 0;

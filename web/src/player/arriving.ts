@@ -96,7 +96,7 @@ export class Arriving {
             } catch (error) {
                 if (this.control.signal.aborted) throw error;
                 if (this.next !== null) continue;
-                // Whatever is wrong with a part, the whole file may be had.
+                // A host that refuses a part may still send the whole file.
                 if (part) {
                     this.onlyWhole = true;
                     continue;
