@@ -1,6 +1,6 @@
 //! Compression of meshes by meshoptimizer (EXT_meshopt_compression).
 
-use pcmvs_core::{Form, Mesh, export::glb::Compress};
+use pcmvs_core::{Form, export::glb::Compress};
 
 /// The algorithms of meshoptimizer.
 pub struct Meshopt;
@@ -33,31 +33,10 @@ fn encode<const STRIDE: usize>(bytes: &[u8]) -> Vec<u8> {
 }
 
 /// Sorts triangles so that neighbours follow each other, and vertices in the order in which they are used first. Compression
-/// and drawing need that.
-pub fn sort(form: &mut Form) {
+/// and drawing need that. Returns the sorted form.
+pub fn sort(form: Form) -> Form {
     let corners = meshopt::optimize_vertex_cache_strip(form.mesh.triangles.as_flattened(), form.mesh.positions.len());
     let places = meshopt::optimize_vertex_fetch_remap(&corners, form.mesh.positions.len());
     let triangles = corners.as_chunks::<3>().0.iter().map(|t| t.map(|v| places[v as usize])).collect();
-    let Mesh { positions, normals, colours, .. } = &form.mesh;
-    form.mesh = Mesh {
-        positions: moved(positions, &places),
-        normals: moved(normals, &places),
-        colours: moved(colours, &places),
-        triangles,
-    };
-    if let Some(texture) = &mut form.texture {
-        texture.uvs = moved(&texture.uvs, &places);
-    }
-}
-
-/// Items at their new places. Those without a place, which no triangle uses, are dropped.
-fn moved<T: Copy + Default>(items: &[T], places: &[u32]) -> Vec<T> {
-    let used = places.iter().filter(|&&place| place != u32::MAX).count();
-    let mut out = vec![T::default(); if items.is_empty() { 0 } else { used }];
-    for (&item, &place) in items.iter().zip(places) {
-        if place != u32::MAX {
-            out[place as usize] = item;
-        }
-    }
-    out
+    form.reordered(&places, triangles)
 }

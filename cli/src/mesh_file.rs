@@ -92,7 +92,7 @@ impl MeshFile {
         }
         let mut form = frame.form(&self.form, threads, progress)?;
         if self.compress {
-            compress::sort(&mut form);
+            form = compress::sort(form);
         }
         let compress = self.compress.then_some(&Meshopt as &dyn glb::Compress);
         Ok(Made {

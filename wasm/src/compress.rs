@@ -2,7 +2,7 @@
 
 use crate::error::Failed;
 use js_sys::{Array, Uint8Array, Uint32Array};
-use pcmvs_core::{Form, Mesh, export::glb::Compress};
+use pcmvs_core::{Form, export::glb::Compress};
 use std::cell::RefCell;
 use wasm_bindgen::prelude::*;
 
@@ -74,19 +74,7 @@ impl<'a> Meshopt<'a> {
         let found = self.encoder.reorder_mesh(&corners, true, true)?;
         let places = found.get(0).dyn_into::<Uint32Array>().map(|places| places.to_vec());
         let places = places.map_err(|_| Failed::input("`compress` is not the MeshoptEncoder of meshoptimizer"))?;
-        let used = found.get(1).as_f64().unwrap_or(0.0) as usize;
-        let Mesh { positions, normals, colours, .. } = &form.mesh;
-        let mut texture = form.texture.clone();
-        if let Some(texture) = &mut texture {
-            texture.uvs = moved(&texture.uvs, &places, used);
-        }
-        let mesh = Mesh {
-            positions: moved(positions, &places, used),
-            normals: moved(normals, &places, used),
-            colours: moved(colours, &places, used),
-            triangles: corners.to_vec().as_chunks::<3>().0.to_vec(),
-        };
-        Ok(Form { mesh, texture })
+        Ok(form.clone().reordered(&places, corners.to_vec().as_chunks::<3>().0.to_vec()))
     }
 
     fn kept(&self, made: Result<Uint8Array, JsValue>) -> Vec<u8> {
@@ -111,15 +99,4 @@ impl Compress for Meshopt<'_> {
         let count = corners.length() as usize;
         self.kept(self.encoder.encode_index_buffer(&Uint8Array::new(&corners.buffer()), count, size_of::<u32>()))
     }
-}
-
-/// Items at their new places. Those without a place, which no triangle uses, are dropped.
-fn moved<T: Copy + Default>(items: &[T], places: &[u32], used: usize) -> Vec<T> {
-    let mut out = vec![T::default(); if items.is_empty() { 0 } else { used }];
-    for (&item, &place) in items.iter().zip(places) {
-        if let Some(slot) = out.get_mut(place as usize) {
-            *slot = item;
-        }
-    }
-    out
 }

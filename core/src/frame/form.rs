@@ -12,7 +12,7 @@ use crate::{
     stage::Stage,
     texture::{self, Texture, TextureParams, texture},
 };
-use alloc::{borrow::Cow, format, vec::Vec};
+use alloc::{borrow::Cow, format, vec, vec::Vec};
 use core::ops::Deref;
 use glam::Vec3;
 
@@ -52,6 +52,35 @@ impl Form {
         progress.on_stage_end(Stage::Form);
         Ok(Self { mesh: mesh?, texture: None })
     }
+
+    /// The same form with its vertices in another order, as compression and drawing prefer it. `places` has the new number of each
+    /// vertex, or `u32::MAX` for one that no triangle uses, which is dropped. `triangles` have the new numbers.
+    #[must_use]
+    pub fn reordered(mut self, places: &[u32], triangles: Vec<[u32; 3]>) -> Self {
+        let Mesh { positions, normals, colours, .. } = &self.mesh;
+        let mesh = Mesh {
+            positions: reordered(positions, places),
+            normals: reordered(normals, places),
+            colours: reordered(colours, places),
+            triangles,
+        };
+        if let Some(texture) = &mut self.texture {
+            texture.uvs = reordered(&texture.uvs, places);
+        }
+        Self { mesh, ..self }
+    }
+}
+
+/// Items of vertices at their new places.
+fn reordered<T: Copy + Default>(items: &[T], places: &[u32]) -> Vec<T> {
+    let used = places.iter().filter(|&&place| place != u32::MAX).count();
+    let mut out = vec![T::default(); if items.is_empty() { 0 } else { used }];
+    for (&item, &place) in items.iter().zip(places) {
+        if let Some(slot) = out.get_mut(place as usize) {
+            *slot = item;
+        }
+    }
+    out
 }
 
 impl<R: Deref<Target = Rig> + Sync> Frame<R> {
