@@ -12,7 +12,7 @@ const PHONE = { viewport: { width: 390, height: 844 }, hasTouch: true, isMobile:
 
 test("before anything is opened, the page says what it is and what to bring", async (t) => {
     const { page, problems, shot } = await open(t);
-    await page.waitForFunction(() => document.body.dataset.preset === "sketch");
+    await page.waitForFunction(() => performance.getEntriesByName("shown-sketch").length > 0);
     const intro = await text(page, "intro");
     for (const word of [/photographs/, /calibration/, /silhouettes/, /COLMAP/, /Nothing leaves this computer/])
         assert.match(intro, word);

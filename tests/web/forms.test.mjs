@@ -5,7 +5,7 @@ import { readFileSync, writeFileSync } from "node:fs";
 import { join } from "node:path";
 import { test } from "node:test";
 import { capture, folder, scene } from "./captures.mjs";
-import { download, drive, pcmvs, run, same, sample, text } from "./site.mjs";
+import { cancelAt, download, drive, pcmvs, run, same, sample, text } from "./site.mjs";
 
 const pkg = new URL("../../wasm/pkg/", import.meta.url);
 const encoder = new URL("../../web/node_modules/meshoptimizer/meshopt_encoder.js", import.meta.url);
@@ -211,14 +211,8 @@ test("the full mesh can be compressed, and a capture without `up` cannot be turn
 test("a run that is cancelled while forms are made stops", async (t) => {
     const { page } = await openWith(t, capture([0, 1]));
     await page.selectOption("#result", "textured");
-    await page.click("#run");
-    await page.waitForFunction(() => {
-        const isMaking = /making the result/.test(document.getElementById("status").textContent);
-        // Clicked by the page itself, before the form is made.
-        if (isMaking) document.getElementById("cancel").click();
-        return isMaking;
-    });
-    await page.waitForFunction(() => document.body.dataset.state === "cancelled");
+    await cancelAt(page, { status: "making the result" });
+    assert.equal(await page.getAttribute("body", "data-state"), "cancelled");
     assert.match(await text(page, "status"), /^Cancelled/);
     // Another run is not disturbed.
     await run(page);

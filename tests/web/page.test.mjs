@@ -232,7 +232,7 @@ test("a frame that fails is left out of its neighbours' averages, as by the comm
 
 test("cancelling keeps what is finished, and a run can start again", async (t) => {
     const { page, problems, shot } = await open(t);
-    await page.waitForFunction(() => document.body.dataset.preset === "sketch");
+    await page.waitForFunction(() => performance.getEntriesByName("shown-sketch").length > 0);
     await page.click("#cancel");
     assert.match(await text(page, "status"), /^Cancelled/);
     await page.waitForTimeout(1500);

@@ -4,7 +4,7 @@ import { writeFileSync } from "node:fs";
 import { join } from "node:path";
 import { test } from "node:test";
 import { capture, folder } from "./captures.mjs";
-import { dist, download, drive, launch, openFolder, openPage, run, same, text } from "./site.mjs";
+import { cancelAt, dist, download, drive, launch, openFolder, openPage, run, same, text } from "./site.mjs";
 
 const { open, openWith } = drive();
 
@@ -150,7 +150,7 @@ test("what cannot be opened does not stop a run", async (t) => {
     const { page, problems } = await openWith(t, capture([0, 1]));
     await page.selectOption("#preset", "preview");
     await page.click("#run");
-    await page.waitForFunction(() => document.body.dataset.preset === "sketch");
+    await page.waitForFunction(() => performance.getEntriesByName("shown-sketch").length > 0);
     const bad = join(folder(), "bad.zip");
     writeFileSync(bad, "none");
     await page.setInputFiles("#file-input", bad);
@@ -219,9 +219,7 @@ test("a sketch or a preview on the way is no result, and is not exported", async
     const exports = () =>
         page.$$eval("#export-glb, #export-zip, #export-ply, #export-png", (all) => all.map((one) => one.disabled));
     for (const level of ["sketch", "preview"]) {
-        await page.click("#run");
-        await page.waitForFunction((level) => document.body.dataset.preset === level, level, { timeout: 60_000 });
-        await page.click("#cancel");
+        await cancelAt(page, { preset: level });
         assert.deepEqual(await exports(), [true, true, true, true], level);
         assert.equal(await page.locator("#cells i[data-state=made]").count(), 0);
         // Not even if it is what is chosen by now.

@@ -122,6 +122,29 @@ export async function run(page) {
     await ended(page);
 }
 
+/**
+ * Starts a run, and cancels it once a mesh of `preset` is shown or the status has the words of `status`. The page itself
+ * does so in that moment: Playwright looks only when a picture is drawn, and misses what is short.
+ */
+export const cancelAt = (page, { preset, status: words }) =>
+    page.evaluate(
+        ([preset, words]) =>
+            new Promise((resolve) => {
+                const status = document.getElementById("status");
+                const observer = new MutationObserver(() => {
+                    if (preset && document.body.dataset.preset !== preset) return;
+                    if (words && !status.textContent.includes(words)) return;
+                    observer.disconnect();
+                    document.getElementById("cancel").click();
+                    resolve();
+                });
+                observer.observe(document.body, { attributeFilter: ["data-preset"] });
+                observer.observe(status, { childList: true, characterData: true, subtree: true });
+                document.getElementById("run").click();
+            }),
+        [preset, words],
+    );
+
 /** Starts a check of the calibration and waits until it ends. */
 export async function check(page) {
     await page.click("#check");
