@@ -3,6 +3,7 @@
 use crate::{
     fingerprint::{Fingerprint, sha256},
     json,
+    kept::Kept,
     mesh_file::{Made, MeshFile},
     output,
     progress::{Console, FrameProgress},
@@ -72,10 +73,15 @@ pub struct Own<'a> {
 }
 
 impl Own<'_> {
-    /// The mesh of the frame alone.
-    pub fn mesh(&self) -> &Mesh {
-        self.made.own_mesh()
+    /// A copy of what its neighbours need of it.
+    pub fn kept(&self) -> Kept {
+        Kept { mesh: self.made.own_mesh().clone(), overruled: self.made.overruled() }
     }
+}
+
+/// Whether a warning of this code is about files that do not exist.
+fn is_about_files(code: &str) -> bool {
+    code.starts_with("missing-")
 }
 
 impl Job<'_> {
@@ -177,11 +183,16 @@ impl Job<'_> {
         })
     }
 
-    /// Writes warnings to the terminal and keeps them.
-    fn warn(&self, kept: &mut Vec<WarningReport>, warnings: Vec<WarningReport>) {
-        for warning in &warnings {
+    /// Writes warnings to the terminal.
+    pub fn say(&self, warnings: &[WarningReport]) {
+        for warning in warnings {
             self.console.warn(warning);
         }
+    }
+
+    /// Writes warnings to the terminal and keeps them.
+    fn warn(&self, kept: &mut Vec<WarningReport>, warnings: Vec<WarningReport>) {
+        self.say(&warnings);
         kept.extend(warnings);
     }
 
@@ -203,7 +214,8 @@ impl Job<'_> {
         same && (!self.stages || self.stages_folder(earlier.index).is_dir())
     }
 
-    /// Reconstructs a frame by itself. Warnings are written to the terminal and added to `warnings`, also if the frame fails.
+    /// Reconstructs a frame by itself. Warnings are added to `warnings`, also if the frame fails, and are not yet written to the
+    /// terminal ([`Self::say`]), because the frame may be made again ([`Self::restored`]).
     pub fn reconstruct<'s>(
         &'s self,
         frame: &'s SceneFrame,
@@ -213,11 +225,8 @@ impl Job<'_> {
         let progress = self.console.frame(frame.index);
         let missing = take(&mut files.missing);
         let missing = missing.into_iter().map(|file| WarningReport::of_missing(file, self.scene, frame));
-        self.warn(warnings, missing.collect());
-        let memory = self.max_memory.map_or_else(Memory::default, Memory::limited);
-        let mut made = Frame::new(self.rig, *self.params, memory);
-        made.keep_intermediates(self.stages);
-        made.keep_views(false);
+        warnings.extend(missing);
+        let mut made = self.empty_frame();
         // Pictures are decoded one after the other, as their views are read, because all of them together take two thirds of
         // the memory of their views.
         let files = files.into_views(self.threads);
@@ -227,12 +236,66 @@ impl Job<'_> {
             give(input.as_ref()).map_err(Problem::Core)
         });
         let result = read.and_then(|()| made.run_stages(self.threads, &progress).map_err(Problem::Core));
-        self.warn(warnings, self.warnings_of(&made, frame, warnings));
+        warnings.extend(self.warnings_of(&made, frame, warnings));
         result.map_err(|problem| match problem {
             Problem::File(failure) => failure,
             Problem::Core(error) => self.scene.explain(&error, Some(frame)),
         })?;
         Ok(Own { frame, made, progress })
+    }
+
+    /// Makes a frame again if it lacks a part that the frames before and after it have, and its pictures show that part. `read`
+    /// reads the files of the frame and of those two. If no picture shows such a part, the frame stays as it is. Otherwise
+    /// `warnings` are replaced by those of the new frame.
+    pub fn restored<'s>(
+        &'s self,
+        own: Own<'s>,
+        neighbours: [&Kept; 2],
+        read: impl FnOnce() -> Result<[FrameFiles<'s>; 3], Failure>,
+        warnings: &mut Vec<WarningReport>,
+    ) -> Result<Own<'s>, Failure> {
+        let frame = own.frame;
+        let explain = |problem| match problem {
+            Problem::File(failure) => failure,
+            Problem::Core(error) => self.scene.explain(&error, Some(frame)),
+        };
+        let may_have = own.made.may_have_lost_part(neighbours.map(Kept::beside), self.threads);
+        if !may_have.map_err(|error| explain(error.into()))? {
+            return Ok(own);
+        }
+        let mut made = self.empty_frame();
+        let files = read()?.map(|files| files.into_views(self.threads));
+        let restored = made.read_views_between(self.threads, &own.progress, |camera, give| {
+            let [own, before, after] = [0, 1, 2].map(|file: usize| files[file].decode(camera));
+            let [own, before, after] = [own?, before?, after?];
+            let [own, before, after] = [&own, &before, &after].map(|view| view.as_ref().map(DecodedView::input));
+            give(own.as_ref(), [before.as_ref(), after.as_ref()]).map_err(Problem::Core)
+        });
+        drop(files);
+        let restored = restored.map_err(explain)?;
+        if restored == 0 {
+            return Ok(own);
+        }
+        // Its memory is needed.
+        let Own { progress, .. } = own;
+        self.console.line(&format!(
+            "frame {} is made again: the frames beside it have a part that {restored} of its silhouettes lack and its pictures show",
+            frame.index
+        ));
+        made.run_stages(self.threads, &progress).map_err(|error| explain(error.into()))?;
+        // What is missing on the disk is missing still.
+        warnings.retain(|warning| is_about_files(&warning.code));
+        warnings.extend(self.warnings_of(&made, frame, warnings));
+        Ok(Own { frame, made, progress })
+    }
+
+    /// A frame without views.
+    fn empty_frame(&self) -> Frame<&Rig> {
+        let memory = self.max_memory.map_or_else(Memory::default, Memory::limited);
+        let mut made = Frame::new(self.rig, *self.params, memory);
+        made.keep_intermediates(self.stages);
+        made.keep_views(false);
+        made
     }
 
     /// The core's warnings about a frame. That a camera has no picture or mask goes without saying where `known` says that

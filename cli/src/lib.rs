@@ -10,6 +10,7 @@ mod frame;
 mod import;
 mod join;
 mod json;
+mod kept;
 mod manifest;
 mod mesh_file;
 mod neighbours;

@@ -1,7 +1,6 @@
 //! Frames that are averaged with their neighbours in time: which frames are made, and when each can be finished.
 
-use crate::{frame::Job, report::FrameReport, warning::WarningReport};
-use pcmvs_core::Mesh;
+use crate::{frame::Job, kept::Kept, report::FrameReport, warning::WarningReport};
 use pcmvs_scene::{Failure, SceneFrame};
 use std::sync::Arc;
 
@@ -48,8 +47,8 @@ pub struct Ready<O> {
     pub place: usize,
     pub own: O,
     pub digest: String,
-    /// The digests of its neighbours and their meshes, of those that have one.
-    pub neighbours: Vec<Option<(String, Arc<Mesh>)>>,
+    /// The digests of its neighbours and what they have kept for it, of those that have a mesh.
+    pub neighbours: Vec<Option<(String, Arc<Kept>)>>,
     pub warnings: Vec<WarningReport>,
 }
 
@@ -63,7 +62,7 @@ enum State<O> {
     /// It has not been reconstructed yet.
     Open,
     /// It has been reconstructed by itself. `own` is there until it is finished.
-    Made { own: Option<Box<(O, Vec<WarningReport>)>>, digest: String, mesh: Arc<Mesh> },
+    Made { own: Option<Box<(O, Vec<WarningReport>)>>, digest: String, kept: Arc<Kept> },
     /// It has failed.
     Failed,
     /// Neither it nor any of its neighbours needs it any more.
@@ -81,18 +80,18 @@ impl<'a, O> Waiting<'a, O> {
         self.ready_around(place)
     }
 
-    /// Notes that a frame has been reconstructed. `mesh` is the copy that its neighbours are averaged with. Returns the frames
+    /// Notes that a frame has been reconstructed. `kept` is the copy that its neighbours are averaged with. Returns the frames
     /// that can be finished now: itself, or frames beside it.
     pub fn made(
         &mut self,
         place: usize,
         own: O,
-        mesh: Mesh,
+        kept: Kept,
         digest: String,
         warnings: Vec<WarningReport>,
     ) -> Vec<Ready<O>> {
         let own = self.plan[place].is_asked.then(|| Box::new((own, warnings)));
-        self.states[place] = State::Made { own, digest, mesh: Arc::new(mesh) };
+        self.states[place] = State::Made { own, digest, kept: Arc::new(kept) };
         self.ready_around(place)
     }
 
@@ -117,7 +116,7 @@ impl<'a, O> Waiting<'a, O> {
         let State::Made { own, digest, .. } = &mut self.states[place] else { return None };
         let ((own, warnings), digest) = (*own.take()?, digest.clone());
         let result = |&other: &usize| match &self.states[other] {
-            State::Made { digest, mesh, .. } => Some((digest.clone(), Arc::clone(mesh))),
+            State::Made { digest, kept, .. } => Some((digest.clone(), Arc::clone(kept))),
             State::Open | State::Failed | State::Gone => None,
         };
         Some(Ready { place, own, digest, neighbours: neighbours.iter().map(result).collect(), warnings })
@@ -180,7 +179,7 @@ mod tests {
                 let ready = if fails == Some(place) {
                     waiting.failed(place)
                 } else {
-                    waiting.made(place, place as u32, Mesh::default(), place.to_string(), Vec::new())
+                    waiting.made(place, place as u32, Kept::default(), place.to_string(), Vec::new())
                 };
                 finished.extend(ready.into_iter().map(|ready| (ready.own, ready.neighbours.iter().flatten().count())));
                 // The frame that waits for the next one, and the one beside it.

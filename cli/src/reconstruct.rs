@@ -5,8 +5,9 @@ use crate::{
     at_once::AtOnce,
     calibration,
     fingerprint::Fingerprint,
-    frame::Job,
+    frame::{Job, Own},
     json,
+    kept::Kept,
     manifest::Manifest,
     mesh_file::MeshFile,
     neighbours::{self, Planned, Ready, Waiting},
@@ -219,7 +220,7 @@ fn make_missing<'a>(job: &'a Job<'a>, kept: &[u32], outcome: Outcome<'a>) -> Out
     // Frames are read one after another, in their order, because that is how videos are read. No other work of the pool is
     // done meanwhile, which could wait for the same lock.
     let turn = Mutex::new(0);
-    let at_once = AtOnce::new(job.rig, job.params);
+    let at_once = AtOnce::new(job.rig, job.params, if job.alone { 0 } else { job.threads.count() });
     if let Some(text) = at_once.explanation(job.threads.count(), plan.len()) {
         job.console.line(&text);
     }
@@ -239,10 +240,14 @@ fn make_missing<'a>(job: &'a Job<'a>, kept: &[u32], outcome: Outcome<'a>) -> Out
         let ready = match own {
             Ok((own, digest)) => {
                 // The frame's own mesh goes with it when it is finished.
-                let mesh = if neighbours.is_empty() { Mesh::default() } else { own.mesh().clone() };
-                lock(&waiting).made(place, own, mesh, digest, warnings)
+                let kept = if neighbours.is_empty() { Kept::default() } else { own.kept() };
+                if !is_asked {
+                    job.say(&warnings);
+                }
+                lock(&waiting).made(place, own, kept, digest, warnings)
             }
             Err(failure) => {
+                job.say(&warnings);
                 if is_asked {
                     lock(&outcome).add(index, Err(failure), warnings);
                 } else if failure != Failure::Cancelled {
@@ -255,17 +260,42 @@ fn make_missing<'a>(job: &'a Job<'a>, kept: &[u32], outcome: Outcome<'a>) -> Out
             let frame = plan[place].frame;
             let fingerprint =
                 job.fingerprint(&digest, neighbours.iter().map(|n| n.as_ref().map(|(digest, _)| digest.clone())));
-            let meshes: Vec<&Mesh> = neighbours.iter().flatten().map(|(_, mesh)| &**mesh).collect();
+            let beside: Vec<&Kept> = neighbours.iter().flatten().map(|(_, kept)| &**kept).collect();
             let done = guarded(frame.index, || {
                 if job.console.is_cancelled() {
                     return Err(Failure::Cancelled);
                 }
-                job.finish(own, &meshes, fingerprint, &mut warnings)
+                with_lost_part(job, &plan, place, own, &beside, &turn, &mut warnings)
+            });
+            job.say(&warnings);
+            let done = done.and_then(|own| {
+                let meshes: Vec<&Mesh> = beside.iter().map(|kept| &kept.mesh).collect();
+                guarded(frame.index, || job.finish(own, &meshes, fingerprint, &mut warnings))
             });
             lock(&outcome).add(frame.index, done, warnings);
         }
     });
     outcome.into_inner().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// Makes a frame again if it lacks a part that the frames before and after it have, and its pictures show that part. The
+/// result depends on these three frames alone. `turn` is held while files are read.
+fn with_lost_part<'a>(
+    job: &'a Job<'a>,
+    plan: &[Planned<'a>],
+    place: usize,
+    own: Own<'a>,
+    beside: &[&Kept],
+    turn: &Mutex<usize>,
+    warnings: &mut Vec<WarningReport>,
+) -> Result<Own<'a>, Failure> {
+    let Planned { frame, ref neighbours, .. } = plan[place];
+    let (&[before, after], &[kept_before, kept_after]) = (&neighbours[..], beside) else { return Ok(own) };
+    let read = || {
+        let _turn = lock(turn);
+        Ok([job.read(frame)?, job.read(plan[before].frame)?, job.read(plan[after].frame)?])
+    };
+    job.restored(own, [kept_before, kept_after], read, warnings)
 }
 
 /// Locks a value. A panic in another frame has not left it half-changed.

@@ -7,7 +7,12 @@ use std::fs;
 
 /// The capture with its frames as a range.
 fn with_range(cameras: usize, frames: u32) -> Capture {
-    let mut capture = Capture::new(cameras, frames);
+    enlarged_with_range(cameras, frames, 1)
+}
+
+/// The same with pictures that are this many times as wide and high.
+fn enlarged_with_range(cameras: usize, frames: u32, scale: u32) -> Capture {
+    let mut capture = Capture::enlarged(cameras, frames, scale);
     capture.scene["frames"] = json!({ "first": 0, "last": frames - 1 });
     capture.scene["images"] = json!("images/{camera}_{frame}.png");
     capture.scene["masks"] = json!("masks/{camera}_{frame}.png");
@@ -243,4 +248,58 @@ fn a_frame_whose_neighbour_fails_is_made_without_it() {
     // Once it can be made, its neighbours are made again.
     fs::write(&picture, bytes).unwrap();
     assert!(meshes(&capture, &[], &[0, 1, 2, 3]) == whole);
+}
+
+/// The upper part of the ball is missing in all masks of one frame, and shown by all of its pictures.
+#[test]
+fn a_part_that_the_masks_of_one_frame_lack_comes_back_from_the_frames_beside_it() {
+    let (capture, all) = (enlarged_with_range(8, 4, 3), [0, 1, 2, 3]);
+    // A ball of few colours, such as a limb has, before a wall that is not as plain as that of pictures that are cut out.
+    for name in (0..8).flat_map(|camera| all.map(|frame| format!("cam{camera:02}_{frame}.png"))) {
+        let path = capture.path(&format!("images/{name}"));
+        let mut picture = image::open(&path).unwrap().into_rgb8();
+        let mask = image::open(capture.path(&format!("masks/{name}"))).unwrap().into_luma8();
+        for (x, y, pixel) in picture.enumerate_pixels_mut() {
+            let [shade, ..] = pixel.0;
+            let colour = [200 + shade / 8, 140 + shade / 8, 110 + shade / 8];
+            let wall = 40 + ((7 * x + 13 * y) % 11) as u8;
+            pixel.0 = if mask.get_pixel(x, y).0[0] > 0 { colour } else { [wall; 3] };
+        }
+        picture.save(&path).unwrap();
+    }
+    let complete = meshes(&capture, &["--threads", "1"], &all);
+    assert_eq!(warnings(&capture), [Value::Null; 0]);
+    let highest = |report: &Value| report["frames"][2]["bounds"][1][2].as_f64().unwrap();
+    let report = || -> Value { serde_json::from_slice(&fs::read(capture.path("out/report.json")).unwrap()).unwrap() };
+    let top = highest(&report());
+    for camera in 0..8 {
+        let path = capture.path(&format!("masks/cam{camera:02}_2.png"));
+        let mut mask = image::open(&path).unwrap().into_luma8();
+        mask.enumerate_pixels_mut().filter(|(_, y, _)| *y < 60).for_each(|(_, _, pixel)| pixel.0[0] = 0);
+        mask.save(&path).unwrap();
+    }
+    let alone = meshes(&capture, &["--alone"], &[2]);
+    assert!(highest(&report()) < top - 0.2, "{} instead of {top}", highest(&report()));
+    // The terminal tells of what was written, and nothing of the attempt before.
+    let output = capture.run(&["--threads", "1"]);
+    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    let message = stderr(&output);
+    assert!(message.contains("frame 2 is made again"), "{message}");
+    let said = message.matches("warning: ").count();
+    assert_eq!(said, warnings(&capture).len(), "{message}");
+    assert_eq!(message.matches("in the frames before and after").count(), said, "{message}");
+    let restored = meshes(&capture, &["--threads", "1"], &all);
+    assert!((highest(&report()) - top).abs() < 0.1, "{} instead of {top}", highest(&report()));
+    assert!(restored[2] != alone[0]);
+    assert!(restored[0] == complete[0], "a frame that is not beside it has changed");
+    let found = warnings(&capture);
+    assert!(found.len() >= 6, "{found:?}");
+    for warning in found {
+        assert_eq!((&warning["code"], &warning["frame"]), (&json!("silhouette-restored"), &json!(2)));
+        assert!(warning["message"].as_str().unwrap().contains("_2.png"));
+    }
+    for arguments in [&["--threads", "2"][..], &["--frames", "2"]] {
+        fs::remove_dir_all(capture.path("out")).unwrap();
+        assert!(meshes(&capture, arguments, &[2])[0] == restored[2], "{arguments:?}");
+    }
 }

@@ -117,6 +117,7 @@ pub mod image;
 mod left_out;
 mod lens;
 mod linear;
+pub mod lost_part;
 mod math;
 pub mod memory;
 pub mod merge;

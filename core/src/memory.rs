@@ -22,7 +22,8 @@
 //!
 //! 96 L is for reading views. Of a figure with a clean contour this takes 30 bytes per pixel, or 35 where the lens distorts.
 //! A matte with nearly as much contour as is still refined takes 83 to 88, or 86 to 90 if it comes from a clean plate. On
-//! several threads, each thread takes this much while it reads views.
+//! several threads, each thread takes this much while it reads views. A frame that is read with those before and after it
+//! ([`crate::Frame::view_between`]) takes 21 L more, on each thread.
 
 use crate::{
     error::Result,
@@ -42,6 +43,9 @@ use crate::{
 const SEARCH: u64 = 16 << 20;
 /// Bytes per pixel of the largest view for reading it: silhouette, distances and contour.
 const READING: u64 = 96;
+/// Bytes per pixel of the largest view for those of the frames before and after, and for the pixels that a silhouette lacks: two
+/// views, three marks per pixel and a list of them, and the silhouette as it was.
+const BETWEEN: u64 = 2 * PER_PIXEL + 9;
 /// Bytes per vertex of the final mesh: grids and samples of the Poisson solver, the mesh and its colours.
 const PER_VERTEX: f64 = 640.0;
 /// Bytes per block of the bounding box of the Poisson solver's grid: the tables of its levels and of the blocks to come.
@@ -190,6 +194,22 @@ pub(crate) fn check_steady(
     let vertices = |mesh: &Mesh| mesh.positions.len() as u64;
     let largest = neighbours.iter().map(|mesh| vertices(mesh)).max().unwrap_or(0);
     within(|| frame() + PER_STEADY_VERTEX * (vertices(mesh) + largest), limit)
+}
+
+/// Bytes that a thread needs besides while it reads a view together with those of the frames before and after
+/// ([`crate::Frame::view_between`]).
+pub fn between(rig: &Rig, params: &Params) -> u64 {
+    let octave = params.reading.octave;
+    let sizes = rig.cameras().iter().map(|c| u64::from(c.width >> octave) * u64::from(c.height >> octave));
+    BETWEEN * sizes.max().unwrap_or(0)
+}
+
+/// Refuses all frames of a rig that are read with those before and after, if the views alone need more than `limit` bytes.
+///
+/// # Errors
+/// [`crate::Error::OutOfMemory`].
+pub(crate) fn check_rig_between(rig: &Rig, params: &Params, limit: Option<u64>) -> Result<()> {
+    within(|| smallest(rig, params) + between(rig, params), limit)
 }
 
 /// Refuses all frames of a rig if the views alone need more than `limit` bytes.

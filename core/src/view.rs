@@ -8,6 +8,7 @@ use crate::{
     hash::Hash64,
     image::{self, ImageRef},
     left_out::LeftOut,
+    lost_part::{Shown, lost_pixels},
     reading::{ReadingParams, Reduced},
     rig::Rig,
     silhouette::{
@@ -63,6 +64,8 @@ pub struct View {
     pub given: Option<Arc<Silhouette>>,
     /// Number of pixels by which the other views have completed the silhouette.
     pub added: u32,
+    /// Number of pixels by which the frames before and after have completed the silhouette as it was given.
+    pub restored: u32,
     /// Whether the object has been cut out of the picture, so that it shows nothing outside the silhouette as it was given.
     pub cut_out: bool,
     /// What the picture shows around the contour of the silhouette as it was given.
@@ -131,6 +134,7 @@ impl View {
             silhouette,
             given: None,
             added: 0,
+            restored: 0,
             cut_out: false,
             edge: None,
             left_out: None,
@@ -162,6 +166,41 @@ impl View {
     pub(crate) fn take_back(&mut self) {
         self.silhouette = self.given.take().or(self.silhouette.take());
         self.added = 0;
+    }
+
+    /// Adds to the silhouette the parts that it lacks and that the same camera's views in the frames before and after have, if
+    /// the picture shows them ([`crate::lost_part`]). The contour then moves to where the photograph has it once more.
+    pub(crate) fn restore(
+        &mut self,
+        neighbours: [&Self; 2],
+        contour: Option<&ContourParams>,
+        scratch: &mut ViewScratch,
+    ) {
+        fn shown(view: &View) -> Option<Shown<'_>> {
+            let silhouette = view.silhouette.as_deref().filter(|_| view.is_used() && !view.cut_out)?;
+            Some(Shown { rgb: &view.rgb, silhouette })
+        }
+        let size = |view: &Self| (view.octave, view.camera.width, view.camera.height);
+        if neighbours.iter().any(|other| size(other) != size(self)) {
+            return;
+        }
+        let (Some(own), [Some(before), Some(after)]) = (shown(self), neighbours.map(shown)) else { return };
+        let Some(lost) = lost_pixels(own, [before, after]) else { return };
+        let old = own.silhouette;
+        let refined = contour.and_then(|params| {
+            let known = |i: usize| old.distances()[i] != Silhouette::UNKNOWN;
+            let mut coverage = old.coverage_with(&lost);
+            let (w, scratch) = (self.camera.width as usize, &mut scratch.contour);
+            let (uncertainty, moved) =
+                refine(w, &self.rgb, &mut coverage, known, params, scratch, Uncertainty::default())?;
+            let made =
+                Silhouette::with_buffers(old.width, old.height, &coverage, known, &mut scratch.distance, Vec::new());
+            Some((made.ok()?.with_uncertainty(Some(uncertainty)), moved))
+        });
+        let (silhouette, moved) = refined.unwrap_or_else(|| (old.with_added(&lost), Moved::default()));
+        self.restored = lost.iter().filter(|&&is_lost| is_lost).count() as u32;
+        self.edge = ContourEdge::new(&self.rgb, &silhouette, self.octave, moved);
+        self.silhouette = Some(Arc::new(silhouette));
     }
 
     /// A window of the view: of its picture, if it has one, and of its silhouettes.

@@ -73,6 +73,7 @@ impl Scene {
                 | Warning::MaskInverted { .. }
                 | Warning::SilhouetteSetAside { .. }
                 | Warning::SilhouetteCompleted { .. }
+                | Warning::SilhouetteRestored { .. }
                 | Warning::SilhouetteDisagrees { .. }
                 | Warning::Contour(_) => self.made_of(frame, camera),
                 Warning::CameraContradicts { .. }

@@ -102,6 +102,7 @@ impl<R: Deref<Target = Rig>> Frame<R> {
                 }
             }),
             None if view.is_set_aside() => Some(Warning::SilhouetteSetAside { camera, overlap }),
+            None if view.restored > 0 => Some(Warning::SilhouetteRestored { camera, pixels: view.restored }),
             None if view.added > 0 => Some(Warning::SilhouetteCompleted { camera, pixels: view.added }),
             _ => of_view(view, camera),
         }

@@ -202,6 +202,37 @@ impl<R: Deref<Target = Rig> + Sync> Frame<R> {
         read.into_iter().collect()
     }
 
+    /// [`Frame::read_views`] with the pictures of the frames before and after ([`Frame::view_between`]). `read` passes a camera's
+    /// picture and the other two, of which either may be missing. Returns the number of cameras whose silhouettes got something
+    /// added.
+    ///
+    /// # Errors
+    /// As for [`Frame::read_views`].
+    pub fn read_views_between<E: From<Error> + Send>(
+        &self,
+        executor: &dyn Executor,
+        progress: &dyn Progress,
+        read: impl Fn(
+            usize,
+            &dyn Fn(Option<&ViewInput>, [Option<&ViewInput>; 2]) -> Result<u32>,
+        ) -> core::result::Result<u32, E>
+        + Sync,
+    ) -> core::result::Result<u32, E> {
+        memory::check_rig_between(self.rig(), self.params(), self.memory.limit())?;
+        progress.on_stage_start(Stage::Views);
+        let read = executor.map(self.cameras(), |camera| {
+            read(camera, &|input, neighbours| match (input, neighbours) {
+                (Some(input), [Some(before), Some(after)]) => {
+                    self.read_view_between(camera, input, [before, after], progress)
+                }
+                (Some(input), _) => self.read_view(camera, input, progress).map(|()| 0),
+                (None, _) => self.without_picture(camera).map(|()| 0),
+            })
+        });
+        progress.on_stage_end(Stage::Views);
+        read.into_iter().try_fold(0, |cameras, pixels| Ok(cameras + u32::from(pixels? > 0)))
+    }
+
     /// Runs all stages, once every camera has its view.
     ///
     /// # Errors

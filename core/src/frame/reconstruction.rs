@@ -22,6 +22,8 @@ pub struct Reconstruction {
     pub warnings: Vec<Warning>,
     /// How well each camera's view agrees with the others, in the order in which the cameras were given.
     pub diagnostics: Vec<ViewDiagnostics>,
+    /// The cameras whose silhouettes the other views have overruled ([`crate::Frame::overruled`]).
+    pub overruled: Vec<u32>,
     /// The results of the stages before the final mesh.
     pub intermediates: Intermediates,
 }

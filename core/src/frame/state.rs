@@ -207,6 +207,50 @@ impl<R: Deref<Target = Rig>> Frame<R> {
         Ok(())
     }
 
+    /// [`Frame::view`] with the same camera's pictures in the frames before and after: parts that the silhouette lacks and those
+    /// of both other frames have are added to it, if the picture shows them ([`crate::lost_part`]). Returns the number of pixels
+    /// that were added.
+    ///
+    /// # Errors
+    /// Those of [`Frame::view`], also about the other frames' pictures.
+    pub fn view_between(
+        &self,
+        camera: usize,
+        input: &ViewInput,
+        neighbours: [&ViewInput; 2],
+        progress: &dyn Progress,
+    ) -> Result<u32> {
+        progress.on_stage_start(Stage::Views);
+        let result = self.read_view_between(camera, input, neighbours, progress);
+        progress.on_stage_end(Stage::Views);
+        result
+    }
+
+    pub(super) fn read_view_between(
+        &self,
+        camera: usize,
+        input: &ViewInput,
+        neighbours: [&ViewInput; 2],
+        progress: &dyn Progress,
+    ) -> Result<u32> {
+        memory::check_rig_between(&self.rig, &self.params, self.memory.limit())?;
+        self.read_view(camera, input, progress)?;
+        let place = self.open_place(camera)?;
+        let (contour, reading) = (self.params.contour.as_ref(), &self.params.reading);
+        let make = |other, scratch: &mut _| {
+            View::with_buffers(&self.rig, camera, other, contour, reading, scratch, Buffers::default())
+        };
+        let [before, after] = neighbours.map(|other| self.memory.view_scratch.with(|scratch| make(other, scratch)));
+        let (before, after) = (before?, after?);
+        let mut slot = self.incoming[place].lock();
+        let Some(mut view) = slot.take() else { return Ok(0) };
+        drop(slot);
+        self.memory.view_scratch.with(|scratch| view.restore([&before, &after], contour, scratch));
+        let restored = view.restored;
+        *self.incoming[place].lock() = Some(view);
+        Ok(restored)
+    }
+
     /// Detects the points of one view (§4.1 to §4.3). `camera` is the camera's index in [`Rig::cameras`].
     ///
     /// # Errors
@@ -401,11 +445,11 @@ impl<R: Deref<Target = Rig>> Frame<R> {
 
     /// Returns the result. Call it when all stages are complete.
     pub fn into_reconstruction(self) -> Reconstruction {
-        let (warnings, diagnostics) = (self.warnings(), self.diagnostics());
+        let (warnings, diagnostics, overruled) = (self.warnings(), self.diagnostics(), self.overruled());
         let Self { mesh, steadied, hull, gains, counts, hashes, intermediates, .. } = self;
         let mesh = steadied.unwrap_or(mesh);
         let footprint = hull.map_or(0.0, |hull| hull.footprint());
-        Reconstruction { mesh, footprint, gains, counts, hashes, warnings, diagnostics, intermediates }
+        Reconstruction { mesh, footprint, gains, counts, hashes, warnings, diagnostics, overruled, intermediates }
     }
 }
 

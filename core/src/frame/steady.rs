@@ -4,6 +4,7 @@ use super::state::{Frame, no_hull};
 use crate::{
     error::Result,
     executor::Executor,
+    lost_part::{Beside, may_have_lost_part},
     memory,
     point_cloud::Mesh,
     progress::Progress,
@@ -11,7 +12,19 @@ use crate::{
     stage::Stage,
     steady::{SteadyParams, steady},
 };
+use alloc::vec::Vec;
 use core::ops::Deref;
+
+impl<R: Deref<Target = Rig>> Frame<R> {
+    /// The cameras whose silhouettes the other views have overruled, by their index in [`Rig::cameras`], in ascending order:
+    /// they are set aside or have been completed. Empty before the hull is complete.
+    pub fn overruled(&self) -> Vec<u32> {
+        let views = self.views().iter().filter(|view| view.is_set_aside() || view.added > 0);
+        let mut cameras: Vec<u32> = views.map(|view| self.rig.order()[usize::from(view.index)]).collect();
+        cameras.sort_unstable();
+        cameras
+    }
+}
 
 impl<R: Deref<Target = Rig> + Sync> Frame<R> {
     /// Averages the finished mesh with those of neighbouring frames, such as the one before and the one after it: see
@@ -35,6 +48,19 @@ impl<R: Deref<Target = Rig> + Sync> Frame<R> {
         self.steadied = Some(result?);
         self.complete_steady();
         Ok(())
+    }
+
+    /// Whether the frame may have lost a part that the frames before and after it have ([`crate::lost_part`]): its finished mesh
+    /// has no surface near a part that both of theirs have, or its other views have overruled two silhouettes or more that
+    /// those of the neighbours have not overruled. If so, a frame that is made by [`Frame::read_views_between`] has the part, if
+    /// the pictures show it.
+    ///
+    /// # Errors
+    /// [`crate::Error::WrongOrder`] if [`Stage::Colour`] is not complete.
+    pub fn may_have_lost_part(&self, neighbours: [Beside; 2], executor: &dyn Executor) -> Result<bool> {
+        self.require(Stage::Colour)?;
+        let own = Beside { mesh: &self.mesh, overruled: &self.overruled() };
+        Ok(may_have_lost_part(own, neighbours, executor))
     }
 
     fn average(

@@ -65,6 +65,14 @@ pub enum Warning {
         /// Number of pixels that were added.
         pixels: u32,
     },
+    /// A camera's silhouette lacked parts that its silhouettes in the frames before and after have and its picture shows. They
+    /// have been added.
+    SilhouetteRestored {
+        /// Index of the camera.
+        camera: u32,
+        /// Number of pixels that were added.
+        pixels: u32,
+    },
     /// A camera's picture contradicts the other cameras. It is not used.
     CameraContradicts {
         /// Index of the camera.
@@ -134,6 +142,7 @@ impl Warning {
             Self::ObjectBesidePicture { .. } => "object-beside-picture",
             Self::SilhouetteSetAside { .. } => "silhouette-set-aside",
             Self::SilhouetteCompleted { .. } => "silhouette-completed",
+            Self::SilhouetteRestored { .. } => "silhouette-restored",
             Self::CameraContradicts { .. } => "camera-contradicts",
             Self::PicturesExchanged { .. } => "cameras-swapped",
             Self::SilhouetteDisagrees { .. } => "silhouette-disagrees",
@@ -157,6 +166,7 @@ impl Warning {
             | Self::ObjectBesidePicture { camera }
             | Self::SilhouetteSetAside { camera, .. }
             | Self::SilhouetteCompleted { camera, .. }
+            | Self::SilhouetteRestored { camera, .. }
             | Self::CameraContradicts { camera, .. }
             | Self::PicturesExchanged { camera, .. }
             | Self::SilhouetteDisagrees { camera, .. }
@@ -212,6 +222,10 @@ impl Warning {
             Self::SilhouetteCompleted { pixels, .. } => format!(
                 "its silhouette lacked {pixels} pixels that the other views show as object; they have been added: look for \
                  holes in its mask"
+            ),
+            Self::SilhouetteRestored { pixels, .. } => format!(
+                "its silhouette lacked {pixels} pixels that belong to the object in the frames before and after, and that its \
+                 picture shows; they have been added: correct its mask"
             ),
             Self::CameraContradicts { overlap, mask_follows, .. } => format!(
                 "its picture contradicts the other views, which it agrees with to {:.1} %, so that it is not used: {} whether \

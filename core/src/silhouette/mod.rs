@@ -97,20 +97,25 @@ impl Silhouette {
         &self.distance
     }
 
-    /// The same silhouette with the marked pixels added to the object, and those next to them, whose colours are mixed.
-    /// Where nothing changes by more than a pixel, the contour remains exactly as it is.
-    pub(crate) fn with_added(&self, added: &[bool]) -> Self {
+    /// Coverage of the silhouette with the marked pixels added to the object, and those next to them, whose colours are mixed.
+    pub(crate) fn coverage_with(&self, added: &[bool]) -> Vec<u8> {
         let (w, h) = (self.width as usize, self.height as usize);
         let is_added = |x: usize, y: usize| {
             (y.saturating_sub(1)..(y + 2).min(h))
                 .any(|y| (x.saturating_sub(1)..(x + 2).min(w)).any(|x| added[y * w + x]))
         };
-        let coverage: Vec<u8> = (0..w * h)
-            .map(|i| {
-                let inside = f32::from(self.distance[i]) / Self::UNITS + 0.5;
-                if is_added(i % w, i / w) { 255 } else { (inside.clamp(0.0, 1.0) * 255.0) as u8 }
-            })
-            .collect();
+        let pixel = |i: usize| {
+            let inside = f32::from(self.distance[i]) / Self::UNITS + 0.5;
+            if is_added(i % w, i / w) { 255 } else { (inside.clamp(0.0, 1.0) * 255.0) as u8 }
+        };
+        (0..w * h).map(pixel).collect()
+    }
+
+    /// The same silhouette with the marked pixels added to the object, and those next to them. Where nothing changes by more
+    /// than a pixel, the contour remains exactly as it is.
+    pub(crate) fn with_added(&self, added: &[bool]) -> Self {
+        let (w, h) = (self.width as usize, self.height as usize);
+        let coverage = self.coverage_with(added);
         let known = |i: usize| self.distance[i] != Self::UNKNOWN;
         let mut distance = Vec::new();
         distance::signed_distance(w, h, &coverage, known, &mut SilhouetteScratch::default(), &mut distance);

@@ -12,6 +12,7 @@ mod hostile;
 mod hull;
 mod invariance;
 mod left_out;
+mod lost_part;
 mod memory;
 mod robustness;
 mod steady;

@@ -163,3 +163,42 @@ fn reading_views_takes_no_more_than_the_smallest_frame() {
         }
     }
 }
+
+/// Reading views together with those of the frames before and after takes at most what the formula says, whether masks lack a
+/// part or have nearly as much contour as is still refined. A smaller limit is refused.
+#[test]
+fn reading_views_between_others_takes_what_the_formula_says() {
+    let (width, height) = (640, 480);
+    let cameras = Ring { count: 3, ..Ring::default() }.sized(width, height).cameras();
+    let shot = Shot::new(Subject::Figure, &cameras, &Faults::default());
+    let (rig, params) = (shot.rig(), Params::preset(Preset::Default));
+    let mut lacking = shot.clone();
+    for mask in lacking.frame.masks.iter_mut().flatten() {
+        let inside = mask.iter().position(|&v| v > 127).expect("the figure is in the picture");
+        mask[..inside + 80 * width as usize].fill(0);
+    }
+    let stripes: Vec<u8> = (0..width * height).map(|i| if i % width / 7 % 2 == 0 { 255 } else { 90 }).collect();
+    let plain = vec![90; stripes.len()];
+    let gray = |bytes| ImageRef::packed(bytes, width, height, PixelFormat::Gray8);
+    let striped = vec![ViewInput { image: gray(&plain), mask: Mask::Given(gray(&stripes)) }; 3];
+    let read = |memory: Memory, inputs: &[ViewInput], beside: &[ViewInput]| {
+        let frame = Frame::new(&rig, params, memory);
+        frame.read_views_between::<Error>(&Serial, &Silent, |camera, give| {
+            give(Some(&inputs[camera]), [Some(&beside[camera]); 2])
+        })
+    };
+    let needed = memory::smallest(&rig, &params) + memory::between(&rig, &params);
+    for (name, inputs, beside, cameras) in
+        [("lacking", lacking.inputs(), shot.inputs(), 3), ("striped", striped.clone(), striped, 0)]
+    {
+        let mut restored = Ok(0);
+        let (_, taken) = peak_of(|| restored = read(Memory::default(), &inputs, &beside));
+        let per_pixel = (taken as f32 - 18.0 * plain.len() as f32) / plain.len() as f32;
+        println!("{name}: {per_pixel} bytes per pixel of a view besides the views");
+        assert_eq!(restored, Ok(cameras), "{name}");
+        assert!(taken <= needed, "{name}: {taken} bytes allocated, {needed} predicted");
+        let refused = read(Memory::limited(needed - 1), &inputs, &beside);
+        assert_eq!(refused, Err(Error::OutOfMemory { needed, limit: needed - 1 }));
+        assert_eq!(read(Memory::limited(needed), &inputs, &beside), restored);
+    }
+}
