@@ -481,6 +481,70 @@ typedef struct pcmvs_frame pcmvs_frame;
 // may be freed before its frames.
 typedef struct pcmvs_rig pcmvs_rig;
 
+// A picture in the caller's memory. It is read only during the call and never written.
+typedef struct pcmvs_image {
+  // Set by `pcmvs_image_init`.
+  uint32_t struct_size;
+  // A `pcmvs_pixel_format`.
+  uint32_t format;
+  // Width in pixels.
+  uint32_t width;
+  // Height in pixels.
+  uint32_t height;
+  // First byte of the top row.
+  const void *data;
+  // Bytes from one row to the row below it. Negative if the rows are stored from the bottom up. 0 means packed rows.
+  ptrdiff_t stride;
+  // NV12 and P010: first byte of the top row of the Cb, Cr plane. I420: that of the Cb plane.
+  const void *chroma;
+  // Bytes from one row of that plane to the row below it, as for `stride`.
+  ptrdiff_t chroma_stride;
+  // I420 only: first byte of the top row of the Cr plane.
+  const void *cr;
+  // I420 only: bytes from one row of the Cr plane to the row below it, as for `stride`.
+  ptrdiff_t cr_stride;
+  // A `pcmvs_ycbcr`, for formats with luma.
+  uint32_t ycbcr;
+  // Zero.
+  uint32_t reserved;
+} pcmvs_image;
+
+// Parameters that separate the object from a backdrop of one colour. The backdrop need not be evenly lit.
+typedef struct pcmvs_chroma_key {
+  // Set by `pcmvs_chroma_key_init`.
+  uint32_t struct_size;
+  // Approximate colour of the backdrop: red, green, blue in sRGB. The fourth byte is zero.
+  uint8_t rgb[4];
+  // Tolerance in hue, 0 to 1. A pixel belongs to the backdrop if the angle between its colour and the local backdrop's is
+  // smaller than this share of the angle between the backdrop's colour and grey.
+  float tolerance;
+  // Darkest shadow on the backdrop that is recognised, as a share of the local brightness.
+  float darkest_shadow;
+  // Parts of the object that cover less than this share of the picture are removed.
+  float smallest_part;
+  // Holes in the object that cover less than this share of the picture are filled.
+  float smallest_hole;
+} pcmvs_chroma_key;
+
+// One camera's picture and the source of its silhouette. At most one of `mask`, `clean_plate` and `chroma_key` may be set.
+// If none is set, the view has no silhouette and does not carve the hull. If `image` is not set either, the camera has no
+// picture in this frame: the view contributes nothing, which is a warning of the frame.
+typedef struct pcmvs_view {
+  // Set by `pcmvs_view_init`.
+  uint32_t struct_size;
+  // Zero.
+  uint32_t reserved;
+  // The picture. It has the size for which the camera was calibrated. NULL if the camera has none in this frame.
+  const struct pcmvs_image *image;
+  // A mask of the same size, white on the object and black elsewhere. Grey values are coverage; the contour is where the
+  // coverage is one half. May be NULL.
+  const struct pcmvs_image *mask;
+  // A picture that the same camera took without the object. May be NULL.
+  const struct pcmvs_image *clean_plate;
+  // Parameters of a backdrop of one colour. May be NULL.
+  const struct pcmvs_chroma_key *chroma_key;
+} pcmvs_view;
+
 // Allocates `size` bytes, at least 1, at an address that is a multiple of `alignment`, a power of two. Returns NULL if it
 // cannot. The library then takes this block from the C library, and calls that report progress end with
 // `PCMVS_STATUS_OUT_OF_MEMORY` at their next step.
@@ -555,70 +619,6 @@ typedef struct pcmvs_error {
   // What is wrong and what to do about it, in English. UTF-8 with a final zero.
   char message[PCMVS_MESSAGE_SIZE];
 } pcmvs_error;
-
-// A picture in the caller's memory. It is read only during the call and never written.
-typedef struct pcmvs_image {
-  // Set by `pcmvs_image_init`.
-  uint32_t struct_size;
-  // A `pcmvs_pixel_format`.
-  uint32_t format;
-  // Width in pixels.
-  uint32_t width;
-  // Height in pixels.
-  uint32_t height;
-  // First byte of the top row.
-  const void *data;
-  // Bytes from one row to the row below it. Negative if the rows are stored from the bottom up. 0 means packed rows.
-  ptrdiff_t stride;
-  // NV12 and P010: first byte of the top row of the Cb, Cr plane. I420: that of the Cb plane.
-  const void *chroma;
-  // Bytes from one row of that plane to the row below it, as for `stride`.
-  ptrdiff_t chroma_stride;
-  // I420 only: first byte of the top row of the Cr plane.
-  const void *cr;
-  // I420 only: bytes from one row of the Cr plane to the row below it, as for `stride`.
-  ptrdiff_t cr_stride;
-  // A `pcmvs_ycbcr`, for formats with luma.
-  uint32_t ycbcr;
-  // Zero.
-  uint32_t reserved;
-} pcmvs_image;
-
-// Parameters that separate the object from a backdrop of one colour. The backdrop need not be evenly lit.
-typedef struct pcmvs_chroma_key {
-  // Set by `pcmvs_chroma_key_init`.
-  uint32_t struct_size;
-  // Approximate colour of the backdrop: red, green, blue in sRGB. The fourth byte is zero.
-  uint8_t rgb[4];
-  // Tolerance in hue, 0 to 1. A pixel belongs to the backdrop if the angle between its colour and the local backdrop's is
-  // smaller than this share of the angle between the backdrop's colour and grey.
-  float tolerance;
-  // Darkest shadow on the backdrop that is recognised, as a share of the local brightness.
-  float darkest_shadow;
-  // Parts of the object that cover less than this share of the picture are removed.
-  float smallest_part;
-  // Holes in the object that cover less than this share of the picture are filled.
-  float smallest_hole;
-} pcmvs_chroma_key;
-
-// One camera's picture and the source of its silhouette. At most one of `mask`, `clean_plate` and `chroma_key` may be set.
-// If none is set, the view has no silhouette and does not carve the hull. If `image` is not set either, the camera has no
-// picture in this frame: the view contributes nothing, which is a warning of the frame.
-typedef struct pcmvs_view {
-  // Set by `pcmvs_view_init`.
-  uint32_t struct_size;
-  // Zero.
-  uint32_t reserved;
-  // The picture. It has the size for which the camera was calibrated. NULL if the camera has none in this frame.
-  const struct pcmvs_image *image;
-  // A mask of the same size, white on the object and black elsewhere. Grey values are coverage; the contour is where the
-  // coverage is one half. May be NULL.
-  const struct pcmvs_image *mask;
-  // A picture that the same camera took without the object. May be NULL.
-  const struct pcmvs_image *clean_plate;
-  // Parameters of a backdrop of one colour. May be NULL.
-  const struct pcmvs_chroma_key *chroma_key;
-} pcmvs_view;
 
 // Receives progress: `done` of `total` steps of `stage`, a `pcmvs_stage`, are complete. Stages come in their order and
 // `done` never decreases within a stage. Return 0 to continue. Any other value cancels: the call then returns
@@ -936,6 +936,28 @@ uint32_t pcmvs_version(void);
 
 // Returns the version of the running library as text, such as "0.2.0". The string is static.
 const char *pcmvs_version_string(void);
+
+// Finds out whether a finished frame may have lost a part, such as an arm, that the frames before and after it have, because
+// many or all of its masks lack it. Writes 1 to `may_have` if so, otherwise 0. `before` and `after` are other handles of
+// finished frames, of rigs with the same cameras. Their meshes as they were before `pcmvs_frame_steady` count. If the answer
+// is 1, make the frame again on another handle, with `pcmvs_frame_view_between` for every camera. This function reads no
+// pictures, and its answer is nearly always 0. Fails with `PCMVS_STATUS_WRONG_ORDER` unless all frames are complete.
+pcmvs_status pcmvs_frame_may_have_lost_part(const struct pcmvs_frame *frame,
+                                            const struct pcmvs_frame *before,
+                                            const struct pcmvs_frame *after,
+                                            uint32_t *may_have);
+
+// `pcmvs_frame_view` with the same camera's views of the frames before and after. Parts that the silhouette lacks and those of
+// both other frames have are added to it, if the picture shows them: in the part's colours, and different from the background
+// that the other frames show there. Writes the number of pixels that were added to `restored`, which may be NULL. If it is 0
+// for all cameras, the frame has lost nothing. If one of the three views has no picture, nothing is added. May be called on
+// several threads at once, for different cameras.
+pcmvs_status pcmvs_frame_view_between(struct pcmvs_frame *frame,
+                                      uint32_t camera,
+                                      const struct pcmvs_view *view,
+                                      const struct pcmvs_view *before,
+                                      const struct pcmvs_view *after,
+                                      uint32_t *restored);
 
 // Returns the English name of a status for logs, or "unknown" for a number of another version. The string is static.
 const char *pcmvs_status_name(uint32_t status);

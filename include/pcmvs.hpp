@@ -256,6 +256,10 @@ public:
     pcmvs_status try_view(std::uint32_t camera, const pcmvs_view &view) noexcept {
         return pcmvs_frame_view(get(), camera, &view);
     }
+    pcmvs_status try_view_between(std::uint32_t camera, const pcmvs_view &view, const pcmvs_view &before,
+                                  const pcmvs_view &after, std::uint32_t &restored) noexcept {
+        return pcmvs_frame_view_between(get(), camera, &view, &before, &after, &restored);
+    }
     pcmvs_status try_step(std::uint32_t stage) noexcept { return pcmvs_frame_step(get(), stage); }
     pcmvs_status try_hull() noexcept { return pcmvs_frame_hull(get()); }
     pcmvs_status try_contours() noexcept { return pcmvs_frame_contours(get()); }
@@ -266,6 +270,15 @@ public:
     pcmvs_status try_colour() noexcept { return pcmvs_frame_colour(get()); }
 
     pcmvs_status try_form(const pcmvs_form_options &options) noexcept { return pcmvs_frame_form(get(), &options); }
+
+    pcmvs_status try_may_have_lost_part(const Frame &before, const Frame &after, bool &may_have) const noexcept {
+        std::uint32_t found = 0;
+        const pcmvs_status status = pcmvs_frame_may_have_lost_part(get(), before.get(), after.get(), &found);
+        if (status == PCMVS_STATUS_OK) {
+            may_have = found != 0;
+        }
+        return status;
+    }
 
     pcmvs_status try_steady(std::initializer_list<std::reference_wrapper<const Frame>> neighbours) noexcept {
         std::array<const pcmvs_frame *, 16> handles{};
@@ -354,6 +367,14 @@ public:
     }
     void begin(const pcmvs_options *options = nullptr) { check(try_begin(options)); }
     void view(std::uint32_t camera, const pcmvs_view &view) { check(try_view(camera, view)); }
+    /// Reads a view with those of the frames before and after, and returns the number of pixels that its silhouette lacked; see
+    /// pcmvs_frame_view_between.
+    std::uint32_t view_between(std::uint32_t camera, const pcmvs_view &view, const pcmvs_view &before,
+                               const pcmvs_view &after) {
+        std::uint32_t restored = 0;
+        check(try_view_between(camera, view, before, after, restored));
+        return restored;
+    }
     void step(std::uint32_t stage) { check(try_step(stage)); }
     void hull() { check(try_hull()); }
     void contours() { check(try_contours()); }
@@ -365,6 +386,13 @@ public:
 
     /// Makes a form of the finished mesh; see pcmvs_frame_form.
     void form(const pcmvs_form_options &options) { check(try_form(options)); }
+
+    /// Whether the frame may have lost a part that its neighbours have; see pcmvs_frame_may_have_lost_part.
+    bool may_have_lost_part(const Frame &before, const Frame &after) const {
+        bool may_have = false;
+        check(try_may_have_lost_part(before, after, may_have));
+        return may_have;
+    }
 
     /// Averages the finished mesh with those of neighbouring frames; see pcmvs_frame_steady.
     void steady(std::initializer_list<std::reference_wrapper<const Frame>> neighbours) { check(try_steady(neighbours)); }

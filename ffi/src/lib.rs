@@ -27,6 +27,7 @@ mod work;
 // The header has them in this order, in which a user meets them.
 pub mod version;
 
+mod lost_part;
 pub mod status;
 mod steady;
 

@@ -51,11 +51,7 @@ pub unsafe extern "C" fn pcmvs_frame_steady(
 fn own_mesh(neighbour: *const pcmvs_frame, of: &Work) -> Result<Mesh> {
     let mut mesh = Mesh::default();
     content(neighbour, |other| {
-        other.require(Stage::Colour)?;
-        let [own, others] = [of, other].map(|work| work.frame.rig().origin().to_array().map(f64::to_bits));
-        if own != others {
-            return Err(Failure::new(InvalidArgument, "a neighbour has other cameras: use frames of the same rig"));
-        }
+        of.check_neighbour(other)?;
         mesh.clone_from(other.frame.own_mesh());
         Ok(())
     })?;

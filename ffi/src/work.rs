@@ -5,11 +5,12 @@ use crate::{
     failure::{Failure, Result},
     image::Calibrated,
     options::pcmvs_options,
-    status::pcmvs_status::WrongOrder,
+    status::pcmvs_status::{InvalidArgument, WrongOrder},
 };
 use pcmvs_core::{
     Error, Form, FormParams, Frame, Memory, Mesh, Rig, Stage, ViewInput,
     frame::{ORDER, position},
+    lost_part::Beside,
     memory,
     steady::SteadyParams,
 };
@@ -137,6 +138,24 @@ impl Work {
         result.map_err(|error| progress.explain(at(Stage::Steady)(error)))
     }
 
+    /// Fails unless another frame is complete and has the same cameras.
+    pub fn check_neighbour(&self, other: &Self) -> Result<()> {
+        other.require(Stage::Colour)?;
+        let [own, others] = [self, other].map(|work| work.frame.rig().origin().to_array().map(f64::to_bits));
+        if own != others {
+            return Err(Failure::new(InvalidArgument, "a neighbour has other cameras: use frames of the same rig"));
+        }
+        Ok(())
+    }
+
+    /// Whether the finished frame may have lost a part that the frames before and after it have.
+    pub fn may_have_lost_part(&self, neighbours: [&Self; 2]) -> Result<bool> {
+        neighbours.into_iter().try_for_each(|other| self.check_neighbour(other))?;
+        let overruled = neighbours.map(|other| other.frame.overruled());
+        let beside = [0, 1].map(|i| Beside { mesh: neighbours[i].frame.own_mesh(), overruled: &overruled[i] });
+        Ok(self.frame.may_have_lost_part(beside, &self.options.threads())?)
+    }
+
     /// The form that was made last.
     pub fn form(&self) -> Result<&Form> {
         let none = || Failure::new(WrongOrder, "no form has been made of this mesh: call pcmvs_frame_form");
@@ -150,6 +169,19 @@ impl Work {
             Some(input) => self.frame.view(camera as usize, input, &progress),
             None => self.frame.without_picture(camera as usize),
         };
+        result.map_err(|error| progress.explain(at(Stage::Views)(error)))
+    }
+
+    /// Bytes that reading a view takes besides if those of the frames before and after are read with it.
+    pub fn between(&self) -> u64 {
+        memory::between(self.frame.rig(), self.frame.params())
+    }
+
+    /// Reads the view of one camera with those of the frames before and after. Returns the number of pixels that its silhouette
+    /// lacked.
+    pub fn view_between(&self, camera: u32, input: &ViewInput, neighbours: [&ViewInput; 2]) -> Result<u32> {
+        let progress = self.options.progress(&self.clock);
+        let result = self.frame.view_between(camera as usize, input, neighbours, &progress);
         result.map_err(|error| progress.explain(at(Stage::Views)(error)))
     }
 

@@ -131,6 +131,20 @@ fn averaged_frames_are_the_command_lines() {
 }
 
 #[test]
+fn frames_that_get_a_lost_part_back_are_the_command_lines() {
+    let sample = Sample::lacking();
+    let program = build(sample.path(), C99, "tests/c/lost_part.c", Link::Shared);
+    let result = sample.path().join("whole.glb");
+    let folders = ["plain", "plain1", "plain2"].map(|folder| sample.path().join(folder));
+    output(&program, folders.into_iter().chain([result.clone()]));
+    command_lines_glb(&sample, &[]);
+    let expected = fs::read(sample.path().join("out/frame_0001.glb")).unwrap();
+    assert!(fs::read(result).unwrap() == expected, "the bytes differ from the command line's");
+    let report = fs::read_to_string(sample.path().join("out/report.json")).unwrap();
+    assert!(report.contains("silhouette-restored"), "the command line has not made the frame again");
+}
+
+#[test]
 fn wrapper_keeps_its_promises() {
     let sample = Sample::new();
     let program = build(sample.path(), CPP17, "tests/cpp/wrapper.cpp", Link::Shared);

@@ -233,6 +233,9 @@ static void check_null(const struct capture *capture, pcmvs_rig *rig, pcmvs_fram
     NULL_POINTER(pcmvs_frame_merge(NULL));
     NULL_POINTER(pcmvs_frame_mesh(NULL));
     NULL_POINTER(pcmvs_frame_colour(NULL));
+    NULL_POINTER(pcmvs_frame_may_have_lost_part(NULL, frame, frame, &cameras));
+    NULL_POINTER(pcmvs_frame_may_have_lost_part(frame, NULL, NULL, NULL));
+    NULL_POINTER(pcmvs_frame_view_between(NULL, 0, &view, &view, &view, NULL));
     NULL_POINTER(pcmvs_frame_steady(NULL, NULL, 0));
     NULL_POINTER(pcmvs_frame_steady(frame, NULL, 1));
     NULL_POINTER(pcmvs_frame_steady(frame, &no_frame, 1));
