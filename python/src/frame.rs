@@ -14,6 +14,7 @@ use numpy::{PyArray1, PyArray2, PyArrayMethods};
 use pcmvs_core::{
     Error, Executor, Form, FormParams, Memory, Progress, Stage, TextureParams,
     frame::{ORDER, position},
+    lost_part::Beside,
     silhouette::Silhouette,
     steady::SteadyParams,
 };
@@ -40,12 +41,20 @@ type CoreFrame = pcmvs_core::Frame<Arc<pcmvs_core::Rig>>;
 /// ``params`` is the name of a preset ("default", "paper", "hull", "preview") or a changed ``pcmvs.preset(...)``. A frame
 /// that needs more than ``max_memory`` bytes fails before it takes them.
 ///
+/// ``before`` and ``after`` are the pictures of the frames before and after, as dictionaries of ``images`` and what else these
+/// arguments name. Parts that a silhouette lacks and those of both other frames have are then added to it, if the picture shows
+/// them, such as an arm that the masks of one frame lack. ``may_have_lost_part`` of a frame that was made without them says
+/// whether it is worth the time.
+///
 /// The arrays are copied, and the pictures are kept until the frame is freed: keep its ``mesh()`` rather than the frame.
 #[pyclass(module = "pcmvs")]
 pub struct Frame {
     frame: CoreFrame,
     /// Until all of them have been read.
     pictures: Option<Pictures>,
+    /// Those of the frames before and after.
+    beside: Option<[Pictures; 2]>,
+    restored: u32,
 }
 
 /// The stage with a name.
@@ -87,17 +96,33 @@ impl Frame {
         Ok(self.frame.place(camera)?)
     }
 
+    /// Fails unless another frame is complete and has the same cameras.
+    fn check_neighbour(&self, other: &Self) -> Result<(), Problem> {
+        other.require(Stage::Colour)?;
+        if other.frame.rig().origin() != self.frame.rig().origin() {
+            return Err(Problem::argument("a neighbour has other cameras: use frames of the same rig"));
+        }
+        Ok(())
+    }
+
     /// Runs the stages up to one of them that are not complete.
     fn advance(&mut self, last: Stage, executor: &dyn Executor, progress: &dyn Progress) -> Result<(), Problem> {
         if let Some(pictures) = &self.pictures {
             let inputs = pictures.inputs();
-            let read = executor.map(inputs.len(), |camera| match &inputs[camera] {
-                Some(input) => self.frame.view(camera, input, progress),
-                None => self.frame.without_picture(camera),
-            });
-            read.into_iter().collect::<Result<(), Error>>()?;
+            if let Some(beside) = &self.beside {
+                let [before, after] = beside.each_ref().map(Pictures::inputs);
+                self.restored = self.frame.read_views_between(executor, progress, |camera, give| {
+                    give(inputs[camera].as_ref(), [before[camera].as_ref(), after[camera].as_ref()])
+                })?;
+            } else {
+                let read = executor.map(inputs.len(), |camera| match &inputs[camera] {
+                    Some(input) => self.frame.view(camera, input, progress),
+                    None => self.frame.without_picture(camera),
+                });
+                read.into_iter().collect::<Result<(), Error>>()?;
+            }
         }
-        self.pictures = None;
+        (self.pictures, self.beside) = (None, None);
         for stage in ORDER.into_iter().take_while(|&stage| position(stage) <= position(last)) {
             if !self.has(stage) {
                 self.frame.step(stage, executor, progress)?;
@@ -117,8 +142,10 @@ impl Frame {
 impl Frame {
     #[new]
     #[pyo3(
-        signature = (rig, images, masks = None, *, chroma = None, plates = None, params = Asked::default(), max_memory = None),
-        text_signature = "(rig, images, masks=None, *, chroma=None, plates=None, params='default', max_memory=None)"
+        signature = (rig, images, masks = None, *, chroma = None, plates = None, before = None, after = None,
+                     params = Asked::default(), max_memory = None),
+        text_signature = "(rig, images, masks=None, *, chroma=None, plates=None, before=None, after=None, params='default', \
+                          max_memory=None)"
     )]
     fn new(
         rig: PyRef<Rig>,
@@ -126,12 +153,24 @@ impl Frame {
         masks: Option<Arrays>,
         chroma: Option<Vec<[u8; 3]>>,
         plates: Option<Arrays>,
+        before: Option<Bound<PyDict>>,
+        after: Option<Bound<PyDict>>,
         params: Asked,
         max_memory: Option<u64>,
     ) -> PyResult<Self> {
-        let pictures = Given { images, masks, chroma, plates }.read(rig.rig.cameras().len())?;
+        let cameras = rig.rig.cameras().len();
+        let pictures = Given { images, masks, chroma, plates }.read(cameras)?;
+        let beside = match (before, after) {
+            (Some(before), Some(after)) => {
+                let read = |dict: &Bound<PyDict>| Given::from_dict(dict)?.read(cameras);
+                Some([read(&before)?, read(&after)?])
+            }
+            (None, None) => None,
+            _ => return Err(Problem::argument("give the pictures of both frames, before and after, or of none").into()),
+        };
         let memory = max_memory.map_or_else(Memory::default, Memory::limited);
-        Ok(Self { frame: CoreFrame::new(rig.rig.clone(), params.read()?, memory), pictures: Some(pictures) })
+        let frame = CoreFrame::new(rig.rig.clone(), params.read()?, memory);
+        Ok(Self { frame, pictures: Some(pictures), beside, restored: 0 })
     }
 
     /// Runs the stages that are not complete, up to the stage ``until``, or all of them.
@@ -182,6 +221,33 @@ impl Frame {
         self.mesh_of(py, Stage::Coarse, &self.frame.intermediates().coarse)
     }
 
+    /// Number of cameras whose silhouettes lacked a part that ``before`` and ``after`` have and the picture shows. 0 until the
+    /// stage "views" is complete, and without these frames.
+    #[getter]
+    fn restored(&self) -> u32 {
+        self.restored
+    }
+
+    /// Whether the finished frame may have lost a part, such as an arm, that the frames before and after it have, because many
+    /// or all of its masks lack it. If so, make the frame again with their pictures, ``Frame(..., before=..., after=...)``. If
+    /// its ``restored`` is not 0, use that one instead, averaged with the same neighbours. The meshes of the neighbours count as
+    /// they were reconstructed. No pictures are read, and the answer is nearly always False.
+    #[pyo3(signature = (before, after, *, threads = None))]
+    fn may_have_lost_part(
+        &self,
+        py: Python,
+        before: PyRef<Self>,
+        after: PyRef<Self>,
+        threads: Option<NonZeroUsize>,
+    ) -> PyResult<bool> {
+        self.require(Stage::Colour)?;
+        let neighbours = [&*before, &*after];
+        neighbours.into_iter().try_for_each(|other| self.check_neighbour(other))?;
+        let overruled = neighbours.map(|other| other.frame.overruled());
+        let beside = [0, 1].map(|i| Beside { mesh: neighbours[i].frame.own_mesh(), overruled: &overruled[i] });
+        run(py, threads, None, |executor, _| Ok(self.frame.may_have_lost_part(beside, executor)?))
+    }
+
     /// Averages the finished mesh with those of neighbouring frames, such as the one before and the one after it, along
     /// surfaces that move with the subject. ``mesh()`` and ``form()`` then have the mean. The meshes of the neighbours count as
     /// they were reconstructed, so that the order in which frames are averaged does not matter. A later call replaces the
@@ -195,10 +261,7 @@ impl Frame {
         progress: Option<&Bound<PyAny>>,
     ) -> PyResult<()> {
         let own_mesh = |other: PyRef<Self>| -> Result<pcmvs_core::Mesh, Problem> {
-            other.require(Stage::Colour)?;
-            if other.frame.rig().origin() != self.frame.rig().origin() {
-                return Err(Problem::argument("a neighbour has other cameras: use frames of the same rig"));
-            }
+            self.check_neighbour(&other)?;
             Ok(other.frame.own_mesh().clone())
         };
         // Copies, because the work runs without Python's lock.
@@ -337,7 +400,7 @@ pub fn reconstruct(
     threads: Option<NonZeroUsize>,
     progress: Option<&Bound<PyAny>>,
 ) -> PyResult<Frame> {
-    let mut frame = Frame::new(rig, images, masks, chroma, plates, params, max_memory)?;
+    let mut frame = Frame::new(rig, images, masks, chroma, plates, None, None, params, max_memory)?;
     frame.run(py, Stage::Colour.name(), threads, progress)?;
     Ok(frame)
 }

@@ -1,7 +1,13 @@
 """Python and the command line give the same bytes."""
 
 import json
+import os
+import shutil
+import struct
+import subprocess
+import zlib
 
+import numpy as np
 import pcmvs
 import pytest
 
@@ -28,6 +34,49 @@ def test_an_averaged_frame_equals_that_of_the_command_line(scene, finished, comm
     assert (first.mesh().positions == finished.mesh().positions).all()
     with pytest.raises(pcmvs.OrderError, match="colour"):
         first.steady([pcmvs.Frame(scene.rig(), **scene.pictures(1))])
+
+
+def png(gray):
+    """A PNG file of gray levels."""
+    chunk = lambda name, data: struct.pack(">I", len(data)) + name + data + struct.pack(">I", zlib.crc32(name + data))
+    header = struct.pack(">IIBBBBB", gray.shape[1], gray.shape[0], 8, 0, 0, 0, 0)
+    rows = zlib.compress(b"".join(b"\0" + row.tobytes() for row in gray))
+    return b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", header) + chunk(b"IDAT", rows) + chunk(b"IEND", b"")
+
+
+def test_a_frame_that_gets_a_lost_part_back_equals_that_of_the_command_line(capture, tmp_path):
+    # The masks of the second of three frames lack the upper third of the person.
+    take = tmp_path / "take"
+    shutil.copytree(capture, take)
+    document = json.loads((take / "scene.json").read_text())
+    first, second = document["frames"]
+    document["frames"] = [first, second, {**first, "index": second["index"] + 1}]
+    document["frames"][1]["masks"] = [f"lacking_{i}.png" for i in range(len(second["images"]))]
+    for mask, path in zip(pcmvs.Scene.open(take).pictures(second["index"])["masks"], document["frames"][1]["masks"]):
+        mask = np.array(mask)
+        rows = np.flatnonzero((mask > 127).any(axis=1))
+        mask[: rows[len(rows) // 3]] = 0
+        (take / path).write_bytes(png(mask))
+    (take / "scene.json").write_text(json.dumps(document))
+    scene = pcmvs.Scene.open(take)
+    rig, pictures = scene.rig(), [scene.pictures(index) for index in scene.frames]
+    before, lacking, after = (pcmvs.reconstruct(rig, **of) for of in pictures)
+    assert lacking.may_have_lost_part(before, after)
+    assert not before.may_have_lost_part(after, after)
+    with pytest.raises(pcmvs.OrderError, match="colour"):
+        lacking.may_have_lost_part(before, pcmvs.Frame(rig, **pictures[2]))
+    with pytest.raises(pcmvs.InputError, match="both frames"):
+        pcmvs.Frame(rig, **pictures[1], before=pictures[0])
+    whole = pcmvs.Frame(rig, **pictures[1], before=pictures[0], after=pictures[2])
+    whole.run()
+    assert whole.restored > 0
+    assert "silhouette-restored" in [warning.code for warning in whole.warnings]
+    whole.steady([before, after])
+    out = tmp_path / "command"
+    program = os.environ["PCMVS_COMMAND"]
+    subprocess.run([program, "reconstruct", take, "-o", out, "--frames", str(scene.frames[1])], check=True)
+    file = out / f"frame_{scene.frames[1]:04}.glb"
+    assert whole.mesh().to_glb(up=scene.up) == file.read_bytes()
 
 
 def test_a_form_equals_that_of_the_command_line(scene, finished, command):
