@@ -3,6 +3,7 @@ import { execFileSync } from "node:child_process";
 import { cpSync, mkdirSync, mkdtempSync, readFileSync, writeFileSync } from "node:fs";
 import { tmpdir } from "node:os";
 import { join } from "node:path";
+import { readGray, writeGray } from "./png.mjs";
 import { sample } from "./site.mjs";
 
 export const scene = JSON.parse(readFileSync(join(sample, "scene.json"), "utf8"));
@@ -25,6 +26,19 @@ export function capture(frames = [0], change = () => {}, count = scene.cameras.l
     writeFileSync(join(to, "scene.json"), JSON.stringify(copy));
     return to;
 }
+
+/** A fault of a capture: all masks of a frame lack the upper third of the person. */
+export const lackingIn = (position) => (copy, to) => {
+    for (const path of copy.frames[position].masks) {
+        const mask = readGray(readFileSync(join(to, path)));
+        const row = (y) => mask.levels.subarray(y * mask.width, (y + 1) * mask.width);
+        const inside = Array.from({ length: mask.height }, (_, y) => y).filter((y) =>
+            row(y).some((level) => level > 127),
+        );
+        for (const y of inside.slice(0, inside.length / 3)) row(y).fill(0);
+        writeFileSync(join(to, path), writeGray(mask));
+    }
+};
 
 /** Turns a camera of a scene about its vertical axis or its horizontal one, by so many pixels in its picture's middle. */
 export function bump(camera, pixels, axis = "vertical") {

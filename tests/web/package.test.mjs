@@ -8,17 +8,23 @@ import { test } from "node:test";
 import { fileURLToPath } from "node:url";
 import { promisify } from "node:util";
 import { build } from "vite";
-import { ARC, bump, capture, folder, scene } from "./captures.mjs";
+import { ARC, bump, capture, folder, lackingIn, scene } from "./captures.mjs";
 import { launch, openPage, pcmvs, sample, serve } from "./site.mjs";
 
 const pkg = new URL("../../wasm/pkg/", import.meta.url);
 
-function frameOf({ Rig, Frame }, rig = new Rig(scene.cameras), count = scene.cameras.length, index = 0) {
+function frameOf(
+    { Rig, Frame },
+    rig = new Rig(scene.cameras),
+    count = scene.cameras.length,
+    index = 0,
+    masksFrom = sample,
+) {
     const frame = new Frame(rig);
     const { images, masks } = scene.frames[index];
     scene.cameras.slice(0, count).forEach((_, i) => {
         frame.setImage(i, readFileSync(join(sample, images[i])));
-        frame.setMask(i, readFileSync(join(sample, masks[i])));
+        frame.setMask(i, readFileSync(join(masksFrom, masks[i])));
     });
     return frame;
 }
@@ -85,6 +91,36 @@ test("the entry point chooses a build, reports progress, cancels and throws erro
     const { width, height } = scene.cameras[6];
     frame.setMaskPixels(6, new Uint8Array(width * height), height, width);
     assert.throws(() => frame.sketch(), { code: "silhouette", camera: 6 });
+});
+
+test("a frame gets a part back that its masks lack and its neighbours have, as by the command line", async () => {
+    const api = await import(new URL("index.js", pkg));
+    await api.ready;
+    const source = capture([0, 1, 2], lackingIn(1));
+    const rig = new api.Rig(scene.cameras);
+    const frames = [0, 1, 2].map((index) => frameOf(api, rig, undefined, index, source));
+    const [before, lacking, after] = frames.map((frame) => frame.reconstruct("hull"));
+    const complete = frameOf(api, rig, undefined, 1).reconstruct("hull");
+    assert.equal(complete.mayHaveLostPart(before.own(), after.own()), false);
+    const there = api.Reconstruction.ofMesh(structuredClone(lacking.own()));
+    assert.equal(there.mayHaveLostPart(before.own(), after.own()), true);
+    assert.equal(frames[0].reconstructBetween(frames[2], frames[2], "hull"), undefined);
+    const whole = frames[1].reconstructBetween(frames[0], frames[2], "hull");
+    assert.ok(whole.warnings.some(({ code }) => code === "silhouette-restored"));
+    whole.steady([before.own(), after.own()]);
+    const out = folder();
+    pcmvs("reconstruct", source, "-o", out, "--frames", "1", "--preset", "hull");
+    assert.ok(Buffer.from(whole.glb(scene.up)).equals(readFileSync(join(out, "frame_0001.glb"))));
+    const wrong = { ...before.own(), overruled: [1] };
+    assert.throws(() => lacking.mayHaveLostPart(wrong, after.own()), {
+        code: "input",
+        message: /`overruled` of a mesh/,
+    });
+    const fewer = new api.Frame(new api.Rig(scene.cameras.slice(1)));
+    assert.throws(() => frames[1].reconstructBetween(fewer, frames[2], "hull"), {
+        code: "input",
+        message: /other cameras/,
+    });
 });
 
 test("frames are averaged with their neighbours as by the command line, in any worker", async () => {

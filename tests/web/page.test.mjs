@@ -4,7 +4,7 @@ import { execFileSync } from "node:child_process";
 import { readFileSync, writeFileSync } from "node:fs";
 import { join } from "node:path";
 import { test } from "node:test";
-import { capture, folder, scene } from "./captures.mjs";
+import { capture, folder, lackingIn, scene } from "./captures.mjs";
 import { download, drive, ended, pcmvs, run, same, sample, text } from "./site.mjs";
 
 const { open, openWith } = drive();
@@ -227,6 +227,23 @@ test("a frame that fails is left out of its neighbours' averages, as by the comm
         await page.fill("#scrub", String(index));
         same(await download(page, "export-glb"), readFileSync(join(out, `frame_000${index}.glb`)));
     }
+    assert.deepEqual(problems, []);
+});
+
+test("a part that one frame's masks lack comes back from the frames beside it, as by the command line", async (t) => {
+    const source = capture([0, 1, 2, 3], lackingIn(1));
+    const { page, problems } = await openWith(t, source);
+    await run(page);
+    assert.match(await text(page, "status"), /^4 of 4 frames in /);
+    const out = folder();
+    pcmvs("reconstruct", source, "-o", out, "--preset", "hull");
+    await page.click("#play");
+    for (const index of [0, 1, 2, 3]) {
+        await page.fill("#scrub", String(index));
+        same(await download(page, "export-glb"), readFileSync(join(out, `frame_000${index}.glb`)));
+    }
+    const { warnings } = JSON.parse(readFileSync(join(out, "report.json"), "utf8"));
+    assert.ok(warnings.some(({ code, frame }) => code === "silhouette-restored" && frame === 1));
     assert.deepEqual(problems, []);
 });
 

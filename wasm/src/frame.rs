@@ -138,6 +138,12 @@ impl Frame {
         Ok(Some(ViewInput { image: image.view(), mask }))
     }
 
+    /// The views of all cameras.
+    #[cfg(feature = "reconstruction")]
+    pub(crate) fn inputs(&self) -> Result<Vec<Option<ViewInput<'_>>>, Failed> {
+        (0..self.slots.len()).map(|camera| self.input(camera)).collect()
+    }
+
     /// Whether a camera's picture has been given.
     #[cfg(feature = "reconstruction")]
     pub(crate) fn has_picture(&self, camera: usize) -> bool {

@@ -24,6 +24,8 @@ export interface OwnMesh {
     footprint: number;
     /** The factors by which each camera's red, green and blue were multiplied, in the rig's order of cameras. */
     gains: Float32Array;
+    /** The cameras whose silhouettes the other views have overruled. */
+    overruled: Uint32Array;
 }
 "#;
 
@@ -84,4 +86,9 @@ pub fn footprint_of(mesh: &OwnMesh) -> Result<f32, Failed> {
 
 pub fn gains_of(mesh: &OwnMesh) -> Result<Vec<[f32; 3]>, Failed> {
     triples(mesh, "gains")
+}
+
+#[cfg(feature = "reconstruction")]
+pub fn overruled_of(mesh: &OwnMesh) -> Result<Vec<u32>, Failed> {
+    Ok(property::<Uint32Array>(mesh, "overruled")?.to_vec())
 }

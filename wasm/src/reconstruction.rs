@@ -15,7 +15,7 @@ use crate::{
 use glam::DVec3;
 use js_sys::{Float32Array, Object, Reflect, Uint8Array, Uint16Array};
 use pcmvs_core::{
-    Mesh, Params, PointCloud, Rig, ViewDiagnostics, ViewInput,
+    Error, Memory, Mesh, Params, PointCloud, Rig, ViewDiagnostics, ViewInput,
     export::{glb, ply},
     reconstruct,
 };
@@ -68,9 +68,41 @@ impl Frame {
         preset: &PresetName,
         progress: Option<ProgressFunction>,
     ) -> Result<Reconstruction, Failed> {
-        let cameras = 0..self.rig().cameras().len();
-        let inputs: Vec<Option<ViewInput>> = cameras.map(|i| self.input(i)).collect::<Result<_, _>>()?;
-        run(self.rig(), &inputs, &presets::params(preset)?, progress)
+        run(self.rig(), &self.inputs()?, &presets::params(preset)?, progress)
+    }
+}
+
+#[wasm_bindgen]
+impl Frame {
+    /// Reconstructs with the pictures of the frames before and after, which are of the same rig: parts that a camera's silhouette
+    /// lacks and those of both other frames have are added to it, if the picture shows them. Without such a part, nothing is
+    /// reconstructed, and the result is undefined. `progress` is that of `reconstruct`. Throws `PcmvsError`.
+    #[wasm_bindgen(js_name = reconstructBetween)]
+    pub fn reconstruct_between(
+        &self,
+        before: &Frame,
+        after: &Frame,
+        preset: &PresetName,
+        progress: Option<ProgressFunction>,
+    ) -> Result<Option<Reconstruction>, Failed> {
+        let count = self.rig().cameras().len();
+        for other in [before, after] {
+            if other.rig().cameras().len() != count || other.rig().origin() != self.rig().origin() {
+                return Err(Failed::input("a neighbour has other cameras: use frames of the same rig"));
+            }
+        }
+        let (own, before, after) = (self.inputs()?, before.inputs()?, after.inputs()?);
+        let (callback, executor) = (Callback::new(progress), executor());
+        let mut frame = pcmvs_core::Frame::new(&**self.rig(), presets::params(preset)?, Memory::default());
+        frame.keep_views(false);
+        let restored = frame.read_views_between(executor, &callback, |camera, give| {
+            give(own[camera].as_ref(), [before[camera].as_ref(), after[camera].as_ref()])
+        });
+        if restored.map_err(|error: Error| callback.failed(&error))? == 0 {
+            return Ok(None);
+        }
+        frame.run_stages(executor, &callback).map_err(|error| callback.failed(&error))?;
+        Ok(Some(Reconstruction::new(frame.into_reconstruction(), self.rig().origin())))
     }
 }
 

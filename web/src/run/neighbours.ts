@@ -34,6 +34,11 @@ export class Neighbours {
         return this.near[position].length > 0;
     }
 
+    /** The positions of the frame before one and of the one after it, of those that there are. */
+    beside(position: number): number[] {
+        return this.near[position];
+    }
+
     /** Takes a frame's own mesh, for its neighbours. */
     made(position: number, mesh: PackedMesh) {
         this.own.get(position)?.mesh.resolve(mesh);

@@ -3,7 +3,7 @@
 import type { Camera, Placement, Scene, Stage } from "pcmvs";
 import type { Clip, ShownLevel } from "../clip/clip";
 import { JobError, type Listener, type Pool } from "../workers/pool";
-import type { Entries, Failure, FrameResult, PackedMesh, QualityLevel, ViewFiles } from "../workers/protocol";
+import type { Entries, Failure, FrameResult, PackedMesh, Pictures, QualityLevel, ViewFiles } from "../workers/protocol";
 import { Neighbours } from "./neighbours";
 import { type Choice, chosenCameras, viewFiles } from "./views";
 
@@ -99,12 +99,10 @@ export class Session {
                 () => {},
             );
         }
-        const { silhouettes, key } = this.choice;
-        const frame = this.scene.frames[position];
         const job = {
             type: "frame" as const,
             cameras: this.cameras,
-            views: this.chosen.map((camera) => viewFiles(frame, this.entries, camera, silhouettes, key)),
+            views: this.viewsOf(position),
             up: this.scene.up,
             levels: sketched ? all.slice(1) : all,
             stages: position < STAGES_KEPT,
@@ -141,24 +139,41 @@ export class Session {
         this.first.resolve();
         this.neighbours.made(position, own);
         const neighbours = await this.neighbours.of(position);
-        let { glb, seconds } = made;
+        let { glb } = made;
         let mesh = own;
+        let last = made;
         // All neighbours may have failed, or there are none.
         if (neighbours.length > 0 || pool.cancelled) {
             const formed = form !== null;
-            const job = { type: "steady" as const, preset, own, neighbours, up: this.scene.up, formed };
+            const beside = this.neighbours.beside(position);
+            const pictures: Pictures | null =
+                neighbours.length === 2
+                    ? {
+                          cameras: this.cameras,
+                          views: [views, this.viewsOf(beside[0]), this.viewsOf(beside[1])],
+                          stages: position < STAGES_KEPT,
+                      }
+                    : null;
+            const job = { type: "steady" as const, preset, pictures, own, neighbours, up: this.scene.up, formed };
             const mean = await pool.run(job, { progress });
-            seconds += mean.seconds;
+            last = { ...made, ...mean.again, seconds: made.seconds + mean.seconds };
             if (mean.glb) glb = mean.glb;
             else mesh = mean.finished;
         }
-        if (!form) return this.show(position, { ...made, glb, seconds });
+        if (!form) return this.show(position, { ...last, glb });
         const { cameras } = this;
         const job = { type: "form" as const, preset, cameras, views, mesh, up: this.scene.up, form };
         const { placement, ...formed } = await pool.run(job, { progress });
-        const warnings = [...made.warnings, ...formed.warnings];
-        const result = { ...made, ...formed, warnings, seconds: seconds + formed.seconds };
+        const warnings = [...last.warnings, ...formed.warnings];
+        const result = { ...last, ...formed, warnings, seconds: last.seconds + formed.seconds };
         this.show(position, result, result.preset, placement);
+    }
+
+    /** The files of a frame, by camera. */
+    private viewsOf(position: number): ViewFiles[] {
+        const { silhouettes, key } = this.choice;
+        const frame = this.scene.frames[position];
+        return this.chosen.map((camera) => viewFiles(frame, this.entries, camera, silhouettes, key));
     }
 
     /** The first frame is shown at coarser levels on the way. */

@@ -3,8 +3,8 @@
 import { Frame, type MeshoptEncoder, Rig, ready } from "pcmvs/forms";
 import { withFrame } from "./frame";
 import { using } from "./objects";
+import { unpack } from "./packed";
 import type { FormJob, FormResult, Reply } from "./protocol";
-import { unpack } from "./steady";
 import { loadViews } from "./views";
 
 /** Share of the views and the hull, from which the colours of a texture come, in the time of a textured form. */

@@ -65,17 +65,28 @@ export interface FrameJob {
 }
 
 /** The mesh of a frame. A blob is handed on without being copied. */
-export interface PackedMesh extends Pick<OwnMesh, "origin" | "footprint" | "gains"> {
+export interface PackedMesh extends Pick<OwnMesh, "origin" | "footprint" | "gains" | "overruled"> {
     positions: Blob;
     normals: Blob;
     colours: Blob;
     triangles: Blob;
 }
 
+/** What a frame is made again from, if it has lost a part that the frames before and after it have. */
+export interface Pictures {
+    cameras: Camera[];
+    /** Those of the frame, of the one before and of the one after. */
+    views: [ViewFiles[], ViewFiles[], ViewFiles[]];
+    /** Whether the stages' outputs are returned, too. */
+    stages: boolean;
+}
+
 /** Averages a frame with its neighbours, the one before it first. */
 export interface SteadyJob {
     type: "steady";
-    preset: QualityLevel;
+    preset: Preset;
+    /** Null unless it has both neighbours. */
+    pictures: Pictures | null;
     own: PackedMesh;
     neighbours: PackedMesh[];
     up: Scene["up"];
@@ -180,9 +191,11 @@ export interface FrameResult {
 }
 
 /** The averaged mesh as a file or, if the job asks for it, as a mesh, and the seconds that this took. */
-export type SteadyResult =
-    | { glb: Uint8Array<ArrayBuffer>; finished: null; seconds: number }
-    | { glb: null; finished: PackedMesh; seconds: number };
+export type SteadyResult = ({ glb: Uint8Array<ArrayBuffer>; finished: null } | { glb: null; finished: PackedMesh }) & {
+    seconds: number;
+    /** What has changed with a frame that was made again. */
+    again: Pick<FrameResult, "triangles" | "stages" | "warnings" | "views"> | null;
+};
 
 /** The form's file, where it has the mesh, what is not as it was asked for, and the seconds that this took. */
 export interface FormResult {

@@ -1,10 +1,11 @@
 // Reconstructs a frame, level by level.
 
-import type { Cloud, Frame, Reconstruction, Rig, Stage } from "pcmvs";
+import type { Frame, Reconstruction, Rig, Stage } from "pcmvs";
 import { failureOf, isFatal } from "./failure";
 import { withFrame } from "./frame";
-import type { FrameJob, FrameStages, QualityLevel, Reply, StageCloud } from "./protocol";
-import { pack } from "./steady";
+import { pack } from "./packed";
+import type { FrameJob, FrameStages, QualityLevel, Reply } from "./protocol";
+import { stagesOf } from "./stages";
 import { libraryFor } from "./threads";
 import { loadViews } from "./views";
 
@@ -59,24 +60,6 @@ function sketch(frame: Frame): Reconstruction | null {
         if (isFatal(failureOf(error))) throw error;
         return null;
     }
-}
-
-function stagesOf(made: Reconstruction, rig: Rig): FrameStages {
-    const mesh = made.mesh("hull");
-    const cloud = (points: Cloud, tags: Uint16Array): StageCloud => ({
-        kind: "cloud",
-        positions: points.positions,
-        tags,
-    });
-    const [detected, contours, merged] = [made.detected(), made.contours(), made.merged()];
-    const outputs: FrameStages["outputs"] = {
-        hull: { kind: "mesh", positions: mesh.positions, normals: mesh.normals, triangles: mesh.triangles },
-        detected: cloud(detected, detected.views),
-        contours: cloud(contours, Uint16Array.from(contours.ranks)),
-        merged: cloud(merged, merged.views),
-    };
-    for (const object of [mesh, detected, contours, merged]) object.free();
-    return { origin: [...rig.origin], outputs };
 }
 
 /** The memory that is transferred to the page instead of being copied. */

@@ -1,39 +1,52 @@
-// Averages a frame with its neighbours in time.
+// Averages a frame with its neighbours in time. If it has lost a part that they have, it is made again before.
 
-import { type OwnMesh, Reconstruction } from "pcmvs";
+import { Frame, type OwnMesh, Reconstruction, Rig } from "pcmvs";
+import { withFrame } from "./frame";
 import { using } from "./objects";
-import type { PackedMesh, Reply, SteadyJob, SteadyResult } from "./protocol";
+import { pack, unpack } from "./packed";
+import type { Pictures, Reply, SteadyJob, SteadyResult } from "./protocol";
+import { stagesOf } from "./stages";
+import { loadViews } from "./views";
 
-/** The mesh of a frame alone, packed so that the page can hand it on without a copy. */
-export function pack({ positions, normals, colours, triangles, ...rest }: OwnMesh): PackedMesh {
-    const blob = (array: ArrayBufferView) => new Blob([array as ArrayBufferView<ArrayBuffer>]);
-    return {
-        positions: blob(positions),
-        normals: blob(normals),
-        colours: blob(colours),
-        triangles: blob(triangles),
-        ...rest,
-    };
-}
+type Send = (message: Reply) => void;
 
-export async function unpack({ positions, normals, colours, triangles, ...rest }: PackedMesh): Promise<OwnMesh> {
-    return {
-        positions: new Float32Array(await positions.arrayBuffer()),
-        normals: new Float32Array(await normals.arrayBuffer()),
-        colours: new Uint8Array(await colours.arrayBuffer()),
-        triangles: new Uint32Array(await triangles.arrayBuffer()),
-        ...rest,
-    };
-}
-
-export async function steady(job: SteadyJob, send: (message: Reply) => void): Promise<SteadyResult> {
-    const { preset, up } = job;
+export async function steady(job: SteadyJob, send: Send): Promise<SteadyResult> {
+    const { pictures } = job;
+    const start = performance.now();
     const [own, ...neighbours] = await Promise.all([job.own, ...job.neighbours].map(unpack));
-    return using(Reconstruction.ofMesh(own), async (made) => {
-        const start = performance.now();
-        made.steady(neighbours, (stage, done, total) => send({ type: "progress", preset, stage, done, total }));
-        const seconds = (performance.now() - start) / 1000;
-        if (job.formed) return { glb: null, finished: pack(made.finished()), seconds };
-        return { glb: made.glb(up) as Uint8Array<ArrayBuffer>, finished: null, seconds };
+    const result = await using(Reconstruction.ofMesh(own), async (made) => {
+        const [before, after] = neighbours;
+        const again =
+            pictures && made.mayHaveLostPart(before, after) ? await restored(job, pictures, neighbours, send) : null;
+        return again ?? { ...averaged(job, made, neighbours, send), again: null };
     });
+    return { ...result, seconds: (performance.now() - start) / 1000 };
+}
+
+function averaged({ preset, up, formed }: SteadyJob, made: Reconstruction, neighbours: OwnMesh[], send: Send) {
+    made.steady(neighbours, (stage, done, total) => send({ type: "progress", preset, stage, done, total }));
+    if (formed) return { glb: null, finished: pack(made.finished()) };
+    return { glb: made.glb(up) as Uint8Array<ArrayBuffer>, finished: null };
+}
+
+/** Makes a frame again with the pictures of those beside it. Null if they show nothing that its silhouettes lack. */
+function restored(job: SteadyJob, { cameras, views, stages }: Pictures, neighbours: OwnMesh[], send: Send) {
+    const { preset } = job;
+    const work = (frame: Frame, rig: Rig) =>
+        using(new Frame(rig), (before) =>
+            using(new Frame(rig), async (after) => {
+                for (const [i, of] of [frame, before, after].entries()) await loadViews(of, views[i]);
+                const made = frame.reconstructBetween(before, after, preset, (stage, done, total) =>
+                    send({ type: "progress", preset, stage, done, total }),
+                );
+                if (!made) return null;
+                return using(made, async () => {
+                    const mean = averaged(job, made, neighbours, send);
+                    const { triangles, warnings, views } = made;
+                    const outputs = stages && preset !== "hull" ? stagesOf(made, rig) : null;
+                    return { ...mean, again: { triangles, warnings, views, stages: outputs } };
+                });
+            }),
+        );
+    return withFrame(cameras, work, { Rig, Frame });
 }
