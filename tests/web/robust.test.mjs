@@ -3,7 +3,7 @@ import assert from "node:assert/strict";
 import { writeFileSync } from "node:fs";
 import { join } from "node:path";
 import { test } from "node:test";
-import { capture, folder } from "./captures.mjs";
+import { capture, folder, wholeCapture } from "./captures.mjs";
 import { cancelAt, dist, download, drive, launch, openFolder, openPage, run, same, text } from "./site.mjs";
 
 const { open, openWith } = drive();
@@ -96,7 +96,7 @@ test("a run that needs more memory than there is does not start, and names the r
         globalThis.gigabytes = 8;
         Object.defineProperty(navigator, "deviceMemory", { get: () => globalThis.gigabytes });
     };
-    const { page, problems, shot } = await openWith(t, capture([0]), { script });
+    const { page, problems, shot } = await openWith(t, wholeCapture([0]), { script });
     await run(page);
     const made = await download(page, "export-glb");
     await page.evaluate(() => (globalThis.gigabytes = 0.05));

@@ -2,9 +2,9 @@
 import { readdirSync } from "node:fs";
 import { join } from "node:path";
 import { after, before } from "node:test";
-import { folder } from "./captures.mjs";
+import { folder, small } from "./captures.mjs";
 import { openReader } from "./pictures.mjs";
-import { download, drive, launch, pcmvs, sample } from "./site.mjs";
+import { download, drive, launch, pcmvs } from "./site.mjs";
 
 export const { open } = drive();
 let browser;
@@ -13,7 +13,7 @@ export let clip, reader;
 
 before(async () => {
     clip = folder();
-    pcmvs("reconstruct", sample, "-o", clip, "--preset", "hull", "--frames", "0,1,2");
+    pcmvs("reconstruct", small, "-o", clip, "--preset", "hull", "--frames", "0,1,2");
     browser = await launch();
     reader = await openReader(browser);
 });

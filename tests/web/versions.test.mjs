@@ -14,7 +14,7 @@ import {
 import { join } from "node:path";
 import { before, test } from "node:test";
 import { fileURLToPath } from "node:url";
-import { folder, scene } from "./captures.mjs";
+import { folder, scene, small } from "./captures.mjs";
 import { ended, launch, openPage, serve, text } from "./site.mjs";
 
 const root = fileURLToPath(new URL("../..", import.meta.url));
@@ -50,8 +50,10 @@ before(() => {
         });
         return out;
     };
+    for (const kind of ["images", "masks"])
+        cpSync(join(small, kind), join(copy, "web/public/sample", kind), { recursive: true });
     const setSample = (fps) => {
-        // Every second camera is enough for a mesh, and takes half the time.
+        // Small pictures of every second camera are enough for a mesh, and take a part of the time.
         const half = (list) => list.filter((_, i) => i % 2 === 0);
         const [{ images, masks, ...frame }] = scene.frames;
         const frames = [{ ...frame, images: half(images), masks: half(masks) }];
