@@ -4,7 +4,7 @@ import { existsSync, readFileSync, writeFileSync } from "node:fs";
 import { join } from "node:path";
 import { after, before, test } from "node:test";
 import { fileURLToPath } from "node:url";
-import { capture, folder, small } from "./captures.mjs";
+import { capture, folder, small, wholeCapture } from "./captures.mjs";
 import { dist, download, launch, openFolder, openPage, pcmvs, run, same, serve } from "./site.mjs";
 
 const pkg = fileURLToPath(new URL("../../wasm/pkg/", import.meta.url));
@@ -114,12 +114,12 @@ test("without isolation the package says that threads are not supported", { skip
     assert.deepEqual(await posted(t, plainSite.address), { supported: false });
 });
 
-/** The page with frame 0 of the small sample as a capture of its own. */
-async function openAlone(t, address, options) {
+/** The page with frame 0 of the small sample as a capture of its own, or with another capture. */
+async function openAlone(t, address, options, source = capture([0])) {
     const opened = await openPage(browser, `${address}/some/where/?clip=`, options);
     t.after(() => opened.page.context().close());
     await opened.page.waitForFunction(() => /^Open/.test(document.getElementById("status").textContent));
-    await openFolder(opened.page, capture([0]));
+    await openFolder(opened.page, source);
     return opened;
 }
 
@@ -166,7 +166,7 @@ test("where the module with threads cannot be loaded, one thread does the work",
 });
 
 test("the threads of a run that is cancelled end", { skip }, async (t) => {
-    const { page } = await openAlone(t, site.address);
+    const { page } = await openAlone(t, site.address, {}, wholeCapture([0]));
     await page.click("#run");
     await page.waitForFunction(() => performance.getEntriesByName("threads").length > 0);
     assert.equal(await nested(page), (await threads(page))[0] - 1);
@@ -183,7 +183,7 @@ test("a thread that fails ends the run, and the next one works", { skip }, async
             }
         };
     };
-    const { page } = await openAlone(t, site.address, { script });
+    const { page } = await openAlone(t, site.address, { script }, wholeCapture([0]));
     await page.evaluate(() => (document.body.dataset.state = "asked"));
     await page.click("#run");
     await page.waitForFunction(() => globalThis.failures !== undefined);

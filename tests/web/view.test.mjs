@@ -3,7 +3,7 @@ import assert from "node:assert/strict";
 import { readFileSync } from "node:fs";
 import { join } from "node:path";
 import { test } from "node:test";
-import { capture, folder, scene, small } from "./captures.mjs";
+import { capture, folder, scene, small, wholeCapture } from "./captures.mjs";
 import { download, drive, openFolder, pcmvs, run, same, text } from "./site.mjs";
 
 const { open, openWith } = drive();
@@ -108,7 +108,7 @@ test("a GLB is turned upside down", async (t) => {
 });
 
 test("framing follows the finished mesh until a person turns the view", async (t) => {
-    const { page, problems } = await openWith(t, capture([0]));
+    const { page, problems } = await openWith(t, wholeCapture([0]));
     await page.uncheck("#show-cameras");
     await run(page);
     const framed = await covered(page);

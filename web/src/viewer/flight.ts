@@ -1,5 +1,5 @@
-// Drawings that the graphics processor has not finished. Without a limit, the browser queues what a slow one cannot draw in
-// time. The page would then wait for all of it before it answers, and show views that are long past.
+// Drawings that the graphics processor has not finished. Without a limit, a browser may queue what a slow one cannot draw in
+// time, and then shows views that are long past.
 
 /** One is drawn while the next one is prepared. */
 const LIMIT = 2;
@@ -7,10 +7,7 @@ const LIMIT = 2;
 export class Flight {
     private fences: WebGLSync[] = [];
 
-    constructor(
-        private readonly gl: WebGL2RenderingContext,
-        private readonly limit = LIMIT,
-    ) {
+    constructor(private readonly gl: WebGL2RenderingContext) {
         // The fences of a lost context are never reached.
         gl.canvas.addEventListener("webglcontextlost", () => {
             this.fences = [];
@@ -23,7 +20,7 @@ export class Flight {
         while (this.fences.length > 0 && gl.getSyncParameter(this.fences[0], gl.SYNC_STATUS) !== gl.UNSIGNALED) {
             gl.deleteSync(this.fences.shift() as WebGLSync);
         }
-        return this.fences.length >= this.limit;
+        return this.fences.length >= LIMIT;
     }
 
     /** Must be called after every drawing. */
