@@ -1,11 +1,13 @@
-// The sample's frames as captures of other programs, and captures with faults.
+// Frames of the sample with small pictures as captures of other programs, and captures with faults.
 import { execFileSync } from "node:child_process";
 import { cpSync, mkdirSync, mkdtempSync, readFileSync, writeFileSync } from "node:fs";
 import { tmpdir } from "node:os";
 import { join } from "node:path";
 import { sample } from "./site.mjs";
+import { small } from "./small.mjs";
 
-export const scene = JSON.parse(readFileSync(join(sample, "scene.json"), "utf8"));
+export { small };
+export const scene = JSON.parse(readFileSync(join(small, "scene.json"), "utf8"));
 
 export const folder = () => mkdtempSync(join(tmpdir(), "pcmvs-web-"));
 
@@ -13,18 +15,21 @@ export const folder = () => mkdtempSync(join(tmpdir(), "pcmvs-web-"));
 export const ARC = 12;
 
 /** A scene folder with some of the frames and the first `count` cameras. `change` can introduce faults. */
-export function capture(frames = [0], change = () => {}, count = scene.cameras.length) {
+export function capture(frames = [0], change = () => {}, count = scene.cameras.length, from = small) {
     const to = folder();
-    const copy = structuredClone(scene);
+    const copy = JSON.parse(readFileSync(join(from, "scene.json"), "utf8"));
     copy.cameras.length = count;
     copy.frames = frames.map((i) => copy.frames[i]);
     for (const frame of copy.frames) frame.images.length = frame.masks.length = count;
     for (const path of copy.frames.flatMap((frame) => [...frame.images, ...frame.masks]))
-        cpSync(join(sample, path), join(to, path));
+        cpSync(join(from, path), join(to, path));
     change(copy, to);
     writeFileSync(join(to, "scene.json"), JSON.stringify(copy));
     return to;
 }
+
+/** The same with the sample's own pictures. */
+export const wholeCapture = (frames, change, count) => capture(frames, change, count, sample);
 
 /** Turns a camera of a scene about its vertical axis or its horizontal one, by so many pixels in its picture's middle. */
 export function bump(camera, pixels, axis = "vertical") {
@@ -42,8 +47,8 @@ export function bump(camera, pixels, axis = "vertical") {
 function pictures(to) {
     for (const kind of ["images", "masks"]) mkdirSync(join(to, kind));
     scene.cameras.forEach((camera, i) => {
-        cpSync(join(sample, scene.frames[0].images[i]), join(to, "images", `${camera.name}.jpg`));
-        cpSync(join(sample, scene.frames[0].masks[i]), join(to, "masks", `${camera.name}.png`));
+        cpSync(join(small, scene.frames[0].images[i]), join(to, "images", `${camera.name}.jpg`));
+        cpSync(join(small, scene.frames[0].masks[i]), join(to, "masks", `${camera.name}.png`));
     });
 }
 
