@@ -215,9 +215,9 @@ mod tests {
         let lerp = |a: f32, b: f32, t: f32| a + (b - a) * t;
         let mut crossing = 0;
         for i in 0..40_000 {
-            // Steps that are no multiples of each other reach all cells of a cube that is larger than the grid.
-            let along = |step: usize, n: f32| (i * step % 1009) as f32 / 1009.0 * (n + 4.0) - 2.0;
-            let q = Vec3::new(along(1, 24.0), along(31, 32.0), along(317, 24.0));
+            // The periods have no common divisor, so that the points spread over a box that is larger than the grid.
+            let along = |period: usize, n: f32| (i * 317 % period) as f32 / period as f32 * (n + 4.0) - 2.0;
+            let q = Vec3::new(along(1009, 24.0), along(1013, 32.0), along(1019, 24.0));
             let p = grid.origin + q * grid.voxel;
             let q = (p - grid.origin) / grid.voxel;
             let [x, y, z] = q.to_array().map(floor);
