@@ -211,7 +211,7 @@ impl<'a> Pass<'a> {
         let progress = self.next();
         let hull = self.context.hull;
         let voxel = voxel_pixels * hull.footprint();
-        let meshed = mesh::mesh(cloud, hull, voxel, self.meshing, self.workspace, self.executor, &progress)?;
+        let meshed = mesh::mesh(cloud.into(), hull, voxel, self.meshing, self.workspace, self.executor, &progress)?;
         Ok(meshed.mesh)
     }
 

@@ -1,6 +1,6 @@
 //! What a frame does in each stage: it passes in the results of earlier stages, calls the stage and stores its result.
 
-use super::state::Frame;
+use super::state::{Frame, no_hull};
 use crate::{
     calibration::spot_check,
     coarse::{coarse, further_octaves},
@@ -119,14 +119,15 @@ impl<R: Deref<Target = Rig> + Sync> Frame<R> {
         }
         let mut workspace = take(&mut self.memory.workspace);
         take(&mut self.mesh).recycle_into(&mut workspace);
-        let hull = self.context(progress)?.hull;
+        let hull = self.hull.as_ref().ok_or_else(no_hull)?;
         let params = &self.params.meshing;
         let voxel = params.voxel_pixels * hull.footprint();
-        let meshed = mesh::mesh(&self.intermediates.merged, hull, voxel, params, &mut workspace, executor, progress);
+        let points = self.intermediates.merged_points(&mut self.kept);
+        let meshed = mesh::mesh(points, hull, voxel, params, &mut workspace, executor, progress);
         self.memory.workspace = workspace;
         let meshed = meshed?;
         (self.mesh, self.counts.components_dropped) = (meshed.mesh, meshed.components_dropped);
-        self.intermediates.meshed(&mut self.kept, &mut self.memory.workspace);
+        self.intermediates.meshed(&self.kept, &mut self.memory.workspace);
         Ok(())
     }
 
