@@ -739,6 +739,14 @@ typedef struct pcmvs_texture {
 } pcmvs_texture;
 
 // Options for exporting a mesh.
+//
+// GLB files can be compressed by meshoptimizer (EXT_meshopt_compression), which the library does not contain. To compress,
+// link meshoptimizer 1.0 or later and set each of the members `meshopt_...` to its function of the same name. By default
+// they are NULL, and files are not compressed. If some are NULL and others not, exporting fails with
+// `PCMVS_STATUS_NULL_POINTER`, and if one gives a result that meshoptimizer does not give, with
+// `PCMVS_STATUS_INVALID_ARGUMENT`. They are called on the thread that made the call. With `compact` = 1 and `normals` = 0 the
+// file is that of the command line's `--compress`. Its vertices and triangles are in another order than those that
+// `pcmvs_frame_get_mesh` gives.
 typedef struct pcmvs_export_options {
   // Set by `pcmvs_export_options_init`.
   uint32_t struct_size;
@@ -759,6 +767,33 @@ typedef struct pcmvs_export_options {
   uint32_t jpeg_quality;
   // Zero.
   uint32_t reserved;
+  // Sorts triangles so that neighbours follow each other.
+  void (*meshopt_optimizeVertexCacheStrip)(unsigned int *destination,
+                                           const unsigned int *indices,
+                                           size_t index_count,
+                                           size_t vertex_count);
+  // Puts vertices in the order in which triangles use them.
+  size_t (*meshopt_optimizeVertexFetchRemap)(unsigned int *destination,
+                                             const unsigned int *indices,
+                                             size_t index_count,
+                                             size_t vertex_count);
+  // Largest size of encoded vertices, in bytes.
+  size_t (*meshopt_encodeVertexBufferBound)(size_t vertex_count, size_t vertex_size);
+  // Encodes vertices.
+  size_t (*meshopt_encodeVertexBufferLevel)(unsigned char *buffer,
+                                            size_t buffer_size,
+                                            const void *vertices,
+                                            size_t vertex_count,
+                                            size_t vertex_size,
+                                            int level,
+                                            int version);
+  // Largest size of encoded triangles, in bytes.
+  size_t (*meshopt_encodeIndexBufferBound)(size_t index_count, size_t vertex_count);
+  // Encodes triangles.
+  size_t (*meshopt_encodeIndexBuffer)(unsigned char *buffer,
+                                      size_t buffer_size,
+                                      const unsigned int *indices,
+                                      size_t index_count);
 } pcmvs_export_options;
 
 // Receives the next `size` bytes of a file. Return 0 to continue, or any other value to make the export fail with

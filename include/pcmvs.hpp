@@ -71,6 +71,21 @@ template <typename T> T make() noexcept {
     return value;
 }
 
+#if defined(MESHOPTIMIZER_VERSION)
+/// Makes files compressed by meshoptimizer, as those of the command line's `--compress`. Include meshoptimizer.h before this
+/// header, and link meshoptimizer 1.0 or later.
+inline void compress(pcmvs_export_options &options) noexcept {
+    options.normals = 0;
+    options.compact = 1;
+    options.meshopt_optimizeVertexCacheStrip = meshopt_optimizeVertexCacheStrip;
+    options.meshopt_optimizeVertexFetchRemap = meshopt_optimizeVertexFetchRemap;
+    options.meshopt_encodeVertexBufferBound = meshopt_encodeVertexBufferBound;
+    options.meshopt_encodeVertexBufferLevel = meshopt_encodeVertexBufferLevel;
+    options.meshopt_encodeIndexBufferBound = meshopt_encodeIndexBufferBound;
+    options.meshopt_encodeIndexBuffer = meshopt_encodeIndexBuffer;
+}
+#endif
+
 /// Describes a picture in the caller's memory. A stride of 0 means packed rows.
 inline pcmvs_image image(const void *data, std::uint32_t width, std::uint32_t height, pcmvs_pixel_format format,
                          std::ptrdiff_t stride = 0) noexcept {

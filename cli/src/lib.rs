@@ -4,7 +4,6 @@ mod arguments;
 mod at_once;
 mod calibration;
 mod check;
-mod compress;
 mod fingerprint;
 mod frame;
 mod import;

@@ -2,14 +2,16 @@
 
 use crate::{
     arguments::{Format, Reconstruct},
-    compress::{self, Meshopt},
     warning::WarningReport,
 };
 use pcmvs_core::{
     FormParams, Frame, Progress, Result, Rig, TextureParams,
     export::{bounds, glb, ply},
 };
-use pcmvs_scene::{Failure, Scene, Threads};
+use pcmvs_scene::{
+    Failure, Scene, Threads,
+    compress::{self, Meshopt},
+};
 
 /// A frame's file.
 pub struct Made {

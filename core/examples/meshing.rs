@@ -93,9 +93,10 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         let (mut seconds, mut positions) = (f64::INFINITY, Vec::new());
         for _ in 0..3 {
             let start = Instant::now();
-            positions = mesh::mesh(&points, &Anywhere, VOXEL, &params, &mut Workspace::default(), &Serial, &Silent)?
-                .mesh
-                .positions;
+            positions =
+                mesh::mesh((&points).into(), &Anywhere, VOXEL, &params, &mut Workspace::default(), &Serial, &Silent)?
+                    .mesh
+                    .positions;
             seconds = seconds.min(start.elapsed().as_secs_f64());
         }
         let error = |p: &Vec3| (RADII.1 - (p.truncate().length() - RADII.0).hypot(p.z)).abs();

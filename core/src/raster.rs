@@ -52,11 +52,13 @@ impl Raster {
 /// buffer, in pixels, and depths.
 #[inline]
 pub(crate) fn draw_front(corners: [Vec3; 3], width: usize, height: usize, inverse: &mut [f32]) {
-    cover(corners, width, height, |x, y, z, front| {
-        if front {
-            let nearest = &mut inverse[y * width + x];
-            *nearest = max(z, *nearest);
-        }
+    // Half of the triangles of a closed mesh face away. Nothing else of them need be computed.
+    if !(area(corners) < 0.0) {
+        return;
+    }
+    cover(corners, width, height, |x, y, z, _| {
+        let nearest = &mut inverse[y * width + x];
+        *nearest = max(z, *nearest);
     });
 }
 
@@ -135,11 +137,18 @@ impl Crossings {
     }
 }
 
+/// Twice the area of a triangle in the image. Because y points down, a triangle that is counter-clockwise as seen from the
+/// camera, which is a front face, has a negative area.
+#[inline(always)]
+pub(crate) fn area([a, b, c]: [Vec3; 3]) -> f32 {
+    (b.x - a.x) * (c.y - a.y) - (c.x - a.x) * (b.y - a.y)
+}
+
 /// Calls `f` for each pixel whose centre a triangle covers, with the triangle's inverse depth there, which is linear in
 /// the image, and whether the triangle faces the camera.
 #[inline(always)]
 pub(crate) fn cover([a, b, c]: [Vec3; 3], width: usize, height: usize, mut f: impl FnMut(usize, usize, f32, bool)) {
-    let area = (b.x - a.x) * (c.y - a.y) - (c.x - a.x) * (b.y - a.y);
+    let area = area([a, b, c]);
     if area == 0.0 || !area.is_finite() || a.z <= 0.0 || b.z <= 0.0 || c.z <= 0.0 {
         return;
     }
@@ -158,7 +167,6 @@ pub(crate) fn cover([a, b, c]: [Vec3; 3], width: usize, height: usize, mut f: im
         return;
     }
     let inverse = [1.0 / a.z / area, 1.0 / b.z / area, 1.0 / c.z / area];
-    // Because y points down, a triangle that is counter-clockwise as seen from the camera has a negative area.
     let front = area < 0.0;
     for y in y0..y1 {
         for x in x0..x1 {

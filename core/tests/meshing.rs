@@ -76,7 +76,7 @@ fn params() -> MeshingParams {
 }
 
 fn run(points: &[Point], hull: impl Fn(Vec3) -> f32 + Sync, params: &MeshingParams) -> Meshed {
-    let meshed = mesh(points, &Hull(hull), VOXEL, params, &mut Workspace::default(), &Serial, &Silent).unwrap();
+    let meshed = mesh(points.into(), &Hull(hull), VOXEL, params, &mut Workspace::default(), &Serial, &Silent).unwrap();
     assert_manifold(&meshed.mesh);
     meshed
 }
@@ -241,12 +241,13 @@ fn small_components_and_cavities_are_dropped() {
 
 #[test]
 fn without_points_there_is_no_surface() {
-    let none = mesh(&[], &Hull(sphere), VOXEL, &params(), &mut Workspace::default(), &Serial, &Silent);
+    let none = mesh(Vec::new().into(), &Hull(sphere), VOXEL, &params(), &mut Workspace::default(), &Serial, &Silent);
     assert_eq!(none.unwrap_err(), Error::NoSurface);
     let weightless: Vec<Point> =
         cloud(sphere, 0.5, |_| true).into_iter().map(|p| point(p.position, p.normal, 0.0)).collect();
     assert_eq!(
-        mesh(&weightless, &Hull(sphere), VOXEL, &params(), &mut Workspace::default(), &Serial, &Silent).unwrap_err(),
+        mesh((&weightless).into(), &Hull(sphere), VOXEL, &params(), &mut Workspace::default(), &Serial, &Silent)
+            .unwrap_err(),
         Error::NoSurface
     );
 }
@@ -271,7 +272,8 @@ fn every_step_can_cancel() {
     let points = cloud(sphere, 0.5, |_| true);
     let attempt = |at: u32| {
         let refusal = Refusal { at, steps: AtomicU32::new(0), last: AtomicU32::new(0) };
-        let result = mesh(&points, &Hull(sphere), 2.0 * VOXEL, &params(), &mut Workspace::default(), &Serial, &refusal);
+        let result =
+            mesh((&points).into(), &Hull(sphere), 2.0 * VOXEL, &params(), &mut Workspace::default(), &Serial, &refusal);
         (result, refusal.steps.into_inner())
     };
     let (complete, steps) = attempt(0);

@@ -1,6 +1,7 @@
 //! A frame's results as files.
 
 use crate::{
+    compress::Meshopt,
     failure::{Failure, Result},
     frame::{pcmvs_frame, shared},
     sized::{Growing, Versioned, init, read},
@@ -9,11 +10,11 @@ use crate::{
     work::Work,
 };
 use pcmvs_core::{
-    Stage,
+    Form, Stage,
     export::{glb, ply},
 };
 use std::{
-    ffi::{c_int, c_void},
+    ffi::{c_int, c_uchar, c_uint, c_void},
     mem::size_of,
 };
 
@@ -28,8 +29,17 @@ pub enum pcmvs_file_format {
 }
 
 /// Options for exporting a mesh.
+///
+/// GLB files can be compressed by meshoptimizer (EXT_meshopt_compression), which the library does not contain. To compress,
+/// link meshoptimizer 1.0 or later and set each of the members `meshopt_...` to its function of the same name. By default
+/// they are NULL, and files are not compressed. If some are NULL and others not, exporting fails with
+/// `PCMVS_STATUS_NULL_POINTER`, and if one gives a result that meshoptimizer does not give, with
+/// `PCMVS_STATUS_INVALID_ARGUMENT`. They are called on the thread that made the call. With `compact` = 1 and `normals` = 0 the
+/// file is that of the command line's `--compress`. Its vertices and triangles are in another order than those that
+/// `pcmvs_frame_get_mesh` gives.
 #[repr(C)]
 #[derive(Debug, Clone, Copy)]
+#[allow(non_snake_case, reason = "the names are meshoptimizer's")]
 pub struct pcmvs_export_options {
     /// Set by `pcmvs_export_options_init`.
     pub struct_size: u32,
@@ -50,13 +60,72 @@ pub struct pcmvs_export_options {
     pub jpeg_quality: u32,
     /// Zero.
     pub reserved: u32,
+    /// Sorts triangles so that neighbours follow each other.
+    pub meshopt_optimizeVertexCacheStrip: Option<
+        unsafe extern "C-unwind" fn(
+            destination: *mut c_uint,
+            indices: *const c_uint,
+            index_count: usize,
+            vertex_count: usize,
+        ),
+    >,
+    /// Puts vertices in the order in which triangles use them.
+    pub meshopt_optimizeVertexFetchRemap: Option<
+        unsafe extern "C-unwind" fn(
+            destination: *mut c_uint,
+            indices: *const c_uint,
+            index_count: usize,
+            vertex_count: usize,
+        ) -> usize,
+    >,
+    /// Largest size of encoded vertices, in bytes.
+    pub meshopt_encodeVertexBufferBound:
+        Option<unsafe extern "C-unwind" fn(vertex_count: usize, vertex_size: usize) -> usize>,
+    /// Encodes vertices.
+    pub meshopt_encodeVertexBufferLevel: Option<
+        unsafe extern "C-unwind" fn(
+            buffer: *mut c_uchar,
+            buffer_size: usize,
+            vertices: *const c_void,
+            vertex_count: usize,
+            vertex_size: usize,
+            level: c_int,
+            version: c_int,
+        ) -> usize,
+    >,
+    /// Largest size of encoded triangles, in bytes.
+    pub meshopt_encodeIndexBufferBound:
+        Option<unsafe extern "C-unwind" fn(index_count: usize, vertex_count: usize) -> usize>,
+    /// Encodes triangles.
+    pub meshopt_encodeIndexBuffer: Option<
+        unsafe extern "C-unwind" fn(
+            buffer: *mut c_uchar,
+            buffer_size: usize,
+            indices: *const c_uint,
+            index_count: usize,
+        ) -> usize,
+    >,
+}
+
+impl pcmvs_export_options {
+    /// The functions of meshoptimizer, if they are set.
+    fn meshopt(&self) -> Result<Option<Meshopt>> {
+        Meshopt::new(
+            self.meshopt_optimizeVertexCacheStrip,
+            self.meshopt_optimizeVertexFetchRemap,
+            self.meshopt_encodeVertexBufferBound,
+            self.meshopt_encodeVertexBufferLevel,
+            self.meshopt_encodeIndexBufferBound,
+            self.meshopt_encodeIndexBuffer,
+        )
+    }
 }
 
 impl Growing for pcmvs_export_options {
     const FIRST_SIZE: usize = 40;
 }
 
-// SAFETY: numbers only, the size first, no padding.
+// SAFETY: numbers and nullable function pointers, the size first, no padding.
 unsafe impl Versioned for pcmvs_export_options {
     fn defaults() -> Self {
         Self {
@@ -69,6 +138,12 @@ unsafe impl Versioned for pcmvs_export_options {
             compact: 0,
             jpeg_quality: 90,
             reserved: 0,
+            meshopt_optimizeVertexCacheStrip: None,
+            meshopt_optimizeVertexFetchRemap: None,
+            meshopt_encodeVertexBufferBound: None,
+            meshopt_encodeVertexBufferLevel: None,
+            meshopt_encodeIndexBufferBound: None,
+            meshopt_encodeIndexBuffer: None,
         }
     }
 
@@ -115,6 +190,7 @@ impl Work {
         if options.has_up == 1 && options.up.iter().any(|v| !v.is_finite()) {
             return refused("up is not finite".to_owned());
         }
+        let meshopt = options.meshopt().map_err(|failure| failure.at(stage))?;
         let textured = (stage == Stage::Form).then(|| self.form()).transpose()?.filter(|form| form.texture.is_some());
         let origin = self.frame.rig().origin();
         let file = match options.format {
@@ -126,11 +202,16 @@ impl Work {
                     compact: options.compact == 1,
                     jpeg_quality: options.jpeg_quality as u8,
                 };
-                match textured {
-                    Some(form) => glb::write_form(form, origin, &options, None),
-                    None => glb::write(mesh, origin, &options),
+                match (meshopt, textured) {
+                    (Some(meshopt), _) => {
+                        let form = textured.cloned().unwrap_or_else(|| Form { mesh: mesh.clone(), texture: None });
+                        meshopt.compressed(form, origin, &options).map_err(|failure| failure.at(stage))?
+                    }
+                    (None, Some(form)) => glb::write_form(form, origin, &options, None),
+                    (None, None) => glb::write(mesh, origin, &options),
                 }
             }
+            1 if meshopt.is_some() => return refused("PLY files are not compressed: write a GLB".to_owned()),
             1 if textured.is_some() => return refused("PLY files have no texture: write a GLB".to_owned()),
             1 => ply::write_mesh(mesh, origin),
             other => return refused(format!("file format {other} is not known")),

@@ -10,6 +10,7 @@
 mod batches;
 mod boundary;
 mod clock;
+mod compress;
 mod executor;
 mod failure;
 mod handles;

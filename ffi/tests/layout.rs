@@ -244,7 +244,23 @@ fn c_and_rust_agree() {
     layout!(facts, pcmvs_texture { width, height, texels });
     layout!(
         facts,
-        pcmvs_export_options { struct_size, format, normals, has_up, up, upright, compact, jpeg_quality, reserved }
+        pcmvs_export_options {
+            struct_size,
+            format,
+            normals,
+            has_up,
+            up,
+            upright,
+            compact,
+            jpeg_quality,
+            reserved,
+            meshopt_optimizeVertexCacheStrip,
+            meshopt_optimizeVertexFetchRemap,
+            meshopt_encodeVertexBufferBound,
+            meshopt_encodeVertexBufferLevel,
+            meshopt_encodeIndexBufferBound,
+            meshopt_encodeIndexBuffer
+        }
     );
     layout!(
         facts,

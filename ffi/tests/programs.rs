@@ -2,7 +2,7 @@
 
 mod common;
 
-use common::{C99, CPP17, Link, Sample, build, has, libraries, missing, output, root, run, thorough};
+use common::{C99, CPP17, Link, Sample, build, has, libraries, meshoptimizer, missing, output, root, run, thorough};
 use std::{ffi::OsString, fs, process::Command, sync::atomic::AtomicBool};
 
 #[test]
@@ -116,6 +116,28 @@ fn forms_are_the_command_lines() {
     output(&program, [sample.plain(), result.clone()]);
     let expected = upright_glb(&sample, &["--faces", "2000", "--texture=256", "--upright"]);
     assert!(fs::read(result).unwrap() == expected, "the bytes differ from the command line's");
+}
+
+#[test]
+fn compressed_files_are_the_command_lines() {
+    let sample = Sample::new();
+    let meshoptimizer = meshoptimizer(sample.path());
+    let meshoptimizer: Vec<&str> = meshoptimizer.iter().map(String::as_str).collect();
+    let full = upright_glb(&sample, &["--compress"]);
+    let in_c = build(sample.path(), &[C99, &meshoptimizer].concat(), "tests/c/compress.c", Link::Shared);
+    output(&in_c, [sample.plain(), sample.path().to_owned()]);
+    let web: &[&str] = &["--faces", "20000", "--texture=1024", "--compress", "--upright"];
+    let mobile: &[&str] = &["--faces", "5000", "--texture=512", "--compress", "--upright"];
+    for (name, expected) in
+        [("full", full.clone()), ("web", upright_glb(&sample, web)), ("mobile", upright_glb(&sample, mobile))]
+    {
+        let written = fs::read(sample.path().join(name).with_extension("glb")).unwrap();
+        assert!(written == expected, "{name}: the bytes differ from the command line's");
+    }
+    let in_cpp = build(sample.path(), &[CPP17, &meshoptimizer].concat(), "tests/cpp/compress.cpp", Link::Shared);
+    let result = sample.path().join("cpp.glb");
+    output(&in_cpp, [sample.plain(), result.clone()]);
+    assert!(fs::read(result).unwrap() == full, "the bytes differ from the command line's");
 }
 
 #[test]

@@ -164,10 +164,11 @@ class Mesh:
     def to_glb(
         self,
         *,
-        normals: bool = True,
+        normals: bool | None = None,
         up: Vector | None = None,
         upright: bool = False,
         compact: bool = False,
+        compress: bool = False,
         jpeg_quality: int = 90,
     ) -> bytes: ...
     def to_ply(self) -> bytes: ...
@@ -175,10 +176,11 @@ class Mesh:
         self,
         path: str | os.PathLike[str],
         *,
-        normals: bool = True,
+        normals: bool | None = None,
         up: Vector | None = None,
         upright: bool = False,
         compact: bool = False,
+        compress: bool = False,
         jpeg_quality: int = 90,
     ) -> None: ...
 

@@ -10,7 +10,10 @@ use pcmvs_core::{
     export::{glb, ply},
     glam::DVec3,
 };
-use pcmvs_scene::output;
+use pcmvs_scene::{
+    compress::{self, Meshopt},
+    output,
+};
 use pyo3::{prelude::*, types::PyBytes};
 use std::path::PathBuf;
 
@@ -64,14 +67,22 @@ impl Mesh {
     }
 }
 
+/// How a GLB file is written.
+struct Glb {
+    options: glb::Options,
+    /// EXT_meshopt_compression.
+    compress: bool,
+}
+
 /// Checked options of a GLB file.
 fn options(
-    normals: bool,
+    normals: Option<bool>,
     up: Option<[f64; 3]>,
     upright: bool,
     compact: bool,
+    compress: bool,
     jpeg_quality: u8,
-) -> Result<glb::Options, Problem> {
+) -> Result<Glb, Problem> {
     if upright && up.is_none() {
         return Err(Problem::argument("upright needs the upward direction: give up, such as (0, 0, 1)"));
     }
@@ -81,12 +92,19 @@ fn options(
     if !(1..=100).contains(&jpeg_quality) {
         return Err(Problem::argument(format!("jpeg_quality is {jpeg_quality}: it is 1 to 100")));
     }
-    Ok(glb::Options { normals, up, upright, compact, jpeg_quality })
+    // As the command line's --compress.
+    let (normals, compact) = (normals.unwrap_or(!compress), compact || compress);
+    Ok(Glb { options: glb::Options { normals, up, upright, compact, jpeg_quality }, compress })
 }
 
 impl Mesh {
-    fn glb(&self, options: &glb::Options) -> Vec<u8> {
-        glb::write_form(&self.form, self.origin, options, None)
+    fn glb(&self, file: &Glb) -> Vec<u8> {
+        if file.compress {
+            let sorted = compress::sort(self.form.clone());
+            glb::write_form(&sorted, self.origin, &file.options, Some(&Meshopt))
+        } else {
+            glb::write_form(&self.form, self.origin, &file.options, None)
+        }
     }
 
     fn ply(&self) -> Result<Vec<u8>, Problem> {
@@ -101,21 +119,25 @@ impl Mesh {
 impl Mesh {
     /// The bytes of a GLB file.
     ///
-    /// ``normals`` are only needed by programs that light the mesh. ``up`` is the scene's upward direction, which the file
-    /// records; with ``upright`` the mesh is also turned so that it stands in every player. ``compact`` writes integers of
-    /// few bits (KHR_mesh_quantization). ``jpeg_quality``, 1 to 100, is that of a texture.
-    #[pyo3(signature = (*, normals = true, up = None, upright = false, compact = false, jpeg_quality = 90))]
+    /// ``normals`` are only needed by programs that light the mesh. They are written unless ``compress`` is set; True or
+    /// False decides otherwise. ``up`` is the scene's upward direction, which the file records; with ``upright`` the mesh is
+    /// also turned so that it stands in every player. ``compact`` writes integers of few bits (KHR_mesh_quantization).
+    /// ``compress`` compresses them, too, by meshoptimizer (EXT_meshopt_compression), and is the command line's
+    /// ``--compress``. Its vertices and triangles are in another order than those of the arrays. ``jpeg_quality``, 1 to 100,
+    /// is that of a texture.
+    #[pyo3(signature = (*, normals = None, up = None, upright = false, compact = false, compress = false, jpeg_quality = 90))]
     fn to_glb<'py>(
         &self,
         py: Python<'py>,
-        normals: bool,
+        normals: Option<bool>,
         up: Option<[f64; 3]>,
         upright: bool,
         compact: bool,
+        compress: bool,
         jpeg_quality: u8,
     ) -> PyResult<Bound<'py, PyBytes>> {
-        let options = options(normals, up, upright, compact, jpeg_quality)?;
-        let bytes = py.detach(|| self.glb(&options));
+        let file = options(normals, up, upright, compact, compress, jpeg_quality)?;
+        let bytes = py.detach(|| self.glb(&file));
         Ok(PyBytes::new(py, &bytes))
     }
 
@@ -127,23 +149,26 @@ impl Mesh {
 
     /// Writes a file, ``.glb`` or ``.ply``. The options are those of ``to_glb``. The file has its name only once it is
     /// complete.
-    #[pyo3(signature = (path, *, normals = true, up = None, upright = false, compact = false, jpeg_quality = 90))]
+    #[pyo3(signature = (
+        path, *, normals = None, up = None, upright = false, compact = false, compress = false, jpeg_quality = 90
+    ))]
     fn save(
         &self,
         py: Python,
         path: PathBuf,
-        normals: bool,
+        normals: Option<bool>,
         up: Option<[f64; 3]>,
         upright: bool,
         compact: bool,
+        compress: bool,
         jpeg_quality: u8,
     ) -> PyResult<()> {
-        let options = options(normals, up, upright, compact, jpeg_quality)?;
+        let file = options(normals, up, upright, compact, compress, jpeg_quality)?;
         let write = || {
             let bytes = match path.extension().and_then(|extension| extension.to_str()) {
-                Some("glb") => self.glb(&options),
-                Some("ply") if options.upright || options.compact => {
-                    return Err(Problem::argument("upright and compact are for GLB files: write a .glb"));
+                Some("glb") => self.glb(&file),
+                Some("ply") if file.options.upright || file.options.compact => {
+                    return Err(Problem::argument("upright, compact and compress are for GLB files: write a .glb"));
                 }
                 Some("ply") => self.ply()?,
                 _ => {

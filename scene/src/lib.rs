@@ -3,6 +3,8 @@
 //! All files are read through [`Files`], so that the command line, Python and the browser read a capture in the same way, bit
 //! for bit.
 
+#[cfg(feature = "meshopt")]
+pub mod compress;
 mod document;
 mod explain;
 mod failure;

@@ -256,6 +256,66 @@ static void average(pcmvs_frame *frame) {
     TRY(pcmvs_frame_steady(frame, neighbours, draw(3)));
 }
 
+/* Functions in the place of meshoptimizer's. They write only where they may, and return any number. */
+
+static size_t any_size(size_t bound) {
+    switch (draw(4)) {
+    case 0: return 0;
+    case 1: return bound + draw(3);
+    case 2: return (size_t)-1 - draw(3);
+    default: return draw((uint32_t)bound + 1);
+    }
+}
+
+static void any_order(unsigned int *destination, const unsigned int *indices, size_t index_count, size_t vertex_count) {
+    memcpy(destination, indices, index_count * sizeof *indices);
+    if (draw(3) == 0) {
+        destination[draw((uint32_t)index_count)] = draw(0xFFFFFFFF);
+    }
+    if (draw(3) == 0) {
+        destination[draw((uint32_t)index_count)] = draw((uint32_t)vertex_count);
+    }
+}
+
+static size_t any_places(unsigned int *destination, const unsigned int *indices, size_t index_count, size_t vertex_count) {
+    size_t i;
+    (void)indices, (void)index_count;
+    for (i = 0; i < vertex_count; i++) {
+        destination[i] = (unsigned int)i;
+    }
+    if (draw(2) == 0) {
+        destination[draw((uint32_t)vertex_count)] = draw(2) == 0 ? draw((uint32_t)vertex_count) : 0xFFFFFFFFu - draw(2);
+    }
+    return any_size(vertex_count);
+}
+
+static size_t any_bound(size_t count, size_t of) {
+    return draw(8) == 0 ? any_size(count * of) : 16 * count + 64;
+}
+
+static size_t any_triangles(unsigned char *buffer, size_t size, const unsigned int *indices, size_t count) {
+    (void)indices, (void)count;
+    memset(buffer, draw(3) == 0 ? (int)draw(256) : 0xE1, size);
+    return draw(3) == 0 ? any_size(size) : size;
+}
+
+static size_t any_vertices(unsigned char *buffer, size_t size, const void *vertices, size_t count, size_t of, int level,
+                           int version) {
+    (void)vertices, (void)count, (void)of;
+    CHECK(level == 2 && version == 0);
+    memset(buffer, draw(6) == 0 ? (int)draw(256) : 0xA0, size);
+    return draw(6) == 0 ? any_size(size) : size;
+}
+
+static void draw_functions(pcmvs_export_options *options) {
+    options->meshopt_optimizeVertexCacheStrip = draw(20) == 0 ? NULL : any_order;
+    options->meshopt_optimizeVertexFetchRemap = draw(20) == 0 ? NULL : any_places;
+    options->meshopt_encodeVertexBufferBound = draw(20) == 0 ? NULL : any_bound;
+    options->meshopt_encodeVertexBufferLevel = draw(20) == 0 ? NULL : any_vertices;
+    options->meshopt_encodeIndexBufferBound = draw(20) == 0 ? NULL : any_bound;
+    options->meshopt_encodeIndexBuffer = draw(20) == 0 ? NULL : any_triangles;
+}
+
 static void make_form(pcmvs_frame *frame) {
     pcmvs_form_options form;
     pcmvs_export_options file;
@@ -274,6 +334,10 @@ static void make_form(pcmvs_frame *frame) {
     file.compact = draw(3);
     file.jpeg_quality = draw(110);
     TRY(pcmvs_frame_export_mesh(frame, PCMVS_MESH_KIND_FORM, &file, swallow, NULL));
+    OK(pcmvs_export_options_init(&file, sizeof file));
+    file.compact = draw(2);
+    draw_functions(&file);
+    TRY(pcmvs_frame_export_mesh(frame, draw(5), &file, swallow, NULL));
 }
 
 static void calibrate(void) {

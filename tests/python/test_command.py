@@ -86,6 +86,25 @@ def test_a_form_equals_that_of_the_command_line(scene, finished, command):
     assert form.to_glb(up=scene.up, upright=True) == file.read_bytes()
 
 
+@pytest.mark.parametrize(
+    "form, options",
+    [
+        ({}, ()),
+        ({"faces": 20_000, "texture": 1024}, ("--faces", "20000", "--texture=1024", "--upright")),
+        ({"faces": 5000, "texture": 512}, ("--faces", "5000", "--texture=512", "--upright")),
+    ],
+)
+def test_a_compressed_file_equals_that_of_the_command_line(scene, finished, command, tmp_path, form, options):
+    mesh = finished.form(**form)
+    asked = {"up": scene.up, "upright": "--upright" in options, "compress": True}
+    compressed = mesh.to_glb(**asked)
+    assert compressed == (command("--compress", *options) / "frame_0000.glb").read_bytes()
+    mesh.save(tmp_path / "mesh.glb", **asked)
+    assert (tmp_path / "mesh.glb").read_bytes() == compressed
+    assert len(compressed) < len(mesh.to_glb(**{**asked, "compress": False}, compact=True, normals=False))
+    assert b'"NORMAL"' not in compressed and b'"NORMAL"' in mesh.to_glb(**asked, normals=True)
+
+
 def test_a_ply_file_equals_that_of_the_command_line(finished, command, tmp_path):
     finished.mesh().save(tmp_path / "mesh.ply")
     assert (tmp_path / "mesh.ply").read_bytes() == (command("--format", "ply") / "frame_0000.ply").read_bytes()

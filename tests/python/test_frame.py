@@ -96,6 +96,7 @@ def test_files_are_whole_or_missing(finished, tmp_path):
     for name, options, expected in [
         ("mesh.obj", {}, "must end with .glb or .ply"),
         ("mesh.ply", {"compact": True}, "are for GLB files"),
+        ("mesh.ply", {"compress": True}, "are for GLB files"),
         ("mesh.glb", {"upright": True}, "upright needs the upward direction"),
         ("mesh.glb", {"jpeg_quality": 0}, "jpeg_quality is 0"),
         ("mesh.glb", {"up": (0, 0, math.inf)}, "up is not finite"),

@@ -3,14 +3,14 @@ import assert from "node:assert/strict";
 import { writeFileSync } from "node:fs";
 import { join } from "node:path";
 import { test } from "node:test";
-import { ARC, capture as wholeCapture } from "./captures.mjs";
+import { ARC, capture as captureOf, wholeCapture } from "./captures.mjs";
 import { check, drive, marked, openFolder, pcmvs, run, text } from "./site.mjs";
 
 const { openWith } = drive();
-const capture = (frames, change) => wholeCapture(frames, change, ARC);
+const capture = (frames, change) => captureOf(frames, change, ARC);
 
 test("a check of a good calibration says that it fits, and one that is cancelled says nothing", async (t) => {
-    const { page, problems } = await openWith(t, capture([0, 1, 2, 3, 4, 5]));
+    const { page, problems } = await openWith(t, wholeCapture([0, 1, 2, 3, 4, 5], undefined, ARC));
     await page.click("#check");
     assert.equal(await page.isDisabled("#check"), true);
     assert.match(await text(page, "status"), /^Checking the calibration by frames 0, 1, 3, 4$/);

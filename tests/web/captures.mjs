@@ -1,12 +1,14 @@
-// The sample's frames as captures of other programs, and captures with faults.
+// Frames of the sample with small pictures as captures of other programs, and captures with faults.
 import { execFileSync } from "node:child_process";
 import { cpSync, mkdirSync, mkdtempSync, readFileSync, writeFileSync } from "node:fs";
 import { tmpdir } from "node:os";
 import { join } from "node:path";
-import { readGray, writeGray } from "./png.mjs";
+import { decode, encode } from "fast-png";
 import { sample } from "./site.mjs";
+import { small } from "./small.mjs";
 
-export const scene = JSON.parse(readFileSync(join(sample, "scene.json"), "utf8"));
+export { small };
+export const scene = JSON.parse(readFileSync(join(small, "scene.json"), "utf8"));
 
 export const folder = () => mkdtempSync(join(tmpdir(), "pcmvs-web-"));
 
@@ -14,29 +16,32 @@ export const folder = () => mkdtempSync(join(tmpdir(), "pcmvs-web-"));
 export const ARC = 12;
 
 /** A scene folder with some of the frames and the first `count` cameras. `change` can introduce faults. */
-export function capture(frames = [0], change = () => {}, count = scene.cameras.length) {
+export function capture(frames = [0], change = () => {}, count = scene.cameras.length, from = small) {
     const to = folder();
-    const copy = structuredClone(scene);
+    const copy = JSON.parse(readFileSync(join(from, "scene.json"), "utf8"));
     copy.cameras.length = count;
     copy.frames = frames.map((i) => copy.frames[i]);
     for (const frame of copy.frames) frame.images.length = frame.masks.length = count;
     for (const path of copy.frames.flatMap((frame) => [...frame.images, ...frame.masks]))
-        cpSync(join(sample, path), join(to, path));
+        cpSync(join(from, path), join(to, path));
     change(copy, to);
     writeFileSync(join(to, "scene.json"), JSON.stringify(copy));
     return to;
 }
 
+/** The same with the sample's own pictures. */
+export const wholeCapture = (frames, change, count) => capture(frames, change, count, sample);
+
 /** A fault of a capture: all masks of a frame lack the upper third of the person. */
 export const lackingIn = (position) => (copy, to) => {
     for (const path of copy.frames[position].masks) {
-        const mask = readGray(readFileSync(join(to, path)));
-        const row = (y) => mask.levels.subarray(y * mask.width, (y + 1) * mask.width);
-        const inside = Array.from({ length: mask.height }, (_, y) => y).filter((y) =>
-            row(y).some((level) => level > 127),
-        );
-        for (const y of inside.slice(0, inside.length / 3)) row(y).fill(0);
-        writeFileSync(join(to, path), writeGray(mask));
+        const mask = decode(readFileSync(join(to, path)));
+        const { width, height, channels } = mask;
+        const levels = Uint8Array.from({ length: width * height }, (_, i) => mask.data[i * channels]);
+        const isInside = (y) => levels.subarray(y * width, (y + 1) * width).some((level) => level > 127);
+        const inside = Array.from({ length: height }, (_, y) => y).filter(isInside);
+        for (const y of inside.slice(0, inside.length / 3)) levels.fill(0, y * width, (y + 1) * width);
+        writeFileSync(join(to, path), encode({ width, height, data: levels, channels: 1, depth: 8 }));
     }
 };
 
@@ -56,8 +61,8 @@ export function bump(camera, pixels, axis = "vertical") {
 function pictures(to) {
     for (const kind of ["images", "masks"]) mkdirSync(join(to, kind));
     scene.cameras.forEach((camera, i) => {
-        cpSync(join(sample, scene.frames[0].images[i]), join(to, "images", `${camera.name}.jpg`));
-        cpSync(join(sample, scene.frames[0].masks[i]), join(to, "masks", `${camera.name}.png`));
+        cpSync(join(small, scene.frames[0].images[i]), join(to, "images", `${camera.name}.jpg`));
+        cpSync(join(small, scene.frames[0].masks[i]), join(to, "masks", `${camera.name}.png`));
     });
 }
 

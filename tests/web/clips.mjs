@@ -4,7 +4,8 @@ import { join } from "node:path";
 import { after, before } from "node:test";
 import { fileURLToPath } from "node:url";
 import { folder } from "./captures.mjs";
-import { dist, launch, openPage, pcmvs, sample, serve } from "./site.mjs";
+import { dist, launch, openPage, pcmvs, serve } from "./site.mjs";
+import { small } from "./small.mjs";
 
 const here = (path) => fileURLToPath(new URL(path, import.meta.url));
 export const FPS = 8;
@@ -23,11 +24,11 @@ export let browser;
 before(async () => {
     root = folder();
     const web = ["--preset", "hull", "--faces", "3000", "--texture=256", "--compress", "--upright"];
-    pcmvs("reconstruct", sample, "-o", join(root, "one"), ...web);
-    pcmvs("reconstruct", sample, "-o", join(root, "small"), ...web.with(3, "600").with(4, "--texture=64"));
-    const [one, small, two, sound] = ["one", "small", "two", "sound.wav"].map((name) => join(root, name));
+    pcmvs("reconstruct", small, "-o", join(root, "one"), ...web);
+    pcmvs("reconstruct", small, "-o", join(root, "mobile"), ...web.with(3, "600").with(4, "--texture=64"));
+    const [one, mobile, two, sound] = ["one", "mobile", "two", "sound.wav"].map((name) => join(root, name));
     writeFileSync(sound, wave(1));
-    const more = ["--quality", `mobile=${small}`, "--poster", join(sample, "images/cam00_0000.jpg")];
+    const more = ["--quality", `mobile=${mobile}`, "--poster", join(small, "images/cam00_0000.jpg")];
     pcmvs("pack", one, "--manifest", "-o", two, ...more, "--segment", "0.25");
     pcmvs("pack", one, "--manifest", "-o", join(root, "parts"), "--segment", "0.25");
     pcmvs("pack", one, "--manifest", "-o", join(root, "whole"));

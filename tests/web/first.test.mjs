@@ -4,10 +4,11 @@ import { execFileSync } from "node:child_process";
 import { cpSync, mkdirSync, readFileSync, writeFileSync } from "node:fs";
 import { basename, join } from "node:path";
 import { test } from "node:test";
-import { capture, folder, scene } from "./captures.mjs";
+import { capture, folder } from "./captures.mjs";
 import { download, drive, openFolder, run, same, sample, text } from "./site.mjs";
 
 const { open, openWith } = drive();
+const scene = JSON.parse(readFileSync(join(sample, "scene.json"), "utf8"));
 const PHONE = { viewport: { width: 390, height: 844 }, hasTouch: true, isMobile: true };
 
 test("before anything is opened, the page says what it is and what to bring", async (t) => {

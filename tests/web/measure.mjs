@@ -3,7 +3,7 @@ import { execFileSync } from "node:child_process";
 import { existsSync, readFileSync } from "node:fs";
 import { join } from "node:path";
 import { fileURLToPath } from "node:url";
-import { capture, folder } from "./captures.mjs";
+import { wholeCapture as capture, folder } from "./captures.mjs";
 import { download, ended, openFolder, openPage, pcmvs, run } from "./site.mjs";
 
 /**

@@ -34,7 +34,7 @@ test("dropped folders, zips and GLBs open", async (t) => {
                 /^Ready/.test(document.getElementById("status").textContent),
             basename(dropped),
         );
-        assert.match(await text(page, "summary"), /^20 cameras of 512 × 384, 1 frame, with masks/);
+        assert.match(await text(page, "summary"), /^20 cameras of 256 × 192, 1 frame, with masks/);
     }
     await page.selectOption("#preset", "hull");
     await run(page);
@@ -103,7 +103,7 @@ for (const [name, make] of Object.entries({ middlebury, colmap, transforms, open
     test(`${name} opens and gives the command line's bytes`, async (t) => {
         const source = make();
         const { page, problems, shot } = await openWith(t, source);
-        assert.match(await text(page, "summary"), /^20 cameras of 512 × 384, 1 frame, with masks/);
+        assert.match(await text(page, "summary"), /^20 cameras of 256 × 192, 1 frame, with masks/);
         await shot(`import-${name}`);
         await run(page);
         const out = folder();
@@ -125,7 +125,7 @@ test("faults of a capture are reported, and the page keeps working", async (t) =
     };
     await openFolder(
         page,
-        capture([0], (s, to) => truncateSync(join(to, s.frames[0].images[3]), 4000)),
+        capture([0], (s, to) => truncateSync(join(to, s.frames[0].images[3]), 2000)),
     );
     await page.click("#run");
     await reported(/cam03: .*(damaged|truncated)/, "corrupt-image");
@@ -148,10 +148,10 @@ test("faults of a capture are reported, and the page keeps working", async (t) =
 
     await openFolder(
         page,
-        capture([0], (s) => (s.cameras[7].width = 640)),
+        capture([0], (s) => (s.cameras[7].width = 320)),
     );
     await page.click("#run");
-    await reported(/cam07: the picture is 512 x 384 pixels but the camera was calibrated at 640 x 384/, "size");
+    await reported(/cam07: the picture is 256 x 192 pixels but the camera was calibrated at 320 x 192/, "size");
 
     const nothing = folder();
     writeFileSync(join(nothing, "notes.txt"), "no capture\n");

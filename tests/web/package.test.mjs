@@ -8,8 +8,8 @@ import { test } from "node:test";
 import { fileURLToPath } from "node:url";
 import { promisify } from "node:util";
 import { build } from "vite";
-import { ARC, bump, capture, folder, lackingIn, scene } from "./captures.mjs";
-import { launch, openPage, pcmvs, sample, serve } from "./site.mjs";
+import { ARC, bump, capture, folder, lackingIn, scene, small } from "./captures.mjs";
+import { launch, openPage, pcmvs, serve } from "./site.mjs";
 
 const pkg = new URL("../../wasm/pkg/", import.meta.url);
 
@@ -18,12 +18,12 @@ function frameOf(
     rig = new Rig(scene.cameras),
     count = scene.cameras.length,
     index = 0,
-    masksFrom = sample,
+    masksFrom = small,
 ) {
     const frame = new Frame(rig);
     const { images, masks } = scene.frames[index];
     scene.cameras.slice(0, count).forEach((_, i) => {
-        frame.setImage(i, readFileSync(join(sample, images[i])));
+        frame.setImage(i, readFileSync(join(small, images[i])));
         frame.setMask(i, readFileSync(join(masksFrom, masks[i])));
     });
     return frame;
@@ -33,7 +33,7 @@ const reconstruct = (api, preset, progress) => frameOf(api).reconstruct(preset, 
 
 test("both builds give the command line's bytes", async () => {
     const out = folder();
-    pcmvs("reconstruct", sample, "-o", out, "--frames", "0", "--preset", "preview");
+    pcmvs("reconstruct", small, "-o", out, "--frames", "0", "--preset", "preview");
     const expected = readFileSync(join(out, "frame_0000.glb"));
     for (const build of ["simd", "scalar"]) {
         // With another query it is another module, with its own instance.
@@ -84,8 +84,8 @@ test("the entry point chooses a build, reports progress, cancels and throws erro
         assert.throws(use, { code: "input", message: `there are cameras 0 to ${scene.cameras.length - 1}` });
     // A sketch uses the pictures that are there, and its errors number the cameras as the frame does.
     for (let i = 0; i < scene.cameras.length; i += 2) {
-        frame.setImage(i, readFileSync(join(sample, scene.frames[0].images[i])));
-        frame.setMask(i, readFileSync(join(sample, scene.frames[0].masks[i])));
+        frame.setImage(i, readFileSync(join(small, scene.frames[0].images[i])));
+        frame.setMask(i, readFileSync(join(small, scene.frames[0].masks[i])));
     }
     assert.ok(frame.sketch().triangles > 500);
     const { width, height } = scene.cameras[6];
@@ -130,7 +130,7 @@ test("frames are averaged with their neighbours as by the command line, in any w
         frameOf(api, undefined, undefined, index).reconstruct("hull"),
     );
     const out = folder();
-    pcmvs("reconstruct", sample, "-o", out, "--frames", "1", "--preset", "hull");
+    pcmvs("reconstruct", small, "-o", out, "--frames", "1", "--preset", "hull");
     const expected = readFileSync(join(out, "frame_0001.glb"));
     const alone = Buffer.from(made.glb(scene.up));
     const own = made.own();
@@ -293,7 +293,7 @@ test("a rig's memory is what an instance takes, to within a factor of three", as
     }
 });
 
-/** A script that reconstructs the sample's hull with the package at `from`. */
+/** A script that reconstructs the small sample's hull with the package at `from`. */
 const script = (from) => `
     import { Frame, Rig, ready } from "${from}";
     const bytes = async (path) => new Uint8Array(await (await fetch("/sample/" + path)).arrayBuffer());
@@ -310,7 +310,7 @@ const script = (from) => `
 
 test("packed and installed, it works in Node, from a plain script, and through a bundler", async (t) => {
     const out = folder();
-    pcmvs("reconstruct", sample, "-o", out, "--alone", "--frames", "0", "--preset", "hull");
+    pcmvs("reconstruct", small, "-o", out, "--alone", "--frames", "0", "--preset", "hull");
     const expected = createHash("sha256")
         .update(readFileSync(join(out, "frame_0000.glb")))
         .digest("hex");
@@ -343,7 +343,7 @@ test("packed and installed, it works in Node, from a plain script, and through a
     writeFileSync(join(app, "plain.html"), page(`>${script("/node_modules/pcmvs/index.js")}`));
     await build({ root: app, base: "./", logLevel: "error", build: { target: "es2022" } });
 
-    const site = await serve({ "/": app, "/sample/": sample });
+    const site = await serve({ "/": app, "/sample/": small });
     const browser = await launch();
     t.after(async () => {
         await browser.close();

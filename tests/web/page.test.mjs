@@ -4,7 +4,7 @@ import { execFileSync } from "node:child_process";
 import { readFileSync, writeFileSync } from "node:fs";
 import { join } from "node:path";
 import { test } from "node:test";
-import { capture, folder, lackingIn, scene } from "./captures.mjs";
+import { capture, folder, lackingIn, scene, small } from "./captures.mjs";
 import { download, drive, ended, pcmvs, run, same, sample, text } from "./site.mjs";
 
 const { open, openWith } = drive();
@@ -25,7 +25,8 @@ function samePly(a, b) {
 
 /** The page with the first frames of the sample: what it does is the same for each further one. */
 async function openShort(t, count, onrequest = () => {}) {
-    const short = { ...scene, frames: scene.frames.slice(0, count) };
+    const whole = JSON.parse(readFileSync(join(sample, "scene.json"), "utf8"));
+    const short = { ...whole, frames: whole.frames.slice(0, count) };
     const prepare = (page) => {
         page.on("request", (request) => onrequest(request.url()));
         return page.route("**/sample/scene.json*", (asked) => asked.fulfill({ json: short }));
@@ -36,7 +37,7 @@ async function openShort(t, count, onrequest = () => {}) {
 test("the sample reconstructs by itself, plays, and exports what the command line makes", async (t) => {
     const modules = new Set();
     const onrequest = (url) => url.endsWith(".wasm") && modules.add(url.split("/").at(-1).replace(/-.*/, ""));
-    const { page, problems, shot } = await openShort(t, 4, onrequest);
+    const { page, problems, shot } = await openShort(t, 3, onrequest);
     await page.waitForFunction(() => performance.getEntriesByName("shown-sketch").length > 0, undefined, {
         timeout: 60_000,
     });
@@ -52,7 +53,7 @@ test("the sample reconstructs by itself, plays, and exports what the command lin
     });
     await shot("sample-best");
     await ended(page);
-    assert.match(await text(page, "status"), /^4 of 4 frames in .* triangles$/);
+    assert.match(await text(page, "status"), /^3 of 3 frames in .* triangles$/);
     assert.equal(await page.getAttribute("#play", "aria-pressed"), "true");
     const positions = new Set();
     for (let i = 0; i < 20 && positions.size < 3; i++) {
@@ -153,7 +154,7 @@ test("seen through a camera, the mesh covers the photograph's silhouette", async
     });
     assert.ok(opaque, "the photograph is not a whole picture");
     const still = await download(page, "export-png");
-    const mask = readFileSync(join(sample, scene.frames[0].masks[3])).toString("base64");
+    const mask = readFileSync(join(small, scene.frames[0].masks[3])).toString("base64");
     const box = await page
         .locator("#photo")
         .evaluate((photo) => ["left", "top", "width", "height"].map((side) => parseFloat(photo.style[side])));
@@ -162,15 +163,15 @@ test("seen through a camera, the mesh covers the photograph's silhouette", async
             const bitmap = async (data) =>
                 createImageBitmap(await (await fetch(`data:image/png;base64,${data}`)).blob());
             const pixels = (draw) => {
-                const canvas = new OffscreenCanvas(512, 384);
+                const canvas = new OffscreenCanvas(256, 192);
                 const context = canvas.getContext("2d");
                 draw(context);
-                return context.getImageData(0, 0, 512, 384).data;
+                return context.getImageData(0, 0, 256, 192).data;
             };
             const [view, truth] = [await bitmap(still), await bitmap(mask)];
             const ratio = view.width / document.getElementById("canvas").clientWidth;
             const seen = pixels((c) =>
-                c.drawImage(view, left * ratio, top * ratio, width * ratio, height * ratio, 0, 0, 512, 384),
+                c.drawImage(view, left * ratio, top * ratio, width * ratio, height * ratio, 0, 0, 256, 192),
             );
             const given = pixels((c) => c.drawImage(truth, 0, 0));
             let [both, either] = [0, 0];
@@ -248,7 +249,7 @@ test("a part that one frame's masks lack comes back from the frames beside it, a
 });
 
 test("cancelling keeps what is finished, and a run can start again", async (t) => {
-    const { page, problems, shot } = await open(t);
+    const { page, problems, shot } = await openShort(t, 4);
     await page.waitForFunction(() => performance.getEntriesByName("shown-sketch").length > 0);
     await page.click("#cancel");
     assert.match(await text(page, "status"), /^Cancelled/);
@@ -260,6 +261,6 @@ test("cancelling keeps what is finished, and a run can start again", async (t) =
     await page.selectOption("#preset", "hull");
     await page.selectOption("#views", "bino");
     await run(page);
-    assert.match(await text(page, "status"), /^8 of 8 frames/);
+    assert.match(await text(page, "status"), /^4 of 4 frames/);
     assert.deepEqual(problems, []);
 });

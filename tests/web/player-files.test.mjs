@@ -146,6 +146,7 @@ test("a connection on which nothing arrives any more is tried once more", async 
 
 test("a frame far ahead is loaded at once if the host sends parts of files, and in its turn otherwise", async (t) => {
     const folders = ["frames", "site"].map((name) => join(root, "far", name));
+    // Its frames are large enough that the last one is not waited for.
     pcmvs("reconstruct", sample, "-o", folders[0], "--preset", "hull", "--frames", "0..3");
     pcmvs("pack", folders[0], "--manifest", "-o", folders[1]);
     const asked = [];

@@ -2,7 +2,7 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import { add, COUNT, FPS, heard, openElement, showsFrame } from "./clips.mjs";
-import { same } from "./site.mjs";
+import { same, slowGraphics } from "./site.mjs";
 
 test("both versions of a manifest play, and every frame is shown in its own time", async (t) => {
     const { page, problems } = await openElement(t);
@@ -94,6 +94,26 @@ test("a page that is too slow drops frames and does not stall", async (t) => {
     assert.ok(Math.abs(passed - wall) < 0.3, `${passed} s of the clip in ${wall} s`);
     assert.ok(dropped >= 5, `${dropped} dropped`);
     assert.ok(Math.abs(shown + dropped - passed * FPS) <= 3, `${shown} shown and ${dropped} dropped in ${passed} s`);
+    assert.deepEqual(problems, []);
+});
+
+test("at most two drawings wait for the graphics processor, and other frames are dropped", async (t) => {
+    const { page, problems } = await openElement(t, { script: slowGraphics });
+    await add(page, { src: "long/sequence.json", autoplay: "", loop: "" });
+    await heard(page, "play");
+    const figures = () =>
+        page.evaluate(() => [globalThis.drawings, globalThis.clip.shownFrames, globalThis.clip.droppedFrames]);
+    await page.waitForFunction(() => globalThis.clip.shownFrames > 2);
+    await page.evaluate(() => globalThis.hold(true));
+    const [, shown, dropped] = await figures();
+    // A second of the clip.
+    await page.waitForTimeout(1000);
+    const [drawings, shownThen] = await figures();
+    assert.ok(drawings <= 2 && shownThen - shown <= 2, `${drawings} drawings, ${shownThen - shown} frames shown`);
+    await page.evaluate(() => globalThis.hold(false));
+    await page.waitForFunction((count) => globalThis.clip.shownFrames > count, shownThen + 2);
+    const [, , droppedThen] = await figures();
+    assert.ok(droppedThen - dropped >= FPS - 4, `${droppedThen - dropped} dropped`);
     assert.deepEqual(problems, []);
 });
 

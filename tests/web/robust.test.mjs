@@ -3,8 +3,20 @@ import assert from "node:assert/strict";
 import { writeFileSync } from "node:fs";
 import { join } from "node:path";
 import { test } from "node:test";
-import { capture, folder } from "./captures.mjs";
-import { cancelAt, dist, download, drive, launch, openFolder, openPage, run, same, text } from "./site.mjs";
+import { capture, folder, wholeCapture } from "./captures.mjs";
+import {
+    cancelAt,
+    dist,
+    download,
+    drive,
+    launch,
+    openFolder,
+    openPage,
+    run,
+    same,
+    slowGraphics,
+    text,
+} from "./site.mjs";
 
 const { open, openWith } = drive();
 
@@ -61,6 +73,30 @@ test("a lost graphics processor is reported, and the same picture comes back", a
     );
 });
 
+test("at most two drawings wait for the graphics processor, and the last one shows the newest view", async (t) => {
+    const { page, problems } = await openWith(t, capture([0]), { script: slowGraphics });
+    await run(page);
+    await page.uncheck("#show-cameras");
+    const seen = async () => (await page.locator("#canvas").screenshot()).toString("base64");
+    const before = await seen();
+    await page.evaluate(() => globalThis.hold(true));
+    await page.focus("#canvas");
+    for (let i = 0; i < 8; i++) {
+        await page.keyboard.press("d");
+        await page.evaluate(() => new Promise((drawn) => requestAnimationFrame(() => requestAnimationFrame(drawn))));
+    }
+    const drawings = await page.evaluate(() => globalThis.drawings);
+    // One of before may be among those that wait.
+    assert.ok(drawings === 1 || drawings === 2, `${drawings} drawings`);
+    const held = await seen();
+    await page.evaluate(() => globalThis.hold(false));
+    await page.waitForFunction(() => globalThis.drawings > 0);
+    await page.waitForTimeout(500);
+    const last = await seen();
+    assert.ok(new Set([before, held, last]).size === 3, "the view does not follow the keys");
+    assert.deepEqual(problems, []);
+});
+
 test("without WebGL the page says so, and names a remedy", async (t) => {
     const script = () => {
         const original = HTMLCanvasElement.prototype.getContext;
@@ -96,7 +132,7 @@ test("a run that needs more memory than there is does not start, and names the r
         globalThis.gigabytes = 8;
         Object.defineProperty(navigator, "deviceMemory", { get: () => globalThis.gigabytes });
     };
-    const { page, problems, shot } = await openWith(t, capture([0]), { script });
+    const { page, problems, shot } = await openWith(t, wholeCapture([0]), { script });
     await run(page);
     const made = await download(page, "export-glb");
     await page.evaluate(() => (globalThis.gigabytes = 0.05));
@@ -147,7 +183,8 @@ test("failed pictures are listed once, with their number and what to do", async 
 });
 
 test("what cannot be opened does not stop a run", async (t) => {
-    const { page, problems } = await openWith(t, capture([0, 1]));
+    // With small pictures the run could be over before the files are opened.
+    const { page, problems } = await openWith(t, wholeCapture([0, 1]));
     await page.selectOption("#preset", "preview");
     await page.click("#run");
     await page.waitForFunction(() => performance.getEntriesByName("shown-sketch").length > 0);
@@ -172,7 +209,7 @@ test("what cannot be opened does not stop a run", async (t) => {
 });
 
 test("cancelling is answered within half a second, in every stage of a run", async (t) => {
-    const { page, problems } = await openWith(t, capture([0, 1, 2]));
+    const { page, problems } = await openWith(t, wholeCapture([0, 1, 2]));
     await page.selectOption("#preset", "default");
     for (const [stage, frame] of [
         ["reading", 1],

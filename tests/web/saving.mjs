@@ -2,9 +2,9 @@
 import { readdirSync } from "node:fs";
 import { join } from "node:path";
 import { after, before } from "node:test";
-import { folder } from "./captures.mjs";
+import { folder, small } from "./captures.mjs";
 import { openReader } from "./pictures.mjs";
-import { download, drive, launch, pcmvs, sample } from "./site.mjs";
+import { download, drive, launch, pcmvs } from "./site.mjs";
 
 export const { open } = drive();
 let browser;
@@ -13,7 +13,7 @@ export let clip, reader;
 
 before(async () => {
     clip = folder();
-    pcmvs("reconstruct", sample, "-o", clip, "--preset", "hull", "--frames", "0,1,2");
+    pcmvs("reconstruct", small, "-o", clip, "--preset", "hull", "--frames", "0,1,2");
     browser = await launch();
     reader = await openReader(browser);
 });
@@ -22,7 +22,7 @@ after(async () => {
     await browser.close();
 });
 
-/** A browser's file pickers, which give files in the page's own file system. `disk` is "full", or "slow" with 1 MB per second. */
+/** A browser's file pickers, which give files in the page's own file system. `disk` is "full", or "slow" with 250 KB per second. */
 export function pickers(disk) {
     globalThis.showSaveFilePicker = async ({ suggestedName }) => {
         const root = await navigator.storage.getDirectory();
@@ -42,7 +42,7 @@ export function pickers(disk) {
                 throw new DOMException("no space", "QuotaExceededError");
             }
             const { size, byteLength } = chunk.data ?? chunk;
-            await new Promise((resolve) => setTimeout(resolve, (size ?? byteLength) / 1000));
+            await new Promise((resolve) => setTimeout(resolve, (size ?? byteLength) / 250));
             await file.write(chunk);
         };
         const stream = new WritableStream({ write, close: () => file.close(), abort: () => file.abort() });

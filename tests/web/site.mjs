@@ -72,6 +72,28 @@ export function launch(more = []) {
 /** Nobody answers the questions of file pickers. Without them the page saves downloads. */
 const NO_PICKERS = () => Object.assign(window, { showSaveFilePicker: undefined, showDirectoryPicker: undefined });
 
+/**
+ * A script for pages that replaces what the graphics processor says: while `hold(true)` holds, no drawing is finished.
+ * `drawings` counts those since the last `hold`.
+ */
+export function slowGraphics() {
+    const { prototype } = WebGL2RenderingContext;
+    const { getSyncParameter, clear } = prototype;
+    let held = false;
+    globalThis.hold = (on) => {
+        held = on;
+        globalThis.drawings = 0;
+    };
+    prototype.getSyncParameter = function (fence, name) {
+        return held ? this.UNSIGNALED : getSyncParameter.call(this, fence, name);
+    };
+    // Every drawing begins with an empty picture.
+    prototype.clear = function (...buffers) {
+        globalThis.drawings++;
+        clear.apply(this, buffers);
+    };
+}
+
 /** A page, and a list of the errors that occur in it. `pickers` replaces the browser's, and gets `disk`. */
 export async function openPage(browser, address, { options = {}, script, pickers = NO_PICKERS, disk, prepare } = {}) {
     const context = await browser.newContext({

@@ -4,14 +4,14 @@ import { existsSync, readFileSync, writeFileSync } from "node:fs";
 import { join } from "node:path";
 import { after, before, test } from "node:test";
 import { fileURLToPath } from "node:url";
-import { capture, folder } from "./captures.mjs";
-import { dist, download, launch, openFolder, openPage, pcmvs, run, same, sample, serve } from "./site.mjs";
+import { capture, folder, small, wholeCapture } from "./captures.mjs";
+import { dist, download, launch, openFolder, openPage, pcmvs, run, same, serve } from "./site.mjs";
 
 const pkg = fileURLToPath(new URL("../../wasm/pkg/", import.meta.url));
 /** A machine without the source of Rust's standard library builds the package without threads. */
 const skip = existsSync(join(pkg, "pcmvs-threads.wasm")) ? false : "the package was built without threads";
 
-/** A worker that reconstructs frame 0 of the sample with both modules, and posts what they make. */
+/** A worker that reconstructs frame 0 of the small sample with both modules, and posts what they make. */
 const WORKER = `
     import * as plain from "/pkg/index.js";
     import * as shared from "/pkg/threads.js";
@@ -75,7 +75,7 @@ before(async () => {
     const root = folder();
     writeFileSync(join(root, "index.html"), "<!doctype html><title>t</title>");
     writeFileSync(join(root, "worker.js"), WORKER);
-    const folders = { "/": root, "/pkg/": pkg, "/sample/": sample, "/some/where/": dist };
+    const folders = { "/": root, "/pkg/": pkg, "/sample/": small, "/some/where/": dist };
     [site, plainSite] = [await serve(folders, true), await serve(folders)];
     browser = await launch();
 });
@@ -114,12 +114,12 @@ test("without isolation the package says that threads are not supported", { skip
     assert.deepEqual(await posted(t, plainSite.address), { supported: false });
 });
 
-/** The page with frame 0 of the sample as a capture of its own. */
-async function openAlone(t, address, options) {
+/** The page with frame 0 of the small sample as a capture of its own, or with another capture. */
+async function openAlone(t, address, options, source = capture([0])) {
     const opened = await openPage(browser, `${address}/some/where/?clip=`, options);
     t.after(() => opened.page.context().close());
     await opened.page.waitForFunction(() => /^Open/.test(document.getElementById("status").textContent));
-    await openFolder(opened.page, capture([0]));
+    await openFolder(opened.page, source);
     return opened;
 }
 
@@ -140,7 +140,7 @@ async function noneNested(page) {
 
 test("the page makes a single frame on all processors, with the command line's bytes", { skip }, async (t) => {
     const out = folder();
-    pcmvs("reconstruct", sample, "-o", out, "--frames", "0", "--preset", "preview", "--alone");
+    pcmvs("reconstruct", small, "-o", out, "--frames", "0", "--preset", "preview", "--alone");
     for (const [address, expected] of [
         [site.address, 1],
         [plainSite.address, 0],
@@ -166,7 +166,7 @@ test("where the module with threads cannot be loaded, one thread does the work",
 });
 
 test("the threads of a run that is cancelled end", { skip }, async (t) => {
-    const { page } = await openAlone(t, site.address);
+    const { page } = await openAlone(t, site.address, {}, wholeCapture([0]));
     await page.click("#run");
     await page.waitForFunction(() => performance.getEntriesByName("threads").length > 0);
     assert.equal(await nested(page), (await threads(page))[0] - 1);
@@ -183,7 +183,7 @@ test("a thread that fails ends the run, and the next one works", { skip }, async
             }
         };
     };
-    const { page } = await openAlone(t, site.address, { script });
+    const { page } = await openAlone(t, site.address, { script }, wholeCapture([0]));
     await page.evaluate(() => (document.body.dataset.state = "asked"));
     await page.click("#run");
     await page.waitForFunction(() => globalThis.failures !== undefined);

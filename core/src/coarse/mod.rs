@@ -44,14 +44,14 @@ pub struct CoarseParams {
     pub gaps: Option<GapParams>,
 }
 
-/// The search of the whole hull begins at the highest octave at which the object still covers this many pixels of the median
-/// picture. A window there shows as much of the object as a window of a smaller picture does.
-const SEARCHED: usize = 60_000;
-/// Search range around a surface that was itself found around another one, relative to [`DetectionParams::band_pixels`].
-const NARROW: f32 = 0.5;
+/// The search of the whole hull begins as many octaves higher as the pictures can be halved until the object covers fewer than
+/// this many pixels of the median one. A window at a higher octave shows more of the object, so that cloth with little texture
+/// is found, too, and there are fewer depths to choose from.
+const SEARCHED: usize = 10_000;
 
-/// Number of octaves by which the coarse pass begins above that of its parameters, because the pictures are large.
-pub(crate) fn further_octaves(views: &[View]) -> u32 {
+/// Number of octaves by which the coarse pass begins above that of its parameters, because the object is large in the
+/// pictures.
+fn further_octaves(views: &[View]) -> u32 {
     let inside = |view: &View| {
         let silhouette = view.shown().filter(|_| view.is_used())?;
         Some(silhouette.distances().iter().filter(|&&d| d > 0 && d != Silhouette::UNKNOWN).count())
@@ -71,15 +71,12 @@ fn octaves_of(mut areas: Vec<usize>) -> u32 {
     octaves
 }
 
-/// The search range around the surface that the coarse pass has found, in pixels of footprint.
-pub(crate) fn band(detection: &DetectionParams, further: u32) -> f32 {
-    detection.band_pixels * if further > 0 { NARROW } else { 1.0 }
-}
-
 /// Runs the coarse pass and returns its mesh.
 ///
-/// In large pictures the pass begins `further` octaves above that of its parameters. Each octave below is searched around the
-/// surface of the one before, by the parameters `detection` of the search that follows the pass.
+/// Where the object is large in the pictures, the pass begins some octaves above that of its parameters. Each octave below is
+/// searched around the surface of the one before, by the parameters `detection` of the search that follows the pass. Where a
+/// silhouette shows the object and that surface is not seen, the whole hull is searched again, because thin parts such as
+/// fingers may get lost at a higher octave.
 ///
 /// `hull_mesh` is the hull's own mesh and `frontier` the weighted frontier points. `scratch` holds one buffer per job
 /// that runs at the same time; the executor adds more if there are too few.
@@ -90,36 +87,44 @@ pub fn coarse(
     context: Context,
     hull_mesh: &Mesh,
     frontier: &[Point],
-    (params, detection, meshing): (&CoarseParams, &DetectionParams, &MeshingParams),
-    further: u32,
+    params: &CoarseParams,
+    meshing: &MeshingParams,
     executor: &dyn Executor,
     scratch: &mut Vec<DetectionScratch>,
     workspace: &mut Workspace,
 ) -> Result<Mesh> {
-    let parts = FIRST_PARTS + LATER_PARTS * further;
-    let mut pass = Pass { context, frontier, meshing, executor, scratch, workspace, part: 0, parts };
+    let further = further_octaves(context.views);
+    let mut pass = Pass {
+        context,
+        frontier,
+        params,
+        meshing,
+        executor,
+        scratch,
+        workspace,
+        part: 0,
+        parts: PARTS * (further + 1),
+    };
     let first = params.detection.octave + further;
-    let scale = |octave: u32| (1u32 << (octave - params.detection.octave)) as f32;
-    let mut surface = pass.first(hull_mesh, params, first, params.voxel_pixels * scale(first))?;
+    let mut surface = pass.surface(Guide::Hull(hull_mesh), &DetectionParams { octave: first, ..params.detection })?;
     for octave in (params.detection.octave..first).rev() {
-        let band_pixels = band(detection, first - octave - 1) * scale(octave);
-        let detection = DetectionParams { octave, band_pixels, ..*detection };
-        let better = pass.later(&surface, &detection, params.voxel_pixels * scale(octave))?;
+        let guide = Guide::Incomplete { surface: &surface, hull: hull_mesh };
+        let band_pixels = params.detection.band_pixels * pass.scale(octave);
+        let better = pass.surface(guide, &DetectionParams { octave, band_pixels, ..params.detection })?;
         surface.recycle_into(pass.workspace);
         surface = better;
     }
     Ok(surface)
 }
 
-/// Steps of the first octave that report their progress: detection, points seen through, meshing, gaps, and meshing again.
-const FIRST_PARTS: u32 = 5;
-/// Steps of each later octave: detection and meshing.
-const LATER_PARTS: u32 = 2;
+/// Steps of an octave that report their progress: detection, points seen through, meshing, gaps, and meshing again.
+const PARTS: u32 = 5;
 
 /// What the octaves of the pass share.
 struct Pass<'a> {
     context: Context<'a>,
     frontier: &'a [Point],
+    params: &'a CoarseParams,
     meshing: &'a MeshingParams,
     executor: &'a dyn Executor,
     scratch: &'a mut Vec<DetectionScratch>,
@@ -130,20 +135,21 @@ struct Pass<'a> {
 }
 
 impl<'a> Pass<'a> {
-    /// The surface of the first octave, which is searched in the whole hull.
-    fn first(&mut self, hull_mesh: &Mesh, params: &CoarseParams, octave: u32, voxel_pixels: f32) -> Result<Mesh> {
+    /// The surface of an octave, that of `detection`.
+    fn surface(&mut self, guide: Guide, detection: &DetectionParams) -> Result<Mesh> {
+        let octave = detection.octave;
+        let voxel_pixels = self.params.voxel_pixels * self.scale(octave);
         let made = self.made(octave);
         let levels = levels(self.context.views, &made);
         let cameras: Vec<Pinhole> = levels.iter().map(|level| level.camera).collect();
-        let detection = DetectionParams { octave, ..params.detection };
-        let mut clouds = self.detect(Guide::Hull(hull_mesh), &detection, &levels)?;
-        let shown = match &params.gaps {
+        let mut clouds = self.detect(guide, detection, &levels)?;
+        let shown = match &self.params.gaps {
             Some(_) => gaps::pixels_with_points(self.context.views, &clouds, &cameras, self.executor),
             None => Vec::new(),
         };
         let footprint = self.context.hull.footprint();
         let progress = self.next();
-        if let Some(params) = &params.seen_through {
+        if let Some(params) = &self.params.seen_through {
             let distance = params.distance_pixels * footprint * (1u32 << octave) as f32;
             clouds = drop_seen_through(clouds, &cameras, params, distance, self.executor, &progress)?;
         }
@@ -151,7 +157,7 @@ impl<'a> Pass<'a> {
         drop(clouds);
         let mut surface = self.mesh(&cloud, voxel_pixels)?;
         let progress = self.next();
-        if let Some(params) = &params.gaps {
+        if let Some(params) = &self.params.gaps {
             let thickness = voxel_pixels * footprint;
             let filling = gaps::filling(shown, &levels, &surface, params, thickness, self.executor, &progress)?;
             if !filling.is_empty() {
@@ -164,15 +170,9 @@ impl<'a> Pass<'a> {
         Ok(surface)
     }
 
-    /// The surface of a later octave, which is searched around that of the one before.
-    fn later(&mut self, surface: &Mesh, detection: &DetectionParams, voxel_pixels: f32) -> Result<Mesh> {
-        let made = self.made(detection.octave);
-        let clouds = self.detect(Guide::Surface(surface), detection, &levels(self.context.views, &made))?;
-        let cloud = self.merged(&clouds);
-        drop(clouds);
-        let better = self.mesh(&cloud, voxel_pixels)?;
-        self.workspace.recycle(cloud);
-        Ok(better)
+    /// Width of an octave's pixels, relative to those of the pass's last octave.
+    fn scale(&self, octave: u32) -> f32 {
+        (1u32 << (octave - self.params.detection.octave)) as f32
     }
 
     /// The views that are used, at an octave.
@@ -211,7 +211,7 @@ impl<'a> Pass<'a> {
         let progress = self.next();
         let hull = self.context.hull;
         let voxel = voxel_pixels * hull.footprint();
-        let meshed = mesh::mesh(cloud, hull, voxel, self.meshing, self.workspace, self.executor, &progress)?;
+        let meshed = mesh::mesh(cloud.into(), hull, voxel, self.meshing, self.workspace, self.executor, &progress)?;
         Ok(meshed.mesh)
     }
 
@@ -231,7 +231,6 @@ fn levels<'a>(views: &'a [View], made: &'a [Option<PyramidLevel<'static>>]) -> V
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Params, params::Preset};
 
     #[test]
     fn larger_objects_are_searched_from_higher_octaves() {
@@ -241,8 +240,5 @@ mod tests {
         assert_eq!(of([0, 4 * SEARCHED, 64 * SEARCHED]), 1);
         assert_eq!(of([0, 16 * SEARCHED, 64 * SEARCHED]), 2);
         assert_eq!(octaves_of(Vec::new()), 0);
-        let detection = Params::preset(Preset::Default).detection;
-        assert_eq!(band(&detection, 0), detection.band_pixels);
-        assert!(band(&detection, 1) < detection.band_pixels);
     }
 }

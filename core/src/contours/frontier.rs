@@ -104,10 +104,12 @@ fn touch(hull: &VisualHull, view: &View, ray: Vec3, longest: f32) -> Option<(f32
     let (mut nearest, mut nearest_at) = (f32::NEG_INFINITY, 0.0);
     while t < end {
         let p = view.camera.centre + ray * t;
-        let coarse = hull.coarse(p);
-        if coarse < -2.0 * hull.footprint() && inside.is_none() {
-            t += max(-coarse * SAFE_FRACTION * unit, fine);
-            continue;
+        if inside.is_none() {
+            let coarse = hull.coarse(p);
+            if coarse < -2.0 * hull.footprint() {
+                t += max(-coarse * SAFE_FRACTION * unit, fine);
+                continue;
+            }
         }
         // Blocks outside were carved by other views, because the contour of this view passes through them.
         let (d, step) = match hull.outside_block(p, ray) {

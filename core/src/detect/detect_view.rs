@@ -41,6 +41,14 @@ pub enum Guide<'a> {
     Hull(&'a Mesh),
     /// A mesh that is close to the result. Only a band around it is searched.
     Surface(&'a Mesh),
+    /// A mesh that is close to the result, but may lack thin parts. A band around it is searched, and the whole hull where the
+    /// view does not see it.
+    Incomplete {
+        /// The mesh.
+        surface: &'a Mesh,
+        /// The hull's mesh.
+        hull: &'a Mesh,
+    },
 }
 
 /// Buffers for the detection of one view after another. Their content never affects a result.
@@ -86,7 +94,12 @@ pub fn detect_view<'l>(
         }
         Guide::Surface(mesh) => {
             raster.render(mesh, &level.camera);
-            range.set_around_surface(level, raster, params.band_pixels * hull.footprint());
+            range.set_around_surface(level, raster, params.band_pixels * hull.footprint(), None);
+        }
+        Guide::Incomplete { surface, hull: hull_mesh } => {
+            raster.render(surface, &level.camera);
+            crossings.find(hull_mesh, &level.camera);
+            range.set_around_surface(level, raster, params.band_pixels * hull.footprint(), Some(crossings));
         }
     }
     let tick = |_, _| progress::step(progress, Stage::Detect, view as u32, views.len() as u32);

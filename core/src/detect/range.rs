@@ -21,29 +21,47 @@ impl SearchRange {
     pub fn set_in_hull(&mut self, level: &PyramidLevel, crossings: &mut Crossings) {
         self.clear();
         for pixel in 0..level.inside.len() {
-            let mut front = 0.0;
-            if level.inside[pixel] > 0 {
-                let first = self.intervals.len();
-                crossings.intervals(pixel, |interval| self.intervals.push(interval));
-                front = self.intervals.get(first).map_or(0.0, |i| i.near);
-            }
-            self.guide.push(front);
-            self.starts.push(self.intervals.len() as u32);
+            let front = if level.inside[pixel] > 0 { self.add_hull(pixel, crossings) } else { 0.0 };
+            self.end_pixel(front);
         }
     }
 
     /// Sets the range to a band around the surface that the camera sees. `band` is its half width in scene units along
-    /// the optical axis.
-    pub fn set_around_surface(&mut self, level: &PyramidLevel, surface: &Raster, band: f32) {
+    /// the optical axis. With crossings of the hull's mesh, the silhouette's pixels in which the camera sees no surface get the
+    /// intervals inside the hull.
+    pub fn set_around_surface(
+        &mut self,
+        level: &PyramidLevel,
+        surface: &Raster,
+        band: f32,
+        mut crossings: Option<&mut Crossings>,
+    ) {
         self.clear();
-        for (&inside, &inverse) in level.inside.iter().zip(&surface.inverse) {
-            let depth = if inside > 0 && inverse > 0.0 { 1.0 / inverse } else { 0.0 };
-            if depth > 0.0 {
+        for (pixel, (&inside, &inverse)) in level.inside.iter().zip(&surface.inverse).enumerate() {
+            let front = if inside <= 0 {
+                0.0
+            } else if inverse > 0.0 {
+                let depth = 1.0 / inverse;
                 self.intervals.push(Interval { near: depth - band, far: depth + band });
-            }
-            self.guide.push(depth);
-            self.starts.push(self.intervals.len() as u32);
+                depth
+            } else {
+                crossings.as_deref_mut().map_or(0.0, |crossings| self.add_hull(pixel, crossings))
+            };
+            self.end_pixel(front);
         }
+    }
+
+    /// Adds the intervals of a pixel's ray inside the hull, and returns the depth of the hull's front, or 0 where there is none.
+    fn add_hull(&mut self, pixel: usize, crossings: &mut Crossings) -> f32 {
+        let first = self.intervals.len();
+        crossings.intervals(pixel, |interval| self.intervals.push(interval));
+        self.intervals.get(first).map_or(0.0, |interval| interval.near)
+    }
+
+    /// Ends the list of a pixel's intervals. `guide` is the depth of the guide surface there.
+    fn end_pixel(&mut self, guide: f32) {
+        self.guide.push(guide);
+        self.starts.push(self.intervals.len() as u32);
     }
 
     fn clear(&mut self) {

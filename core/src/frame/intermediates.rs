@@ -2,11 +2,11 @@
 
 use crate::{
     error::{Error, Result},
-    point_cloud::{Mesh, PointCloud, concat},
+    point_cloud::{Mesh, Point, PointCloud, concat},
     stage::Stage,
     workspace::Workspace,
 };
-use alloc::{format, vec::Vec};
+use alloc::{borrow::Cow, format, vec::Vec};
 use core::{iter::once, mem::take};
 
 /// Results of the stages before the final mesh. Positions are relative to the rig's origin.
@@ -37,7 +37,7 @@ pub(super) struct Kept {
     pub(super) views: bool,
     /// False once merging has freed the points of the views, the frontier points and the implicit points.
     points: bool,
-    /// False once meshing has freed the merged cloud.
+    /// False once meshing has taken the merged cloud.
     merged: bool,
 }
 
@@ -99,11 +99,18 @@ impl Intermediates {
         all
     }
 
+    /// The merged cloud for meshing, which frees it early if it is not kept.
+    pub(super) fn merged_points(&mut self, kept: &mut Kept) -> Cow<'_, [Point]> {
+        if kept.all {
+            return Cow::Borrowed(&self.merged);
+        }
+        kept.merged = false;
+        Cow::Owned(take(&mut self.merged))
+    }
+
     /// Frees what no stage after meshing needs, unless it is kept.
-    pub(super) fn meshed(&mut self, kept: &mut Kept, workspace: &mut Workspace) {
+    pub(super) fn meshed(&mut self, kept: &Kept, workspace: &mut Workspace) {
         if !kept.all {
-            kept.merged = false;
-            workspace.recycle(take(&mut self.merged));
             take(&mut self.coarse).recycle_into(workspace);
         }
     }

@@ -1,9 +1,9 @@
 //! What a frame does in each stage: it passes in the results of earlier stages, calls the stage and stores its result.
 
-use super::state::Frame;
+use super::state::{Frame, no_hull};
 use crate::{
     calibration::spot_check,
-    coarse::{coarse, further_octaves},
+    coarse::coarse,
     colour,
     contours::{Contours, contours},
     error::Result,
@@ -58,22 +58,20 @@ impl<R: Deref<Target = Rig> + Sync> Frame<R> {
     pub(super) fn make_guide(&mut self, executor: &dyn Executor, progress: &dyn Progress) -> Result<()> {
         take(&mut self.intermediates.coarse).recycle_into(&mut self.memory.workspace);
         self.forget_points();
-        self.further_octaves = 0;
         if self.params.method == Method::Hull {
             return Ok(());
         }
         if let Some(prior) = &self.prior {
             self.intermediates.coarse = Mesh::clone(&prior.surface);
         } else if let Some(params) = &self.params.coarse {
-            let further = further_octaves(&self.windows);
             let mut scratch = take(self.memory.detection.spare());
             let mut workspace = take(&mut self.memory.workspace);
             let made = coarse(
                 self.context(progress)?,
                 &self.intermediates.hull,
                 &self.intermediates.frontier,
-                (params, &self.params.detection, &self.params.meshing),
-                further,
+                params,
+                &self.params.meshing,
                 executor,
                 &mut scratch,
                 &mut workspace,
@@ -81,7 +79,6 @@ impl<R: Deref<Target = Rig> + Sync> Frame<R> {
             *self.memory.detection.spare() = scratch;
             self.memory.workspace = workspace;
             self.intermediates.coarse = made?;
-            self.further_octaves = further;
         }
         Ok(())
     }
@@ -119,14 +116,15 @@ impl<R: Deref<Target = Rig> + Sync> Frame<R> {
         }
         let mut workspace = take(&mut self.memory.workspace);
         take(&mut self.mesh).recycle_into(&mut workspace);
-        let hull = self.context(progress)?.hull;
+        let hull = self.hull.as_ref().ok_or_else(no_hull)?;
         let params = &self.params.meshing;
         let voxel = params.voxel_pixels * hull.footprint();
-        let meshed = mesh::mesh(&self.intermediates.merged, hull, voxel, params, &mut workspace, executor, progress);
+        let points = self.intermediates.merged_points(&mut self.kept);
+        let meshed = mesh::mesh(points, hull, voxel, params, &mut workspace, executor, progress);
         self.memory.workspace = workspace;
         let meshed = meshed?;
         (self.mesh, self.counts.components_dropped) = (meshed.mesh, meshed.components_dropped);
-        self.intermediates.meshed(&mut self.kept, &mut self.memory.workspace);
+        self.intermediates.meshed(&self.kept, &mut self.memory.workspace);
         Ok(())
     }
 

@@ -8,9 +8,8 @@ use super::{
 };
 use crate::{
     calibration::SpotCheck,
-    coarse::band,
     context::Context,
-    detect::{DetectionParams, Guide, PyramidLevel, detect_view},
+    detect::{Guide, PyramidLevel, detect_view},
     error::{Error, Result},
     executor::Executor,
     hull::{Agreement, Comparison, VisualHull},
@@ -63,8 +62,6 @@ pub struct Frame<R> {
     /// One slot per view for its points, used until the stage `Detect` is complete.
     pub(super) found: Vec<Mutex<Option<(PointCloud, Counts)>>>,
     pub(super) intermediates: Intermediates,
-    /// Octaves by which the coarse pass began above that of its parameters.
-    pub(super) further_octaves: u32,
     pub(super) kept: Kept,
     /// Whether stereo has found points in each view, in the rig's order. Empty before detection is complete.
     pub(super) has_stereo: Vec<bool>,
@@ -103,7 +100,6 @@ impl<R: Deref<Target = Rig>> Frame<R> {
             octaves: (0..count).map(|_| Once::new()).collect(),
             found: slots(count),
             intermediates: Intermediates::default(),
-            further_octaves: 0,
             kept: Kept::default(),
             has_stereo: Vec::new(),
             calibration: SpotCheck::default(),
@@ -277,7 +273,6 @@ impl<R: Deref<Target = Rig>> Frame<R> {
             let Intermediates { hull, coarse, .. } = &self.intermediates;
             let guide = if coarse.triangles.is_empty() { Guide::Hull(hull) } else { Guide::Surface(coarse) };
             let params = &self.params.detection;
-            let params = &DetectionParams { band_pixels: band(params, self.further_octaves), ..*params };
             let context = self.context(progress)?;
             let level = |place| self.level(place);
             self.memory.detection.with(|scratch| detect_view(context, place, &level, guide, params, scratch))?

@@ -6,7 +6,7 @@ use crate::{
     math::select,
     point_cloud::Mesh,
     progress::{self, Progress},
-    raster::cover,
+    raster::{area, cover},
     silhouette::Silhouette,
     stage::Stage,
     view::View,
@@ -79,10 +79,10 @@ impl Scratch {
         covered.resize(w * h, false);
         let corner = Vec3::new(first[0] as f32, first[1] as f32, 0.0);
         for triangle in &mesh.triangles {
-            let [a, b, c] = triangle.map(|i| projected[i as usize] - corner);
-            // The front faces of a closed mesh cover what all of them cover. Because y points down, theirs are negative areas.
-            if (b.x - a.x) * (c.y - a.y) - (c.x - a.x) * (b.y - a.y) < 0.0 {
-                cover([a, b, c], w, h, |x, y, _, _| covered[y * w + x] = true);
+            let corners = triangle.map(|i| projected[i as usize] - corner);
+            // The front faces of a closed mesh cover what all of them cover.
+            if area(corners) < 0.0 {
+                cover(corners, w, h, |x, y, _, _| covered[y * w + x] = true);
             }
         }
         let part = Part { covered, first, size: [w, h], silhouette };

@@ -153,6 +153,11 @@ impl Envelope for VisualHull {
 
     /// Uses the grid near the surface, because meshing needs the distance at every node.
     fn signed_distance(&self, p: Vec3) -> f32 {
-        if self.slot(p) < SparseGrid::INSIDE { self.coarse(p) } else { self.signed_distance(p) }
+        let cell = self.grid.cell(p);
+        if self.grid.slot_of(&cell) < SparseGrid::INSIDE {
+            self.grid.interpolate_in(&self.values, &cell, -self.grid.voxel, self.grid.voxel)
+        } else {
+            self.signed_distance(p)
+        }
     }
 }

@@ -19,6 +19,7 @@ use crate::{
     surface::{Envelope, drop_small_components},
     workspace::Workspace,
 };
+use alloc::borrow::Cow;
 use glam::Vec3;
 use steps::Steps;
 
@@ -79,13 +80,13 @@ fn fits(size: Vec3, voxel: f32) -> bool {
 const MAX_NODES: f32 = 4096.0;
 
 /// Meshes oriented points (§6) on a grid whose nodes are `voxel` scene units apart. The result does not depend on the
-/// order of the points.
+/// order of the points. Points that are owned are freed as early as possible, borrowed ones are not copied.
 ///
 /// # Errors
 /// [`Error::NoSurface`] if the points do not bound a surface, or if the envelope's bounds are empty or 4096 voxels long
 /// or longer; [`Error::Cancelled`].
 pub fn mesh(
-    points: &[Point],
+    points: Cow<[Point]>,
     envelope: &dyn Envelope,
     voxel: f32,
     params: &MeshingParams,
@@ -102,7 +103,7 @@ pub fn mesh(
     let total = solves * (poisson::steps(low, high, voxel, points.len()) + 2) + 1;
     let mut steps = Steps { progress, done: 0, total };
     let screening = params.screening.unwrap_or(0.0);
-    let mut surface = |points: &[Point], constraint: Option<&dyn Envelope>| -> Result<Mesh> {
+    let mut surface = |points: Cow<[Point]>, constraint: Option<&dyn Envelope>| -> Result<Mesh> {
         let pull = poisson::Pull { screening, calm: params.calm };
         let solution = poisson::solve(points, (low, high), voxel, pull, constraint, workspace, executor, &mut steps)?;
         let mut mesh = solution.surface(workspace, executor);
@@ -116,7 +117,7 @@ pub fn mesh(
         Some(SpaceConstraint::Envelope) => surface(points, Some(envelope))?,
         Some(SpaceConstraint::Rectify) => {
             let first = surface(points, None)?;
-            surface(&rectify::rectified(&first, envelope, voxel), None)?
+            surface(rectify::rectified(&first, envelope, voxel).into(), None)?
         }
     };
     let components_dropped = drop_small_components(&mut mesh, params.smallest_component, workspace);

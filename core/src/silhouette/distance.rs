@@ -4,7 +4,10 @@
 //! offset to the nearest contour point found so far, and sweeps pass these points on to neighbouring pixels. Unlike
 //! there, the contour points lie between pixels and the sweeps run along both axes.
 
-use crate::math::{min, sqrt};
+use crate::{
+    math::{min, sqrt},
+    simd::{Simd, Work},
+};
 use alloc::vec::Vec;
 
 /// Weights of the binomial filter (σ = 0.7 pixel) that smooths the pixel staircase of a binary mask's contour. A wider
@@ -36,14 +39,16 @@ pub(super) fn signed_distance(
     seed(width, height, smoothed, known, columns);
     // The direction to the nearest contour point is within 45° of down, up, left or right. Therefore four sweeps find
     // it.
-    columns.sweep();
+    let simd = Simd::detect();
+    simd.run(Sweep(columns));
     columns.transpose(rows);
-    rows.sweep();
+    simd.run(Sweep(rows));
+    // Below it, conversion by way of a wider integer is a single instruction.
     let limit = 511.0 * UNITS;
     let offsets = rows.x.iter().zip(&rows.y);
     out.clear();
     out.extend(offsets.zip(smoothed.iter()).map(|((x, y), &s)| {
-        let d = min(sqrt(x * x + y * y) * UNITS + 0.5, limit) as i16;
+        let d = min(sqrt(x * x + y * y) * UNITS + 0.5, limit) as i32 as i16;
         if s > HALF { d } else { -d }
     }));
 }
@@ -93,11 +98,20 @@ fn smooth(
     }
 }
 
+/// Cells in a row that are looked at together: most of them have no contour.
+const CELLS: usize = 16;
+
 /// Sets the offsets of the pixels around each segment of the contour. `offsets` is transposed.
 fn seed(width: usize, height: usize, smooth: &[u16], known: impl Fn(usize) -> bool, offsets: &mut Offsets) {
     for y in 0..height - 1 {
         let (upper, lower) = (&smooth[y * width..][..width], &smooth[(y + 1) * width..][..width]);
-        for x in 0..width - 1 {
+        let with_contour = (0..width - 1).step_by(CELLS).map(|first| first..(first + CELLS).min(width - 1));
+        let with_contour = with_contour.filter(|cells| {
+            let inside = |row: &[u16]| row[cells.start..=cells.end].iter().map(|&s| u16::from(s > HALF)).sum::<u16>();
+            let count = usize::from(inside(upper) + inside(lower));
+            count > 0 && count < 2 * (cells.len() + 1)
+        });
+        for x in with_contour.flatten() {
             let inside = upper[x] > HALF;
             if inside == (upper[x + 1] > HALF) && inside == (lower[x] > HALF) && inside == (lower[x + 1] > HALF) {
                 continue;
@@ -165,21 +179,6 @@ impl Offsets {
         }
     }
 
-    /// Passes contour points on from row to row, first down and then up.
-    fn sweep(&mut self) {
-        let (w, rows) = (self.width, self.x.len() / self.width);
-        for r in 1..rows {
-            let (from_x, x) = self.x[(r - 1) * w..][..2 * w].split_at_mut(w);
-            let (from_y, y) = self.y[(r - 1) * w..][..2 * w].split_at_mut(w);
-            hand_on(from_x, from_y, -1.0, x, y);
-        }
-        for r in (1..rows).rev() {
-            let (x, from_x) = self.x[(r - 1) * w..][..2 * w].split_at_mut(w);
-            let (y, from_y) = self.y[(r - 1) * w..][..2 * w].split_at_mut(w);
-            hand_on(from_x, from_y, 1.0, x, y);
-        }
-    }
-
     fn transpose(&self, out: &mut Self) {
         let (w, h) = (self.width, self.x.len() / self.width);
         out.width = h;
@@ -188,26 +187,79 @@ impl Offsets {
     }
 }
 
+/// Passes contour points on from row to row, first down and then up.
+struct Sweep<'a>(&'a mut Offsets);
+
+impl Work for Sweep<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let Offsets { width: w, x, y } = self.0;
+        let (w, rows) = (*w, x.len() / *w);
+        for r in 1..rows {
+            let (from_x, x) = x[(r - 1) * w..][..2 * w].split_at_mut(w);
+            let (from_y, y) = y[(r - 1) * w..][..2 * w].split_at_mut(w);
+            hand_on(from_x, from_y, -1.0, x, y);
+        }
+        for r in (1..rows).rev() {
+            let (x, from_x) = x[(r - 1) * w..][..2 * w].split_at_mut(w);
+            let (y, from_y) = y[(r - 1) * w..][..2 * w].split_at_mut(w);
+            hand_on(from_x, from_y, 1.0, x, y);
+        }
+    }
+}
+
+/// Pixels whose offsets are lowered together, which vectors hold.
+const LANES: usize = 8;
+
 /// Lowers the offsets of a row to those of each pixel's three neighbours in the row that is `step` below.
+#[inline(always)]
 fn hand_on(from_x: &[f32], from_y: &[f32], step: f32, x: &mut [f32], y: &mut [f32]) {
-    let nearer = |best: (f32, f32), candidate: (f32, f32)| {
-        let closer = candidate.0 * candidate.0 + candidate.1 * candidate.1 < best.0 * best.0 + best.1 * best.1;
-        (if closer { candidate.0 } else { best.0 }, if closer { candidate.1 } else { best.1 })
-    };
-    let n = x.len();
-    let inner = x[1..n - 1].iter_mut().zip(&mut y[1..n - 1]);
-    let left = from_x[..n - 2].iter().zip(&from_y[..n - 2]);
-    let middle = from_x[1..n - 1].iter().zip(&from_y[1..n - 1]);
-    let right = from_x[2..].iter().zip(&from_y[2..]);
-    for ((((x, y), m), l), r) in inner.zip(middle).zip(left).zip(right) {
-        let best = nearer((*x, *y), (*m.0, m.1 + step));
-        let best = nearer(best, (l.0 - 1.0, l.1 + step));
-        (*x, *y) = nearer(best, (r.0 + 1.0, r.1 + step));
+    let last = x.len() - 1;
+    let mut first = 1;
+    while first + LANES <= last {
+        lower::<LANES>(first, [from_x, from_y], step, x, y);
+        first += LANES;
     }
-    for (i, j) in [(0, 1), (n - 1, n - 2)] {
-        let best = nearer((x[i], y[i]), (from_x[i], from_y[i] + step));
-        (x[i], y[i]) = nearer(best, (from_x[j] + (j as f32 - i as f32), from_y[j] + step));
+    for i in first..last {
+        lower::<1>(i, [from_x, from_y], step, x, y);
     }
+    for (i, j) in [(0, 1), (last, last - 1)] {
+        for (from, across) in [(i, 0.0), (j, j as f32 - i as f32)] {
+            let (dx, dy) = (from_x[from] + across, from_y[from] + step);
+            if dx * dx + dy * dy < x[i] * x[i] + y[i] * y[i] {
+                (x[i], y[i]) = (dx, dy);
+            }
+        }
+    }
+}
+
+/// [`hand_on`] for N pixels from `first` on, none of which is the first or last of the row. Copies of the values show the
+/// compiler that the rows do not overlap.
+#[inline(always)]
+fn lower<const N: usize>(first: usize, [from_x, from_y]: [&[f32]; 2], step: f32, x: &mut [f32], y: &mut [f32]) {
+    let mut best_x: [f32; N] = copied(x, first);
+    let mut best_y: [f32; N] = copied(y, first);
+    for (from, across) in [(first, 0.0), (first - 1, -1.0), (first + 1, 1.0)] {
+        let mut dx: [f32; N] = copied(from_x, from);
+        let mut dy: [f32; N] = copied(from_y, from);
+        for k in 0..N {
+            (dx[k], dy[k]) = (dx[k] + across, dy[k] + step);
+            let closer = dx[k] * dx[k] + dy[k] * dy[k] < best_x[k] * best_x[k] + best_y[k] * best_y[k];
+            (best_x[k], best_y[k]) = (if closer { dx[k] } else { best_x[k] }, if closer { dy[k] } else { best_y[k] });
+        }
+    }
+    x[first..first + N].copy_from_slice(&best_x);
+    y[first..first + N].copy_from_slice(&best_y);
+}
+
+/// N values from `first` on.
+#[inline(always)]
+fn copied<const N: usize>(values: &[f32], first: usize) -> [f32; N] {
+    let mut copy = [0.0; N];
+    copy.copy_from_slice(&values[first..first + N]);
+    copy
 }
 
 /// Transposes a plane in tiles that fit into the cache.

@@ -42,8 +42,25 @@ pub fn marching_cubes(
     workspace: &mut Workspace,
     executor: &dyn Executor,
 ) -> Mesh {
+    let mut mesh = extract(Extractor::new(grid, values, iso, unstored, true, workspace), workspace, executor);
+    complete_normals(&mut mesh);
+    mesh
+}
+
+/// [`marching_cubes`] for a mesh whose vertices will be moved: all normals are zero.
+pub(crate) fn without_normals(
+    grid: &SparseGrid,
+    values: &[f32],
+    iso: f32,
+    unstored: Unstored,
+    workspace: &mut Workspace,
+    executor: &dyn Executor,
+) -> Mesh {
+    extract(Extractor::new(grid, values, iso, unstored, false, workspace), workspace, executor)
+}
+
+fn extract(mut extractor: Extractor, workspace: &mut Workspace, executor: &dyn Executor) -> Mesh {
     let mut mesh = Mesh::with_workspace(workspace);
-    let mut extractor = Extractor::new(grid, values, iso, unstored, workspace);
     let mut nodes = take(&mut extractor.nodes);
     let parts = nodes.chunks_mut(BLOCKS_PER_JOB * BLOCK_NODES);
     let found = executor.map_parts(parts, |i, nodes| extractor.vertices(i * BLOCKS_PER_JOB, nodes));
@@ -59,7 +76,6 @@ pub fn marching_cubes(
         mesh.triangles.extend_from_slice(&part);
     }
     extractor.recycle_into(workspace);
-    complete_normals(&mut mesh);
     mesh
 }
 
@@ -70,6 +86,8 @@ struct Extractor<'a> {
     values: &'a [f32],
     iso: f32,
     unstored: Unstored,
+    /// Whether vertices get the normals of the field. They are zero otherwise.
+    normals: bool,
     active: Vec<[i32; 3]>,
     /// For each block, its index in `active` or [`NO_BLOCK`]. Starts one block below the grid.
     table: Vec<u32>,
@@ -88,7 +106,14 @@ struct Vertices {
 }
 
 impl<'a> Extractor<'a> {
-    fn new(grid: &'a SparseGrid, values: &'a [f32], iso: f32, unstored: Unstored, workspace: &mut Workspace) -> Self {
+    fn new(
+        grid: &'a SparseGrid,
+        values: &'a [f32],
+        iso: f32,
+        unstored: Unstored,
+        normals: bool,
+        workspace: &mut Workspace,
+    ) -> Self {
         let [w, h, d] = grid.dims.map(|v| v as i32);
         let mut active = workspace.take();
         let mut table = workspace.empty(((w + 1) * (h + 1) * (d + 1)) as usize);
@@ -107,7 +132,7 @@ impl<'a> Extractor<'a> {
             }
         }
         let nodes = workspace.filled(0, active.len() * BLOCK_NODES);
-        Self { grid, values, iso, unstored, active, table, nodes, firsts: Vec::new() }
+        Self { grid, values, iso, unstored, normals, active, table, nodes, firsts: Vec::new() }
     }
 
     fn recycle_into(self, workspace: &mut Workspace) {
@@ -176,12 +201,15 @@ impl<'a> Extractor<'a> {
         let t = if t > NEAREST { min(t, 1.0 - NEAREST) } else { NEAREST };
         let mut local = Vec3::from_array(node.map(|v| v as f32));
         local[axis] += t;
+        let first = Vec3::from_array(block.map(|v| (v * BLOCK as i32) as f32));
+        let position = self.grid.origin + (first + local) * self.grid.voxel;
+        if !self.normals {
+            return (position, Vec3::ZERO);
+        }
         let outward = -around.gradient(local);
         let length = outward.length();
         let normal = if length > 1e-20 && length.is_finite() { outward / length } else { Vec3::ZERO };
-
-        let first = Vec3::from_array(block.map(|v| (v * BLOCK as i32) as f32));
-        (self.grid.origin + (first + local) * self.grid.voxel, normal)
+        (position, normal)
     }
 
     /// The triangles of the active blocks of one job, from `first` on.

@@ -10,6 +10,6 @@ mod vertex_neighbours;
 
 pub use components::drop_small_components;
 pub use envelope::{Envelope, SLOPE};
-pub(crate) use marching_cubes::complete_normals;
 pub use marching_cubes::{Unstored, marching_cubes};
+pub(crate) use marching_cubes::{complete_normals, without_normals};
 pub(crate) use vertex_neighbours::VertexNeighbours;

@@ -100,6 +100,28 @@ pub fn build(folder: &Path, compiler: &[&str], source: &str, link: Link) -> Path
     program
 }
 
+/// Builds the parts of meshoptimizer that compress, of the source that the command line has, in a folder. Returns what a
+/// compiler needs to use them.
+pub fn meshoptimizer(folder: &Path) -> [String; 4] {
+    let mut metadata = Command::new(env!("CARGO"));
+    metadata.args(["metadata", "--format-version", "1", "--offline", "--manifest-path"]);
+    let printed = run(metadata.arg(root().join("ffi/Cargo.toml"))).stdout;
+    let metadata: serde_json::Value = serde_json::from_slice(&printed).unwrap();
+    let package = metadata["packages"].as_array().unwrap().iter().find(|package| package["name"] == "meshopt").unwrap();
+    let manifest = Path::new(package["manifest_path"].as_str().unwrap());
+    let source = manifest.parent().unwrap().join("vendor/src");
+    let library = folder.join("libmeshoptimizer.so");
+    let mut command = Command::new("c++");
+    command.args(["-std=c++11", "-O2", "-DNDEBUG", "-shared", "-fPIC", "-o"]).arg(&library);
+    for part in ["allocator", "indexcodec", "stripifier", "vcacheoptimizer", "vertexcodec", "vfetchoptimizer"] {
+        command.arg(source.join(part).with_extension("cpp"));
+    }
+    run(&mut command);
+    let header = source.display().to_string();
+    // The header of another project may cause warnings.
+    ["-isystem".to_owned(), header, "-Wl,--no-as-needed".to_owned(), library.display().to_string()]
+}
+
 /// Output of a program that must succeed.
 pub fn output<A: AsRef<OsStr>>(program: &Path, arguments: impl IntoIterator<Item = A>) -> String {
     String::from_utf8(run(Command::new(program).args(arguments)).stdout).unwrap()

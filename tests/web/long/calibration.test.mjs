@@ -3,7 +3,7 @@ import assert from "node:assert/strict";
 import { readFileSync, writeFileSync } from "node:fs";
 import { join } from "node:path";
 import { test } from "node:test";
-import { ARC, bump, capture, folder } from "../captures.mjs";
+import { ARC, bump, wholeCapture as capture, folder } from "../captures.mjs";
 import { check, download, drive, marked, pcmvs, run, text, warned } from "../site.mjs";
 
 const { openWith } = drive();

@@ -1,6 +1,7 @@
 // The three-dimensional window of the element: a scene with the clip, a free camera, and WebXR.
 
 import { type Box3, Group, Scene, Vector3, WebGLRenderer } from "three";
+import { Flight } from "../viewer/flight";
 import { Navigation } from "../viewer/navigation";
 import type { ClipPlayer } from "./player";
 import { ClipError } from "./take";
@@ -12,6 +13,7 @@ const METRES: Record<string, number> = { mm: 0.001, cm: 0.01, m: 1 };
 
 export class Stage {
     readonly renderer: WebGLRenderer;
+    private readonly flight: Flight;
     private readonly scene = new Scene();
     /** Moved in XR, where the origin is the person's own place. */
     private readonly world = new Group();
@@ -29,6 +31,7 @@ export class Stage {
         } catch {
             throw new ClipError("this browser does not give WebGL 2 to this page: is it switched off?");
         }
+        this.flight = new Flight(this.renderer.getContext() as WebGL2RenderingContext);
         this.renderer.setPixelRatio(Math.min(devicePixelRatio, 2));
         this.navigation = new Navigation(canvas, () => this.draw());
         this.world.add(player.object);
@@ -87,11 +90,15 @@ export class Stage {
     }
 
     private step() {
+        const { isPresenting } = this.renderer.xr;
+        // In XR the device asks for drawings when it is ready. Elsewhere frames that cannot be drawn in time are dropped.
+        if (!isPresenting && this.flight.full) return;
         this.player.update();
         this.navigation.update();
-        if (!this.changed && !this.renderer.xr.isPresenting) return;
+        if (!this.changed && !isPresenting) return;
         this.changed = false;
         this.renderer.render(this.scene, this.navigation.camera);
+        if (!isPresenting) this.flight.sent();
     }
 
     private resize() {

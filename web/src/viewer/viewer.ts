@@ -22,6 +22,7 @@ import { POINTS, type Shading } from "./colours";
 import { compile } from "./compile";
 import { lookingAt, type OrbitView, type SceneCopy, type Standpoint } from "./copy";
 import { Difference, type Pictures } from "./difference";
+import { Flight } from "./flight";
 import { Frusta } from "./frusta";
 import { Navigation } from "./navigation";
 import { Surface } from "./surface";
@@ -34,6 +35,7 @@ const CLICK = 4;
 
 export class Viewer {
     private readonly renderer: WebGLRenderer;
+    private readonly flight: Flight;
     private readonly scene = new Scene();
     /** Turned so that the scene's upward direction is +y, as in three.js. */
     private readonly world = new Group();
@@ -69,6 +71,7 @@ export class Viewer {
             alpha: true,
             powerPreference: "high-performance",
         });
+        this.flight = new Flight(this.renderer.getContext() as WebGL2RenderingContext);
         // Asking for shader errors waits for the driver's compiler.
         this.renderer.debug.checkShaderErrors = import.meta.env.DEV;
         this.renderer.setPixelRatio(Math.min(devicePixelRatio, 2));
@@ -106,16 +109,19 @@ export class Viewer {
         });
     }
 
-    /** Draws with the next animation frame. */
+    /** Draws with the next animation frame, or with the first one for which the graphics processor is ready. */
     draw() {
         if (this.wanted) return;
         this.wanted = true;
-        requestAnimationFrame(() => {
+        const step = () => {
+            if (this.flight.full) return void requestAnimationFrame(step);
             this.wanted = false;
             this.navigation.update();
             this.render();
+            this.flight.sent();
             for (const resolve of this.waiting.splice(0)) resolve();
-        });
+        };
+        requestAnimationFrame(step);
     }
 
     /** A copy of what is shown. Geometries, textures and materials are the same objects. */

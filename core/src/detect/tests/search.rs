@@ -6,10 +6,10 @@ use super::{
         depth::{DepthMap, SweepScratch, depth_map},
         range::SearchRange,
     },
-    substitute::{SCENE, SIZE, SURFACE, VIEW, params},
+    substitute::{HULL, SCENE, SIZE, SURFACE, VIEW, params},
 };
 use crate::{
-    raster::Raster,
+    raster::{Crossings, Interval, Raster},
     testing::{pinhole, sphere},
 };
 use alloc::vec::Vec;
@@ -49,7 +49,7 @@ fn depths_lie_in_the_intervals_of_their_pixels() {
     let mut guide = Raster::default();
     guide.inverse = (0..SIZE * SIZE).map(|i| interval(i).map_or(0.0, |depth| 1.0 / depth)).collect();
     let mut range = SearchRange::default();
-    range.set_around_surface(target, &guide, BAND);
+    range.set_around_surface(target, &guide, BAND, None);
     // Upright windows take nothing from the guide but the interval.
     let search: SearchParams = params().search;
     let map = depths(&nearest(), &range, &search);
@@ -70,13 +70,44 @@ fn depths_lie_in_the_intervals_of_their_pixels() {
     assert!(around > 300 && on > around / 2, "{on} of {around}");
 }
 
+/// The guide surface is seen in every second column only, as if thin parts of it had got lost.
+#[test]
+fn the_hull_is_searched_where_an_incomplete_surface_is_not_seen() {
+    let target = &SCENE.levels[VIEW];
+    let middle = -SCENE.rig.origin().as_vec3();
+    let mut crossings = Crossings::default();
+    crossings.find(&sphere(middle, HULL), &target.camera);
+    let mut surface = Raster::default();
+    surface.render(&sphere(middle, SURFACE), &target.camera);
+    surface.inverse.iter_mut().step_by(2).for_each(|inverse| *inverse = 0.0);
+    let (mut range, mut in_hull) = (SearchRange::default(), SearchRange::default());
+    in_hull.set_in_hull(target, &mut crossings);
+    range.set_around_surface(target, &surface, BAND, Some(&mut crossings));
+    let (mut around, mut within) = (0, 0);
+    for (pixel, &inverse) in surface.inverse.iter().enumerate() {
+        if inverse == 0.0 || target.inside[pixel] <= 0 {
+            assert_eq!(
+                (range.of(pixel), range.guide[pixel]),
+                (in_hull.of(pixel), in_hull.guide[pixel]),
+                "pixel {pixel}"
+            );
+            within += usize::from(!range.of(pixel).is_empty());
+        } else {
+            let depth = 1.0 / inverse;
+            assert_eq!(range.of(pixel), [Interval { near: depth - BAND, far: depth + BAND }], "pixel {pixel}");
+            around += 1;
+        }
+    }
+    assert!(around > 300 && within > 300, "{around}, {within}");
+}
+
 #[test]
 fn pixels_are_compared_with_the_nearest_views_that_show_them() {
     let target = &SCENE.levels[VIEW];
     let mut guide = Raster::default();
     guide.render(&sphere(-SCENE.rig.origin().as_vec3(), SURFACE), &target.camera);
     let mut range = SearchRange::default();
-    range.set_around_surface(target, &guide, BAND);
+    range.set_around_surface(target, &guide, BAND, None);
     let search = params().search;
     let expected = depths(&nearest(), &range, &search);
     let found = expected.depth.iter().filter(|&&depth| depth > 0.0).count();

@@ -23,7 +23,7 @@ use std::sync::LazyLock;
 pub(super) const SIZE: u32 = 96;
 /// Radius of the surface, and of the hull around it.
 pub(super) const SURFACE: f32 = 0.9;
-const HULL: f32 = 1.0;
+pub(super) const HULL: f32 = 1.0;
 pub(super) const VIEW: usize = 0;
 
 pub(super) struct Scene {

@@ -22,7 +22,7 @@ mod spline;
 mod surface;
 mod system;
 
-use alloc::{vec, vec::Vec};
+use alloc::{borrow::Cow, vec, vec::Vec};
 use glam::Vec3;
 
 use super::steps::Steps;
@@ -69,9 +69,10 @@ pub(super) struct Pull {
     pub(super) calm: Option<f32>,
 }
 
-/// Solves for χ over the bounds `low`, `high`. If there is an envelope, χ is held at 0 outside it.
+/// Solves for χ over the bounds `low`, `high`. If there is an envelope, χ is held at 0 outside it. Points that are owned are
+/// freed as soon as their samples are made.
 pub(super) fn solve(
-    points: &[Point],
+    points: Cow<[Point]>,
     (low, high): (Vec3, Vec3),
     voxel: f32,
     Pull { screening, calm }: Pull,
@@ -81,7 +82,10 @@ pub(super) fn solve(
     steps: &mut Steps,
 ) -> Result<Solution> {
     let (finest, count) = domain::domain(low, high, voxel);
-    let mut samples = samples::collect(points, &finest, workspace, executor, || steps.step())?;
+    let mut samples = samples::collect(&points, &finest, workspace, executor, || steps.step())?;
+    if let Cow::Owned(points) = points {
+        workspace.recycle(points);
+    }
     if samples.is_empty() {
         return Err(Error::NoSurface);
     }
@@ -237,7 +241,7 @@ mod tests {
             })
             .collect();
         let params = Params::preset(Preset::Default).meshing;
-        let meshed = mesh::mesh(&points, &Anywhere, 1.0, &params, &mut Workspace::default(), &Serial, &Silent)
+        let meshed = mesh::mesh((&points).into(), &Anywhere, 1.0, &params, &mut Workspace::default(), &Serial, &Silent)
             .expect("a sphere");
         let errors = meshed.mesh.positions.iter().map(|p| (p.distance(centre) - radius).abs());
         let (sum, worst) = errors.clone().fold((0.0, 0.0), |(sum, worst), e| (sum + e, max(worst, e)));

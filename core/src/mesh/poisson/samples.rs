@@ -61,9 +61,11 @@ pub(super) fn collect(
         part
     });
     let merged = executor.map_parts(parts, |_, part| merged_cells(part, points, grid));
-    let mut samples = workspace.empty(merged.iter().map(Vec::len).sum());
-    merged.iter().for_each(|part| samples.extend_from_slice(part));
+    // Freed before the samples are put together, and then one part after the other, because this is where a frame with large
+    // pictures needs most memory.
     workspace.recycle(keyed);
+    let mut samples = workspace.empty(merged.iter().map(Vec::len).sum());
+    merged.into_iter().for_each(|part| samples.extend_from_slice(&part));
     step()?;
     Ok(samples)
 }

@@ -13,7 +13,7 @@ use crate::executor::Executor;
 use crate::grid::{BLOCK_NODES, BLOCKS_PER_JOB};
 use crate::math::{max, min};
 use crate::point_cloud::Mesh;
-use crate::surface::{Unstored, marching_cubes};
+use crate::surface::{Unstored, marching_cubes, without_normals};
 use crate::workspace::Workspace;
 
 /// Largest distance by which the surface may lie outside the envelope, in voxels.
@@ -55,11 +55,15 @@ impl Solution {
             clip(&mut distances, envelope.as_deref());
         }
         let unstored = Unstored { inside: 1.0, outside: -1.0 };
-        let mut mesh = marching_cubes(&grid, &distances, 0.0, unstored, workspace, executor);
-        if let Some((variances, _)) = calm {
-            denoise::denoise(&mut mesh, &grid, &variances, workspace, executor);
-            workspace.recycle(variances);
-        }
+        let mesh = match calm {
+            Some((variances, _)) => {
+                let mut mesh = without_normals(&grid, &distances, 0.0, unstored, workspace, executor);
+                denoise::denoise(&mut mesh, &grid, &variances, workspace, executor);
+                workspace.recycle(variances);
+                mesh
+            }
+            None => marching_cubes(&grid, &distances, 0.0, unstored, workspace, executor),
+        };
         workspace.recycle(distances);
         envelope.into_iter().for_each(|envelope| workspace.recycle(envelope));
         mesh

@@ -10,7 +10,7 @@ use super::{
     colour_model::{CELL, Trust, WEIGHTS, WINDOW, gather},
     patch::Patch,
 };
-use crate::silhouette::refill::refill;
+use crate::silhouette::{distance::UNITS, refill::refill};
 use alloc::vec::Vec;
 
 /// The deeper a pixel lies, the more certain is its side: a matte may be wrong by a few pixels.
@@ -35,7 +35,9 @@ pub(super) struct Confusion {
     columns: usize,
     /// Sums of background and object in every cell.
     sides: [Vec<Sums>; 2],
-    /// Largest evidence against the object, and for it.
+    /// Whether a cell has pixels whose evidence may be limited.
+    near: Vec<bool>,
+    /// Largest evidence against the object, and for it, in the cells that have such pixels.
     limits: Vec<[f32; 2]>,
 }
 
@@ -45,36 +47,39 @@ impl Confusion {
 
     /// Counts the pixels of both sides of a contour, given by the signed distance to it in 1/64 pixel, that look like the
     /// other side. `alphas` are the object's shares. `evidence` is the logarithm of each pixel's likelihood ratio, positive
-    /// for the object, and 0 where its colour says nothing.
-    pub fn count(&mut self, patch: &Patch, distance: &[i16], alphas: &[f32], evidence: &[f32]) {
+    /// for the object, and 0 where its colour says nothing. Limits are found for pixels within `seen` pixels of the contour.
+    pub fn count(&mut self, patch: &Patch, distance: &[i16], seen: f32, alphas: &[f32], evidence: &[f32]) {
         let (columns, rows) = (patch.width.div_ceil(CELL), patch.height.div_ceil(CELL));
         self.columns = columns;
         self.sides.iter_mut().for_each(|side| refill(side, columns * rows, [0.0; 4]));
+        refill(&mut self.near, columns * rows, false);
         let mut room = [0.0; WEIGHTS];
         let weights = DEEP.weights(&mut room);
         for y in 0..patch.height {
             for x in 0..patch.width {
                 let i = y * patch.width + x;
+                let cell = y / CELL * columns + x / CELL;
+                self.near[cell] |= f32::from(distance[i]).abs() <= seen * UNITS;
                 let Some(&weight) = weights.get(usize::from(distance[i].unsigned_abs()) / 16) else { continue };
                 if evidence[i].abs() > 0.0 {
                     let inside = distance[i] > 0;
                     let own = if inside == (evidence[i] > 0.0) { weight } else { 0.0 };
                     let terms = [weight, own, own * alphas[i], own * alphas[i] * alphas[i]];
-                    let sums = &mut self.sides[usize::from(inside)][y / CELL * columns + x / CELL];
+                    let sums = &mut self.sides[usize::from(inside)][cell];
                     (0..terms.len()).for_each(|k| sums[k] += terms[k]);
                 }
             }
         }
-        let Self { sides, limits, .. } = self;
-        limits.clear();
-        limits.extend((0..columns * rows).map(|i| {
+        let Self { sides, near, limits, .. } = self;
+        refill(limits, columns * rows, [0.0; 2]);
+        for (i, limit) in limits.iter_mut().enumerate().filter(|&(i, _)| near[i]) {
             let [background, object] = [0, 1].map(|side| gather(&sides[side], columns, rows, i, &WINDOW));
             let clear = means_evidence(&background, &object) - UNCLEAR;
-            [object, background].map(|side| (-libm::logf(confused(&side))).max(clear))
-        }));
+            *limit = [object, background].map(|side| (-libm::logf(confused(&side))).max(clear));
+        }
     }
 
-    /// What remains of a pixel's evidence.
+    /// What remains of the evidence of a pixel for which limits were found.
     #[inline]
     pub fn limit(&self, x: usize, y: usize, evidence: f32) -> f32 {
         let [against, in_favour] = self.limits[y / CELL * self.columns + x / CELL];
@@ -123,7 +128,7 @@ mod tests {
         }
         let evidence: Vec<f32> = alphas.iter().map(|&alpha| if alpha > 0.5 { SURE } else { -SURE }).collect();
         let mut confusion = Confusion::default();
-        confusion.count(&patch, &distance, &alphas, &evidence);
+        confusion.count(&patch, &distance, 4.0, &alphas, &evidence);
         -confusion.limit(SIZE / 2, SIZE / 2, -SURE)
     }
 

@@ -58,7 +58,7 @@ pub(super) fn relabel(
             alphas[i] = (alpha.clamp(0.0, 1.0) * 255.0 + 0.5) as u8;
         }
     }
-    confusion.count(patch, distance, half, evidence);
+    confusion.count(patch, distance, seen, half, evidence);
     for y in 0..h {
         for x in 0..w {
             let i = y * w + x;

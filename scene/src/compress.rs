@@ -1,8 +1,9 @@
-//! Compression of meshes by meshoptimizer (EXT_meshopt_compression).
+//! Compression of meshes by meshoptimizer (EXT_meshopt_compression), for the command line and Python.
 
 use pcmvs_core::{Form, export::glb::Compress};
 
 /// The algorithms of meshoptimizer.
+#[derive(Debug, Clone, Copy)]
 pub struct Meshopt;
 
 /// Version of the format that EXT_meshopt_compression has.
