@@ -117,7 +117,8 @@ pub fn mesh(
         Some(SpaceConstraint::Envelope) => surface(points, Some(envelope))?,
         Some(SpaceConstraint::Rectify) => {
             let first = surface(points, None)?;
-            surface(rectify::rectified(&first, envelope, voxel).into(), None)?
+            // Borrowed, because a workspace grows with every vector that does not come from it.
+            surface(Cow::Borrowed(&rectify::rectified(&first, envelope, voxel)), None)?
         }
     };
     let components_dropped = drop_small_components(&mut mesh, params.smallest_component, workspace);
