@@ -84,7 +84,8 @@
 //! - **Determinism**: the same inputs give the same bits on every platform, with any executor and for any numbering of
 //!   the cameras. [`Frame::hashes`] has one hash per stage to verify this.
 //! - **Meshes** are closed and manifold, and triangles are counter-clockwise as seen from outside.
-//! - **Frames** are independent of each other, unless the host sets a [`frame::Prior`] or averages them ([`Frame::steady`]).
+//! - **Frames** are independent of each other, unless the host sets a [`frame::Prior`], averages them ([`Frame::steady`]), or
+//!   reads their views together ([`Frame::read_views_between`]).
 //! - **Invalid input** gives an [`Error`] that names the camera and the remedy.
 //! - **Memory** can be limited ([`Memory::limited`]). A frame that needs more is refused before it allocates it.
 //! - The crate is `no_std` and needs only `alloc`. It does not access files, clocks or threads.
@@ -101,6 +102,7 @@ pub mod camera;
 mod chessboard;
 pub mod coarse;
 pub mod colour;
+mod colour_counts;
 mod context;
 pub mod contours;
 mod cut_out;

@@ -1,11 +1,11 @@
 //! The pixels of a part that one camera's silhouette lacks and those of the frames before and after it have.
 
-use crate::silhouette::Silhouette;
+use crate::{
+    colour_counts::{ColourCounts, bin},
+    silhouette::Silhouette,
+};
 use alloc::{vec, vec::Vec};
 
-/// Bits of a channel that bins of colours leave out, and bins along each axis.
-const SHIFT: u32 = 4;
-const BINS: usize = 256 >> SHIFT;
 /// A pixel of a neighbouring frame shows the part if it is this far inside that frame's silhouette and this far outside the
 /// frame's own, in pixels.
 const INSIDE: f32 = 2.0;
@@ -14,7 +14,7 @@ const OUTSIDE: f32 = -4.0;
 const BACKGROUND: f32 = -12.0;
 /// A neighbouring frame shows the background at a pixel if that is this far outside its silhouette.
 const SHOWS_BACKGROUND: f32 = -3.0;
-/// Share of the pixels that is added to every bin, so that colours that are rare on both sides are no evidence.
+/// Share of the pixels that is added to every colour.
 const PRIOR: f32 = 0.002;
 
 /// How clearly a pixel must be one of the part: how many times more frequent its colour is there than in the background, and by
@@ -49,7 +49,7 @@ pub(crate) fn lost_pixels(own: Shown, neighbours: [Shown; 2]) -> Option<Vec<bool
     let of_neighbours = neighbours.map(|neighbour| neighbour.silhouette.distances());
     let is_known = |d: i16| d != Silhouette::UNKNOWN;
 
-    let (mut part, mut around) = (Histogram::new(), Histogram::new());
+    let (mut part, mut around) = (ColourCounts::new(), ColourCounts::new());
     let mut areas = [0usize; 2];
     for (i, &d) in distances.iter().enumerate() {
         for ((neighbour, d_there), area) in neighbours.iter().zip(of_neighbours).zip(&mut areas) {
@@ -63,10 +63,10 @@ pub(crate) fn lost_pixels(own: Shown, neighbours: [Shown; 2]) -> Option<Vec<bool
         }
     }
     let least = areas[0].min(areas[1]);
-    if least < MIN_PIXELS || around.total == 0 {
+    if least < MIN_PIXELS || around.total() == 0 {
         return None;
     }
-    let ratios = part.against(&around);
+    let ratios = part.against(&around, PRIOR);
     let shows = |i: usize, evidence: &Evidence| {
         let pixel = &own.rgb[3 * i..][..3];
         let differs = |(neighbour, there): (&Shown, &[i16])| {
@@ -113,35 +113,6 @@ pub(crate) fn lost_pixels(own: Shown, neighbours: [Shown; 2]) -> Option<Vec<bool
         }
     }
     lost
-}
-
-/// Number of pixels of every colour.
-struct Histogram {
-    counts: Vec<u32>,
-    total: u32,
-}
-
-impl Histogram {
-    fn new() -> Self {
-        Self { counts: vec![0; BINS * BINS * BINS], total: 0 }
-    }
-
-    fn add(&mut self, rgb: &[u8]) {
-        self.counts[bin(rgb)] += 1;
-        self.total += 1;
-    }
-
-    /// For every colour, how many times more frequent it is here than in another histogram. Neither is empty.
-    fn against(&self, other: &Self) -> Vec<f32> {
-        let total = |histogram: &Self| histogram.total as f32;
-        let share = |count: u32, of: &Self| count as f32 / total(of) + PRIOR;
-        self.counts.iter().zip(&other.counts).map(|(&a, &b)| share(a, self) / share(b, other)).collect()
-    }
-}
-
-/// The bin of a colour, of which `rgb` starts with the three channels.
-fn bin(rgb: &[u8]) -> usize {
-    rgb[..3].iter().fold(0, |bin, v| bin * BINS + usize::from(v >> SHIFT))
 }
 
 #[cfg(test)]

@@ -1,13 +1,9 @@
 //! Parts that a silhouette lacks: holes and missing limbs whose colours are the object's and not the background's, and
 //! along whose rays all other silhouettes agree that there is something.
 
-use super::{
-    super::carver::carvers,
-    colours::{ObjectColours, bin},
-    gaps::gaps,
-    rays::Rays,
-};
+use super::{super::carver::carvers, colours::ObjectColours, gaps::gaps, rays::Rays};
 use crate::{
+    colour_counts::bin,
     error::Result,
     executor::Executor,
     progress::{self, Progress},
