@@ -1331,7 +1331,7 @@ pcmvs_status pcmvs_calibration_warning_count(const struct pcmvs_calibration *cal
 // Returns a warning. `index` is less than `pcmvs_calibration_warning_count`. Its code is "camera-bumped",
 // "focal-length-wrong", "distortion-wrong", "cameras-swapped", "camera-contradicts", "silhouette-set-aside",
 // "calibration-inconsistent", "contours-beside-edges", "contours-across-edges", "contour-beside-edge",
-// "contour-across-edge" or "contour-without-edge"; later versions may add codes. `size` is `sizeof *warning`.
+// "contour-across-edge", "contour-without-edge" or "picture-blurred"; later versions may add codes. `size` is `sizeof *warning`.
 pcmvs_status pcmvs_calibration_get_warning(const struct pcmvs_calibration *calibration,
                                            uint32_t index,
                                            struct pcmvs_warning *warning,

@@ -229,7 +229,7 @@ pub unsafe extern "C" fn pcmvs_calibration_warning_count(
 /// Returns a warning. `index` is less than `pcmvs_calibration_warning_count`. Its code is "camera-bumped",
 /// "focal-length-wrong", "distortion-wrong", "cameras-swapped", "camera-contradicts", "silhouette-set-aside",
 /// "calibration-inconsistent", "contours-beside-edges", "contours-across-edges", "contour-beside-edge",
-/// "contour-across-edge" or "contour-without-edge"; later versions may add codes. `size` is `sizeof *warning`.
+/// "contour-across-edge", "contour-without-edge" or "picture-blurred"; later versions may add codes. `size` is `sizeof *warning`.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn pcmvs_calibration_get_warning(
     calibration: *const pcmvs_calibration,

@@ -4,7 +4,7 @@ use crate::{
     failure::Failure,
     scene::{Scene, SceneFrame},
 };
-use pcmvs_core::{Error, Warning};
+use pcmvs_core::{Error, Warning, silhouette::ContourFault};
 use std::path::Path;
 
 impl Scene {
@@ -68,6 +68,7 @@ impl Scene {
         let file = warning.camera().zip(frame).and_then(|(camera, frame)| {
             let camera = camera as usize;
             match warning {
+                Warning::Contour(ContourFault::Blurred { .. }) => frame.image(camera),
                 Warning::EmptySilhouette { .. }
                 | Warning::FullSilhouette { .. }
                 | Warning::MaskInverted { .. }

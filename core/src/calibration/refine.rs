@@ -142,13 +142,15 @@ pub fn calibrate(
 }
 
 /// What the pictures of all frames say about the contours: of each camera that of the frame that fits best, because masks may be
-/// wrong in single frames.
+/// wrong in single frames, and the width of the edge in the frame where it is sharpest, because who moves fast is blurred.
 fn contour_faults(rig: &Rig, frames: &[&[View]]) -> Vec<ContourFault> {
     let edge = |camera: usize| {
         let place = rig.place(camera)?;
         let worse = |edge: &ContourEdge| ordered(max(max(edge.strength, edge.usual), min(edge.far[0], edge.far[1])));
-        let best = frames.iter().filter_map(|views| views[place].edge).min_by_key(worse)?;
-        Some((camera as u32, best))
+        let edges = || frames.iter().filter_map(|views| views[place].edge);
+        let best = edges().min_by_key(worse)?;
+        let width = edges().map(|edge| edge.width).fold(best.width, min);
+        Some((camera as u32, ContourEdge { width, ..best }))
     };
     ContourFault::of((0..rig.cameras().len()).filter_map(edge))
 }

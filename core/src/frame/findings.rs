@@ -73,8 +73,8 @@ impl<R: Deref<Target = Rig>> Frame<R> {
             });
         }
         // What is known to be wrong with a silhouette explains why it disagrees.
-        let is_explained =
-            |warning: &Warning| is_of_all || faults.iter().any(|fault| fault.camera() == warning.camera());
+        let of_masks = || faults.iter().filter(|fault| !matches!(fault, ContourFault::Blurred { .. }));
+        let is_explained = |warning: &Warning| is_of_all || of_masks().any(|fault| fault.camera() == warning.camera());
         warnings.extend(self.disagreements().into_iter().filter(|warning| !is_explained(warning)));
         if self.require(Stage::Detect).is_ok() && self.params().method == Method::Pcmvs {
             let silent = cameras().filter(|&(_, place)| self.views()[place].is_used() && !self.has_stereo[place]);
@@ -135,7 +135,7 @@ impl<R: Deref<Target = Rig>> Frame<R> {
         named
     }
 
-    /// Contours along which the pictures show no edge, or a weaker one than beside them.
+    /// Contours along which the pictures show no edge, or a weaker one than beside them, and pictures that are blurred.
     fn contour_faults(&self) -> Vec<ContourFault> {
         let edge = |camera: u32| {
             let view = self.views().get(self.rig().place(camera as usize)?)?;

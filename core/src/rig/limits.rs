@@ -7,6 +7,7 @@ use crate::{
     sort::short_by,
 };
 use alloc::{format, string::String, vec::Vec};
+use core::fmt;
 use glam::{DVec2, DVec3};
 
 /// Longest side of a picture, in pixels. Source positions in the map of a lens are fixed-point numbers of 32 bits, which
@@ -107,6 +108,23 @@ pub(super) fn check_pictures(cameras: &[Camera]) -> Result<()> {
     Ok(())
 }
 
+/// A number as people write it: up to four digits, and a power of ten only where it is very large or small.
+pub(super) struct Readable(pub(super) f64);
+
+impl fmt::Display for Readable {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        let size = self.0.abs();
+        match size {
+            0.0 => f.write_str("0"),
+            1e3..1e6 => write!(f, "{:.0}", self.0),
+            1e2..1e3 => write!(f, "{:.1}", self.0),
+            1e1..1e2 => write!(f, "{:.2}", self.0),
+            1e-2..1e1 => write!(f, "{:.3}", self.0),
+            _ => write!(f, "{:.3e}", self.0),
+        }
+    }
+}
+
 /// Refuses cameras whose distances from `meeting`, where they look, are out of reason.
 ///
 /// # Errors
@@ -118,26 +136,30 @@ pub(super) fn check_distances(cameras: &[Camera], meeting: DVec3) -> Result<()> 
     let median = sorted[sorted.len() / 2];
     if !(DISTANCE[0]..=DISTANCE[1]).contains(&median) {
         let problem = format!(
-            "the cameras are {median:e} units from where they look, and can be {:e} to {:e}: give R, t and the scene in metres, \
-             or in another unit of that kind",
-            DISTANCE[0], DISTANCE[1]
+            "the cameras are {} units from where they look, and can be {} to {}: give R, t and the scene in metres, or in \
+             another unit of that kind",
+            Readable(median),
+            Readable(DISTANCE[0]),
+            Readable(DISTANCE[1])
         );
         return Err(Error::Cameras { problem });
     }
     let out = |distance: f64| distance > DISPROPORTION * median || distance * DISPROPORTION < median;
     if let Some(camera) = distances.iter().position(|&distance| out(distance)) {
         let problem = format!(
-            "it is {:e} units from where the cameras look, but the median of the cameras is {median:e} units away: check its \
-             t, and that all cameras have the same unit",
-            distances[camera]
+            "it is {} units from where the cameras look, but the median of the cameras is {} units away: check its t, and \
+             that all cameras have the same unit",
+            Readable(distances[camera]),
+            Readable(median)
         );
         return Err(Error::Camera { camera: camera as u32, problem });
     }
     if meeting.length() > OFFSET * median {
         let problem = format!(
-            "the cameras are {median:e} units from where they look, and that is {:e} units from the scene's zero, where numbers \
-             are too coarse: subtract a common offset from the positions",
-            meeting.length()
+            "the cameras are {} units from where they look, and that is {} units from the scene's zero, where numbers are too \
+             coarse: subtract a common offset from the positions",
+            Readable(median),
+            Readable(meeting.length())
         );
         return Err(Error::Cameras { problem });
     }

@@ -1,7 +1,10 @@
 //! Cameras whose positions are in another unit than those of the others. A few of them drag the point where all cameras look so
 //! far away that no distance from it looks wrong.
 
-use super::meeting::{MIN_VIEWS, meeting_point};
+use super::{
+    limits::Readable,
+    meeting::{MIN_VIEWS, meeting_point},
+};
 use crate::{
     camera::Camera,
     error::{Error, Result},
@@ -46,10 +49,11 @@ pub(super) fn check(cameras: &[Camera]) -> Result<()> {
     let far = centres.iter().position(|centre| (*centre - meeting).length() > STRANGE * distance);
     far.map_or(Ok(()), |place| {
         let problem = format!(
-            "it is {:e} units from where {} other cameras look, which are {distance:e} units away on average: check its t, and \
-             that all cameras have the same unit",
-            (centres[place] - meeting).length(),
-            rest.len()
+            "it is {} units from where {} other cameras look, which are {} units away on average: check its t, and that all \
+             cameras have the same unit",
+            Readable((centres[place] - meeting).length()),
+            rest.len(),
+            Readable(distance)
         );
         Err(Error::Camera { camera: place as u32, problem })
     })

@@ -20,6 +20,9 @@ const FOLLOWS: f32 = 0.1;
 const BESIDE_ONE: f32 = 0.5;
 /// An edge that is this many times stronger than the contour's own is the object's, even if the contour is without edge.
 const CLEARLY: f32 = 5.0;
+/// A picture is blurred if the object's edge is at least this many pixels wide in it, and this many times as wide as in the
+/// median of all. In sharp pictures, rendered and real ones, it is one to four pixels wide.
+const BLURRED: [f32; 2] = [5.0, 2.5];
 
 /// A fault of silhouettes that the pictures show. Cameras are numbered as given to [`crate::Rig::new`].
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -54,6 +57,15 @@ pub enum ContourFault {
         /// Index of the camera.
         camera: u32,
     },
+    /// A camera's picture is blurred, and those of the others are not.
+    Blurred {
+        /// Index of the camera.
+        camera: u32,
+        /// Width of the object's edge in the picture, in pixels.
+        pixels: f32,
+        /// The median of this width over all pictures.
+        usual: f32,
+    },
 }
 
 impl ContourFault {
@@ -69,13 +81,18 @@ impl ContourFault {
         if 2 * beside().count() > count {
             return median(beside()).map(|pixels| Self::BesideEdges { pixels }).into_iter().collect();
         }
+        let usual = median(edges.clone().map(|(_, edge)| edge.width)).unwrap_or(0.0);
+        let [least, times] = BLURRED;
+        let blurred = max(least, times * usual);
         let fault = |(camera, edge): (u32, ContourEdge)| {
             if !edge.is_along() && edge.strength < CLEARLY {
                 Some(Self::WithoutEdge { camera })
             } else if edge.is_across(ACROSS_ONE) {
                 Some(Self::AcrossEdge { camera, share: edge.far_share() })
+            } else if edge.strength > BESIDE_ONE {
+                Some(Self::BesideEdge { camera, pixels: edge.off(BESIDE_ONE) })
             } else {
-                (edge.strength > BESIDE_ONE).then_some(Self::BesideEdge { camera, pixels: edge.off(BESIDE_ONE) })
+                (edge.width >= blurred).then_some(Self::Blurred { camera, pixels: edge.width, usual })
             }
         };
         edges.clone().filter_map(fault).collect()
@@ -89,6 +106,7 @@ impl ContourFault {
             Self::BesideEdge { .. } => "contour-beside-edge",
             Self::AcrossEdge { .. } => "contour-across-edge",
             Self::WithoutEdge { .. } => "contour-without-edge",
+            Self::Blurred { .. } => "picture-blurred",
         }
     }
 
@@ -96,9 +114,10 @@ impl ContourFault {
     pub const fn camera(&self) -> Option<u32> {
         match self {
             Self::BesideEdges { .. } | Self::AcrossEdges { .. } => None,
-            Self::BesideEdge { camera, .. } | Self::AcrossEdge { camera, .. } | Self::WithoutEdge { camera } => {
-                Some(*camera)
-            }
+            Self::BesideEdge { camera, .. }
+            | Self::AcrossEdge { camera, .. }
+            | Self::WithoutEdge { camera }
+            | Self::Blurred { camera, .. } => Some(*camera),
         }
     }
 }
@@ -171,6 +190,13 @@ impl fmt::Display for ContourFault {
                      follows the object's outline",
                 );
             }
+            Self::Blurred { pixels, usual, .. } => {
+                return write!(
+                    f,
+                    "its picture is blurred: the object's edge is about {pixels:.0} px wide in it, and {usual:.0} px in the median \
+                     of all cameras. Check the focus, and use a shorter exposure if the object moves fast"
+                );
+            }
         };
         let (how, side, remedy) =
             if *pixels > 0.0 { ("wide", "inside", "shrink") } else { ("narrow", "outside", "widen") };
@@ -188,7 +214,8 @@ mod tests {
     use super::*;
     use alloc::string::ToString;
 
-    const GOOD: ContourEdge = ContourEdge { other: 6.0, strength: 0.1, usual: 0.1, moved: 0.0, far: [0.2, 0.04] };
+    const GOOD: ContourEdge =
+        ContourEdge { other: 6.0, strength: 0.1, usual: 0.1, moved: 0.0, far: [0.2, 0.04], width: 2.0 };
     const WIDE: ContourEdge = ContourEdge { other: 8.0, strength: 3.0, usual: 0.3, ..GOOD };
     const NARROW: ContourEdge = ContourEdge { other: -9.0, strength: 0.3, usual: 0.1, ..GOOD };
     const STRANGE: ContourEdge = ContourEdge { other: 8.0, strength: 0.2, usual: 0.9, ..GOOD };
@@ -246,6 +273,21 @@ mod tests {
         assert!(fault.to_string().contains("26 %") && fault.to_string().contains("shifted"), "{fault}");
         // Most of a contour on one side is a matter of its width.
         assert_eq!(faults([GOOD, ContourEdge { far: [0.3, 0.04], ..GOOD }, GOOD, GOOD, GOOD]), []);
+    }
+
+    #[test]
+    fn a_picture_is_blurred_if_its_edge_is_wider_than_those_of_the_others() {
+        let blurred = ContourEdge { width: 8.0, ..GOOD };
+        let fault = ContourFault::Blurred { camera: 2, pixels: 8.0, usual: 2.0 };
+        assert_eq!(faults([GOOD, GOOD, blurred, GOOD, GOOD]), [fault]);
+        assert_eq!((fault.code(), fault.camera()), ("picture-blurred", Some(2)));
+        assert!(fault.to_string().contains("8 px wide"), "{fault}");
+        assert_eq!(faults([blurred; 5]), [], "nothing tells that all of them are not soft");
+        // What is wrong with the mask is said first.
+        assert_eq!(
+            faults([GOOD, GOOD, ContourEdge { width: 8.0, ..WIDE }, GOOD, GOOD]),
+            [ContourFault::BesideEdge { camera: 2, pixels: 8.0 }]
+        );
     }
 
     #[test]

@@ -43,6 +43,9 @@ pub struct ContourEdge {
     /// Shares of the contour that the picture has moved by more than two pixels of the picture as it was read: inwards, and
     /// outwards.
     pub far: [f32; 2],
+    /// Width of the contour's own edge at half its height, in pixels of the picture as it was given. In focus it is 2 or 3,
+    /// and a lens out of focus or a moving camera makes it wide.
+    pub width: f32,
 }
 
 /// Mean strength of the edges at every distance from the contour, in grey levels per pixel.
@@ -58,13 +61,22 @@ impl ContourEdge {
     pub(crate) fn new(rgb: &[u8], silhouette: &Silhouette, octave: u32, moved: Moved) -> Option<Self> {
         let profile = Profile::new(rgb, silhouette);
         let own = profile.own()?;
-        let found = match [true, false].map(|inside| profile.side(inside, own)) {
+        let sides = [true, false].map(|inside| profile.side(inside, own));
+        // The contour's edge is as wide as it stands out on both sides: texture of the object is no part of it.
+        let texture = sides.iter().flatten().map(|side| side.usual).fold(0.0, max) * max(own[0], FAINT);
+        let found = match sides {
             // Only both sides together tell that there is no edge.
             [Some(a), Some(b)] => Self { usual: min(a.usual, b.usual), ..if b.strength > a.strength { b } else { a } },
             [side, None] | [None, side] => Self { usual: 0.0, ..side? },
         };
         let scale = (1u32 << octave) as f32;
-        Some(Self { other: found.other * scale, moved: moved.median * scale, far: moved.far, ..found })
+        Some(Self {
+            other: found.other * scale,
+            moved: moved.median * scale,
+            far: moved.far,
+            width: profile.width(texture) * scale,
+            ..found
+        })
     }
 
     /// Whether the picture shows an edge along the contour.
@@ -114,19 +126,36 @@ impl Profile {
         (count > 0.0).then_some([strongest, count])
     }
 
-    /// The strongest edge on one side of the contour, and what is usual there.
+    /// Width of the contour's own edge in pixels: so many neighbouring distances have more than half of its height above what
+    /// is usual, in grey levels per pixel.
+    fn width(&self, usual: f32) -> f32 {
+        let mut top = REACH - OWN;
+        (top..=REACH + OWN).for_each(|at| {
+            if self.means[at] > self.means[top] {
+                top = at
+            }
+        });
+        let is_high = |mean: &&f32| **mean > (self.means[top] + usual) / 2.0;
+        let inside = self.means[top..].iter().take_while(is_high).count();
+        let outside = self.means[..top].iter().rev().take_while(is_high).count();
+        (inside + outside) as f32
+    }
+
+    /// The strongest edge on one side of the contour, and what is usual there. The flank of the contour's own edge, which is
+    /// wide in a picture out of focus, is no other edge: an edge is stronger than what is nearer to the contour.
     fn side(&self, inside: bool, [own, count]: [f32; 2]) -> Option<ContourEdge> {
         let bin = |distance: usize| if inside { REACH + distance } else { REACH - distance };
         let seen = (OTHER..=REACH).filter(|&distance| FEWER * self.counts[bin(distance)] >= count);
         // Without a vector, because views are read without allocations.
         let (mut sorted, mut found) = ([0.0; REACH], 0);
-        let mut strongest = OTHER;
+        let mut strongest = None;
         for distance in seen {
             let mean = self.means[bin(distance)];
             sorted[found] = mean;
             found += 1;
-            if mean > self.means[bin(strongest)] {
-                strongest = distance;
+            let is_peak = mean > self.means[bin(distance - 1)];
+            if is_peak && strongest.is_none_or(|before| mean > self.means[bin(before)]) {
+                strongest = Some(distance);
             }
         }
         if found < LEAST {
@@ -134,9 +163,11 @@ impl Profile {
         }
         short_by(&mut sorted[..found], f32::total_cmp);
         let usual = sorted[found / 2];
+        let other = strongest.unwrap_or(OTHER);
+        let height = strongest.map_or(0.0, |distance| self.means[bin(distance)] - usual);
         Some(ContourEdge {
-            other: if inside { strongest as f32 } else { -(strongest as f32) },
-            strength: (self.means[bin(strongest)] - usual) / max(own - usual, FAINT),
+            other: if inside { other as f32 } else { -(other as f32) },
+            strength: height / max(own - usual, FAINT),
             usual: usual / max(own, FAINT),
             ..ContourEdge::default()
         })
@@ -152,9 +183,15 @@ mod tests {
 
     /// What a picture of a patterned disc of radius 50 before a patterned backdrop shows around the contour of another disc.
     fn around(radius: f32) -> ContourEdge {
+        around_edge(radius, 0.0)
+    }
+
+    /// The same, where the disc's edge is a ramp that is so many pixels wide.
+    fn around_edge(radius: f32, ramp: f32) -> ContourEdge {
         let distance = |i: u32| libm::hypotf((i % SIZE) as f32 - 79.3, (i / SIZE) as f32 - 80.1);
         let pattern = |i: u32| ((i % SIZE / 5 + i / SIZE / 4) % 2 * 12) as u8;
-        let level = |i: u32| pattern(i) + if distance(i) < 50.0 { 150 } else { 60 };
+        let inside = |i: u32| ((50.0 - distance(i)) / max(ramp, 1e-3) + 0.5).clamp(0.0, 1.0);
+        let level = |i: u32| pattern(i) + (60.5 + 90.0 * inside(i)) as u8;
         let rgb: Vec<u8> = (0..SIZE * SIZE).flat_map(|i| [level(i); 3]).collect();
         let mask: Vec<u8> = (0..SIZE * SIZE).map(|i| if distance(i) < radius { 255 } else { 0 }).collect();
         let silhouette = Silhouette::from_coverage(SIZE, SIZE, &mask, |_| true).expect("there is a disc");
@@ -172,6 +209,14 @@ mod tests {
         for off in [-18.0, -7.0, 7.0, 18.0] {
             let found = around(50.0 + off);
             assert!(found.strength > 2.0 && (found.other - off).abs() < 1.1, "{off}: {found:?}");
+        }
+    }
+
+    #[test]
+    fn a_blurred_edge_is_wide_and_not_another_one() {
+        for ramp in [0.0, 6.0, 12.0] {
+            let found = around_edge(50.0, ramp);
+            assert!((found.width - max(ramp, 2.0)).abs() <= 2.0 && found.strength < 0.15, "{ramp}: {found:?}");
         }
     }
 

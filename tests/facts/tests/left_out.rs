@@ -179,6 +179,21 @@ fn masks_of_another_instant_than_the_pictures_are_named() {
     assert!(warnings.iter().any(is_across) && warnings.iter().all(is_about_mask), "{warnings:?}");
 }
 
+/// A camera out of focus is named, and its mask, which is right, is not accused.
+#[test]
+fn a_camera_out_of_focus_is_named() {
+    let cameras = Ring { count: 8, ..Ring::default() }.sized(640, 480).cameras();
+    let mut shot = Shot::new(Subject::Figure, &cameras, &Faults::default());
+    let blurred = Shot::new(Subject::Figure, &cameras, &Faults { blur: 3.0, ..Faults::default() });
+    assert_eq!(made(&blurred, Preset::Hull, &inputs(&blurred)).warnings, [], "all cameras are equally soft");
+    shot.frame.images[4] = blurred.frame.images[4].clone();
+    let warnings = made(&shot, Preset::Hull, &inputs(&shot)).warnings;
+    let [Warning::Contour(ContourFault::Blurred { camera: 4, pixels, usual })] = warnings[..] else {
+        panic!("{warnings:?}")
+    };
+    assert!((5.0..10.0).contains(&pixels) && usual < 4.0, "{warnings:?}");
+}
+
 /// A camera that contradicts the others is at fault if its mask follows its picture, and its mask is if it was shifted.
 #[test]
 fn a_camera_that_was_moved_is_told_from_a_mask_that_was_shifted() {
