@@ -43,6 +43,11 @@ impl Default for Options {
 }
 
 impl Options {
+    /// Says what is wrong with the upward direction, if it is set, and what to do. A direction of no length would turn nothing.
+    pub fn check_up(&self) -> Result<(), &'static str> {
+        self.up.map_or(Ok(()), node::check_up)
+    }
+
     /// The upward direction in the frame of the file.
     pub fn up_in_file(&self) -> Option<[f64; 3]> {
         self.up.map(|up| if self.upright { [0.0, 1.0, 0.0] } else { up })
