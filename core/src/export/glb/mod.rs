@@ -2,6 +2,8 @@
 
 mod attribute;
 mod attributes;
+mod calm;
+mod colours;
 mod compress;
 mod container;
 mod layout;
@@ -151,7 +153,8 @@ fn put_mesh(
         let make = if options.compact { attributes::compact_uvs } else { attributes::uvs };
         found.push(("TEXCOORD_0", make(picture.uvs)));
     } else if mesh.colours.len() == count {
-        found.push(("COLOR_0", of(attributes::colours, attributes::compact_colours)));
+        let compact = if layout.is_compressed() { colours::compressed_colours } else { attributes::compact_colours };
+        found.push(("COLOR_0", of(attributes::colours, compact)));
     }
     let named = |(name, attribute): &(&str, Attribute)| {
         let accessor = layout.put_attribute(attribute, count);
