@@ -752,18 +752,20 @@ typedef struct pcmvs_export_options {
   uint32_t struct_size;
   // A `pcmvs_file_format`.
   uint32_t format;
-  // GLB only: 1 to write normals, 0 to leave them out. The default is 1.
+  // 1, the default, to write normals, 0 to leave them out. PLY files always have them: 0 is refused.
   uint32_t normals;
-  // GLB only: 1 if `up` is set, otherwise 0. The default is 0.
+  // 1 if `up` is set, otherwise 0. The default is 0.
   uint32_t has_up;
-  // GLB only: the scene's upward direction, which is recorded for players. Coordinates are not changed.
+  // The scene's upward direction, which GLB files record for players. Coordinates are not changed. PLY files have no place
+  // for it.
   double up[3];
   // GLB only: 1 to turn the mesh's node so that `up` becomes glTF's +y, which players show upright. Needs `has_up`.
-  // Otherwise 0, the default: the file is in the scene's frame.
+  // Otherwise 0, the default: the file is in the scene's frame. PLY files are always in that frame: 1 is refused.
   uint32_t upright;
   // GLB only: 1 to write integers of few bits instead of single-precision numbers (KHR_mesh_quantization). The default is 0.
+  // For PLY files 1 is refused.
   uint32_t compact;
-  // GLB only: quality of a texture's JPEG picture, 1 to 100. The default is 90.
+  // Quality of a texture's JPEG picture, 1 to 100. The default is 90. It changes nothing in files without a texture.
   uint32_t jpeg_quality;
   // Zero.
   uint32_t reserved;

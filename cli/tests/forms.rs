@@ -15,6 +15,12 @@ fn shorts(bytes: &[u8], stride: usize) -> Vec<Vec<u16>> {
     bytes.chunks(stride).map(|v| v.chunks(2).map(|s| u16::from_le_bytes([s[0], s[1]])).collect()).collect()
 }
 
+/// A number of the filter EXPONENTIAL: 24 bits times two to the power of the highest 8.
+fn exponential(bytes: &[u8]) -> f32 {
+    let number = i32::from_le_bytes([bytes[0], bytes[1], bytes[2], bytes[3]]);
+    ((number << 8) >> 8) as f32 * ((number >> 24) as f32).exp2()
+}
+
 /// Positions and sRGB colours of the triangles' corners in a plain file.
 fn plain_corners(bytes: &[u8]) -> Vec<(Vec3, Option<[f32; 3]>)> {
     let gltf::Gltf { document, blob } = gltf::Gltf::from_slice(bytes).unwrap();
@@ -79,8 +85,14 @@ fn a_compressed_file_is_within_its_steps_of_the_plain_one() {
     let primitive = &json["meshes"][0]["primitives"][0];
     assert!(primitive["attributes"]["NORMAL"].is_null());
     let accessor = |index: &Value| &json["accessors"][index.as_u64().unwrap() as usize];
-    let of = |name: &str| shorts(&view(&json, binary, &accessor(&primitive["attributes"][name])["bufferView"]), 8);
-    let (node, positions, colours) = (&json["nodes"][0], of("POSITION"), of("COLOR_0"));
+    let bytes_of = |name: &str| view(&json, binary, &accessor(&primitive["attributes"][name])["bufferView"]);
+    let (node, positions) = (&json["nodes"][0], shorts(&bytes_of("POSITION"), 8));
+    let stored = accessor(&primitive["attributes"]["COLOR_0"]);
+    let packed = &json["bufferViews"][stored["bufferView"].as_u64().unwrap() as usize]["extensions"];
+    assert_eq!(packed["EXT_meshopt_compression"]["filter"], "EXPONENTIAL");
+    assert_eq!((&stored["componentType"], &stored["normalized"]), (&serde_json::json!(5126), &Value::Null));
+    let colours: Vec<[f32; 3]> =
+        bytes_of("COLOR_0").chunks(12).map(|v| [0, 4, 8].map(|k| exponential(&v[k..]))).collect();
     let number = |v: &Value| v.as_f64().unwrap();
     let (scale, offset) = (number(&node["scale"][0]), &node["translation"]);
     let indices = view(&json, binary, &accessor(&primitive["indices"])["bufferView"]);
@@ -89,7 +101,7 @@ fn a_compressed_file_is_within_its_steps_of_the_plain_one() {
         .map(|i| usize::from(u16::from_le_bytes([i[0], i[1]])))
         .map(|i| {
             let place = |axis: usize| number(&offset[axis]) + scale * f64::from(positions[i][axis]);
-            let colour = [0, 1, 2].map(|k| srgb(f32::from(colours[i][k]) / 65535.0));
+            let colour = [0, 1, 2].map(|k| srgb(colours[i][k]));
             (DVec3::new(place(0), place(1), place(2)).as_vec3(), colour)
         })
         .collect();

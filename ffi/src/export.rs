@@ -45,18 +45,20 @@ pub struct pcmvs_export_options {
     pub struct_size: u32,
     /// A `pcmvs_file_format`.
     pub format: u32,
-    /// GLB only: 1 to write normals, 0 to leave them out. The default is 1.
+    /// 1, the default, to write normals, 0 to leave them out. PLY files always have them: 0 is refused.
     pub normals: u32,
-    /// GLB only: 1 if `up` is set, otherwise 0. The default is 0.
+    /// 1 if `up` is set, otherwise 0. The default is 0.
     pub has_up: u32,
-    /// GLB only: the scene's upward direction, which is recorded for players. Coordinates are not changed.
+    /// The scene's upward direction, which GLB files record for players. Coordinates are not changed. PLY files have no place
+    /// for it.
     pub up: [f64; 3],
     /// GLB only: 1 to turn the mesh's node so that `up` becomes glTF's +y, which players show upright. Needs `has_up`.
-    /// Otherwise 0, the default: the file is in the scene's frame.
+    /// Otherwise 0, the default: the file is in the scene's frame. PLY files are always in that frame: 1 is refused.
     pub upright: u32,
     /// GLB only: 1 to write integers of few bits instead of single-precision numbers (KHR_mesh_quantization). The default is 0.
+    /// For PLY files 1 is refused.
     pub compact: u32,
-    /// GLB only: quality of a texture's JPEG picture, 1 to 100. The default is 90.
+    /// Quality of a texture's JPEG picture, 1 to 100. The default is 90. It changes nothing in files without a texture.
     pub jpeg_quality: u32,
     /// Zero.
     pub reserved: u32,
@@ -152,6 +154,25 @@ unsafe impl Versioned for pcmvs_export_options {
     }
 }
 
+/// Options that have no effect on PLY files are refused, so that nobody waits for it.
+fn check_ply(
+    options: &pcmvs_export_options,
+    is_compressed: bool,
+    is_textured: bool,
+) -> std::result::Result<(), &'static str> {
+    let refused = [
+        (is_compressed, "PLY files are not compressed: write a GLB, or set no function of meshoptimizer"),
+        (is_textured, "PLY files have no texture: write a GLB, or make a form without one"),
+        (
+            options.upright == 1,
+            "upright is for GLB files, and a PLY is in the scene's frame: write a GLB, or set upright to 0",
+        ),
+        (options.compact == 1, "compact is for GLB files: write a GLB, or set compact to 0"),
+        (options.normals == 0, "normals is 0, but PLY files have normals: write a GLB, or set normals to 1"),
+    ];
+    refused.into_iter().find(|&(is_asked, _)| is_asked).map_or(Ok(()), |(_, problem)| Err(problem))
+}
+
 /// Initialises export options with their defaults: GLB with normals. `size` is `sizeof *options`.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn pcmvs_export_options_init(options: *mut pcmvs_export_options, size: usize) -> pcmvs_status {
@@ -187,21 +208,22 @@ impl Work {
         if !(1..=100).contains(&options.jpeg_quality) {
             return refused(format!("jpeg_quality is {}: it is 1 to 100", options.jpeg_quality));
         }
-        if options.has_up == 1 && options.up.iter().any(|v| !v.is_finite()) {
-            return refused("up is not finite".to_owned());
-        }
         let meshopt = options.meshopt().map_err(|failure| failure.at(stage))?;
         let textured = (stage == Stage::Form).then(|| self.form()).transpose()?.filter(|form| form.texture.is_some());
         let origin = self.frame.rig().origin();
+        let glb_options = glb::Options {
+            normals: options.normals == 1,
+            up: (options.has_up == 1).then_some(options.up),
+            upright: options.upright == 1,
+            compact: options.compact == 1,
+            jpeg_quality: options.jpeg_quality as u8,
+        };
+        if let Err(problem) = glb_options.check_up() {
+            return refused(problem.to_owned());
+        }
         let file = match options.format {
             0 => {
-                let options = glb::Options {
-                    normals: options.normals == 1,
-                    up: (options.has_up == 1).then_some(options.up),
-                    upright: options.upright == 1,
-                    compact: options.compact == 1,
-                    jpeg_quality: options.jpeg_quality as u8,
-                };
+                let options = glb_options;
                 match (meshopt, textured) {
                     (Some(meshopt), _) => {
                         let form = textured.cloned().unwrap_or_else(|| Form { mesh: mesh.clone(), texture: None });
@@ -211,9 +233,10 @@ impl Work {
                     (None, None) => glb::write(mesh, origin, &options),
                 }
             }
-            1 if meshopt.is_some() => return refused("PLY files are not compressed: write a GLB".to_owned()),
-            1 if textured.is_some() => return refused("PLY files have no texture: write a GLB".to_owned()),
-            1 => ply::write_mesh(mesh, origin),
+            1 => match check_ply(&options, meshopt.is_some(), textured.is_some()) {
+                Ok(()) => ply::write_mesh(mesh, origin),
+                Err(problem) => return refused(problem.to_owned()),
+            },
             other => return refused(format!("file format {other} is not known")),
         };
         Ok((file, stage))

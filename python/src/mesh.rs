@@ -86,15 +86,14 @@ fn options(
     if upright && up.is_none() {
         return Err(Problem::argument("upright needs the upward direction: give up, such as (0, 0, 1)"));
     }
-    if up.is_some_and(|up| up.iter().any(|v| !v.is_finite())) {
-        return Err(Problem::argument("up is not finite: give a direction, such as (0, 0, 1)"));
-    }
     if !(1..=100).contains(&jpeg_quality) {
         return Err(Problem::argument(format!("jpeg_quality is {jpeg_quality}: it is 1 to 100")));
     }
     // As the command line's --compress.
     let (normals, compact) = (normals.unwrap_or(!compress), compact || compress);
-    Ok(Glb { options: glb::Options { normals, up, upright, compact, jpeg_quality }, compress })
+    let options = glb::Options { normals, up, upright, compact, jpeg_quality };
+    options.check_up().map_err(Problem::argument)?;
+    Ok(Glb { options, compress })
 }
 
 impl Mesh {
@@ -124,7 +123,7 @@ impl Mesh {
     /// also turned so that it stands in every player. ``compact`` writes integers of few bits (KHR_mesh_quantization).
     /// ``compress`` compresses them, too, by meshoptimizer (EXT_meshopt_compression), and is the command line's
     /// ``--compress``. Its vertices and triangles are in another order than those of the arrays. ``jpeg_quality``, 1 to 100,
-    /// is that of a texture.
+    /// is that of a texture, and changes nothing in files without one.
     #[pyo3(signature = (*, normals = None, up = None, upright = false, compact = false, compress = false, jpeg_quality = 90))]
     fn to_glb<'py>(
         &self,
@@ -147,8 +146,9 @@ impl Mesh {
         Ok(PyBytes::new(py, &bytes))
     }
 
-    /// Writes a file, ``.glb`` or ``.ply``. The options are those of ``to_glb``. The file has its name only once it is
-    /// complete.
+    /// Writes a file, ``.glb`` or ``.ply``. The options are those of ``to_glb``. PLY files have normals, are in the scene's
+    /// frame and have no place for ``up``: other options than ``up`` and ``jpeg_quality`` are refused for them. The file has its
+    /// name only once it is complete.
     #[pyo3(signature = (
         path, *, normals = None, up = None, upright = false, compact = false, compress = false, jpeg_quality = 90
     ))]
@@ -164,13 +164,24 @@ impl Mesh {
         jpeg_quality: u8,
     ) -> PyResult<()> {
         let file = options(normals, up, upright, compact, compress, jpeg_quality)?;
+        let asked = [
+            (upright, "upright"),
+            (compact, "compact"),
+            (compress, "compress"),
+            // A PLY has normals.
+            (normals == Some(false), "normals=False"),
+        ];
+        let only_for_glb = asked.into_iter().find_map(|(is_asked, option)| is_asked.then_some(option));
         let write = || {
             let bytes = match path.extension().and_then(|extension| extension.to_str()) {
                 Some("glb") => self.glb(&file),
-                Some("ply") if file.options.upright || file.options.compact => {
-                    return Err(Problem::argument("upright, compact and compress are for GLB files: write a .glb"));
-                }
-                Some("ply") => self.ply()?,
+                Some("ply") => match only_for_glb {
+                    Some(option) => {
+                        let problem = format!("{option} is for GLB files: write a .glb, or leave it out");
+                        return Err(Problem::argument(problem));
+                    }
+                    None => self.ply()?,
+                },
                 _ => {
                     let path = path.display();
                     return Err(Problem::argument(format!("{path}: the name must end with .glb or .ply")));

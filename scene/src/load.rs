@@ -7,6 +7,7 @@ use crate::{
     scene::{FILE_NAME, Scene, SceneCamera, VERSION},
     take::Take,
 };
+use pcmvs_core::export::glb;
 use std::path::Path;
 
 impl Scene {
@@ -56,6 +57,11 @@ impl Scene {
         }
         if self.fps.is_some_and(|fps| fps <= 0.0) {
             return Err(String::from("fps must be greater than 0: remove it if it is unknown"));
+        }
+        if let Some(up) = self.up
+            && let Err(problem) = (glb::Options { up: Some(up), ..glb::Options::default() }).check_up()
+        {
+            return Err(format!("{problem}, or remove it"));
         }
         if let Some(plates) = self.background.as_ref().and_then(|background| background.plates.as_ref())
             && plates.len() != self.cameras.len()

@@ -42,8 +42,8 @@ def vertices_of_compressed(glb):
     places, is_fraction = glb.stored(attributes["POSITION"])
     assert places.dtype == numpy.uint16 and not is_fraction
     colours, is_fraction = glb.stored(attributes["COLOR_0"])
-    assert colours.dtype == numpy.uint16 and is_fraction
-    return numpy.hstack((places, srgb(colours / 65535))).astype(int)
+    assert colours.dtype == numpy.float32 and not is_fraction
+    return numpy.hstack((places, srgb(colours.astype(float)))).astype(int)
 
 
 def srgb(linear):

@@ -18,6 +18,45 @@ static void kept(int line, const pcmvs_frame *frame, int stage, int camera, int 
     }
 }
 
+/* Options that have no effect on PLY files are refused by their names, and so are upward directions that turn nothing. */
+static void check_file_options(const pcmvs_frame *frame) {
+    static const struct {
+        uint32_t normals, upright, compact;
+        const char *about;
+    } only_glb[] = {
+        {1, 1, 0, "upright is for GLB files"},
+        {1, 0, 1, "compact is for GLB files"},
+        {0, 0, 0, "normals is 0"},
+    };
+    pcmvs_export_options file;
+    struct bytes bytes = {NULL, 0, 0};
+    size_t i;
+    OK(pcmvs_export_options_init(&file, sizeof file));
+    file.has_up = 1;
+    file.up[2] = 1;
+    for (i = 0; i < sizeof only_glb / sizeof *only_glb; i++) {
+        file.normals = only_glb[i].normals;
+        file.upright = only_glb[i].upright;
+        file.compact = only_glb[i].compact;
+        file.format = PCMVS_FILE_FORMAT_PLY;
+        EXPECT(pcmvs_frame_export_mesh(frame, 0, &file, append, &bytes), PCMVS_STATUS_INVALID_ARGUMENT);
+        KEPT(frame, PCMVS_STAGE_MESH, -1, 7, only_glb[i].about);
+        KEPT(frame, PCMVS_STAGE_MESH, -1, 7, "write a GLB, or set");
+        CHECK(bytes.size == 0);
+        file.format = PCMVS_FILE_FORMAT_GLB;
+        OK(pcmvs_frame_export_mesh(frame, 0, &file, append, &bytes));
+        bytes.size = 0;
+    }
+    OK(pcmvs_export_options_init(&file, sizeof file));
+    file.has_up = 1;
+    for (i = 0; i < 2; i++) {
+        file.upright = (uint32_t)i;
+        EXPECT(pcmvs_frame_export_mesh(frame, 0, &file, append, &bytes), PCMVS_STATUS_INVALID_ARGUMENT);
+        KEPT(frame, PCMVS_STAGE_MESH, -1, 7, "up has no length");
+    }
+    free(bytes.data);
+}
+
 static int refuse(void *user, const void *data, size_t size) {
     (void)user, (void)data, (void)size;
     return 1;
@@ -452,6 +491,7 @@ int main(int argc, char **argv) {
     OK(pcmvs_frame_reconstruct(frame, capture.views, capture.count, &options));
     expected = glb(frame);
     check_reading(&capture, rig, frame);
+    check_file_options(frame);
     check_null(&capture, rig, frame);
     check_null_calibration(&capture, rig);
     check_misuse(&capture, rig);

@@ -95,11 +95,14 @@ def test_files_are_whole_or_missing(finished, tmp_path):
     assert sorted(path.name for path in tmp_path.iterdir()) == ["folder.glb", "new"]
     for name, options, expected in [
         ("mesh.obj", {}, "must end with .glb or .ply"),
-        ("mesh.ply", {"compact": True}, "are for GLB files"),
-        ("mesh.ply", {"compress": True}, "are for GLB files"),
+        ("mesh.ply", {"compact": True}, "compact is for GLB files: write a .glb"),
+        ("mesh.ply", {"compress": True}, "compress is for GLB files"),
+        ("mesh.ply", {"upright": True, "up": (0, 0, 1)}, "upright is for GLB files"),
+        ("mesh.ply", {"normals": False}, "normals=False is for GLB files"),
         ("mesh.glb", {"upright": True}, "upright needs the upward direction"),
         ("mesh.glb", {"jpeg_quality": 0}, "jpeg_quality is 0"),
         ("mesh.glb", {"up": (0, 0, math.inf)}, "up is not finite"),
+        ("mesh.glb", {"up": (0, 0, 0), "upright": True}, "up has no length"),
     ]:
         with pytest.raises(pcmvs.InputError, match=expected):
             mesh.save(tmp_path / name, **options)

@@ -4,7 +4,7 @@ import { execFileSync } from "node:child_process";
 import { readFileSync, writeFileSync } from "node:fs";
 import { join } from "node:path";
 import { test } from "node:test";
-import { capture, folder, scene, small, wholeCapture } from "./captures.mjs";
+import { capture, folder, lackingIn, scene, small, wholeCapture } from "./captures.mjs";
 import { cancelAt, download, drive, pcmvs, run, same, text } from "./site.mjs";
 
 const pkg = new URL("../../wasm/pkg/", import.meta.url);
@@ -17,12 +17,12 @@ const load = async (file) => {
     return api;
 };
 
-function frameOf({ Rig, Frame }, index, pictures = true) {
+function frameOf({ Rig, Frame }, index, pictures = true, from = small) {
     const frame = new Frame(new Rig(scene.cameras));
     const { images, masks } = scene.frames[index];
     for (let i = 0; pictures && i < scene.cameras.length; i++) {
-        frame.setImage(i, readFileSync(join(small, images[i])));
-        frame.setMask(i, readFileSync(join(small, masks[i])));
+        frame.setImage(i, readFileSync(join(from, images[i])));
+        frame.setMask(i, readFileSync(join(from, masks[i])));
     }
     return frame;
 }
@@ -95,6 +95,32 @@ test("forms of averaged frames are the command line's files", async () => {
     assert.deepEqual(api.Reconstruction.ofMesh(mesh).finished(), mesh);
 });
 
+test("a texture has the colours of a part that came back, as the command line's file", async () => {
+    const [api, forms] = await Promise.all([load("index.js"), load("forms.js")]);
+    const source = capture([0, 1, 2], lackingIn(1));
+    const of = (api) => [0, 1, 2].map((index) => frameOf(api, index, true, source));
+    const frames = of(api);
+    const [before, , after] = frames.map((frame) => frame.reconstruct("hull"));
+    const made = frames[1].reconstructBetween(frames[0], frames[2], "hull");
+    assert.ok(made.warnings.some(({ code }) => code === "silhouette-restored"));
+    made.steady([before.own(), after.own()]);
+    const mesh = made.finished();
+    const [first, middle, last] = of(forms);
+    const options = { faces: 2000, texture: 256 };
+    const form = middle.formBetween(first, last, "hull", mesh, options);
+    const out = folder();
+    pcmvs("reconstruct", source, "-o", out, "--frames", "1", "--preset", "hull", "--faces", "2000", "--texture=256");
+    same(Buffer.from(form.glb({ up: scene.up })), readFileSync(join(out, "frame_0001.glb")));
+    // Without the neighbours' pictures the colours are others.
+    const alone = middle.form("hull", mesh, options);
+    assert.ok(!Buffer.from(alone.glb({ up: scene.up })).equals(Buffer.from(form.glb({ up: scene.up }))));
+    const other = new forms.Frame(new forms.Rig(scene.cameras.slice(1)));
+    assert.throws(() => middle.formBetween(other, last, "hull", mesh, options), {
+        code: "input",
+        message: /other cameras/,
+    });
+});
+
 test("a form gives its arrays, reports progress, cancels and throws errors with codes", async () => {
     const [api, forms] = await Promise.all([load("index.js"), load("forms.js")]);
     const mesh = frameOf(api, 0).reconstruct("hull").finished();
@@ -142,6 +168,11 @@ test("a form gives its arrays, reports progress, cancels and throws errors with 
     };
     assert.throws(() => frame.form("hull", mesh, { texture: 256 }, thrown), { name: "RangeError", message: "mine" });
     assert.throws(() => reduced.glb({ upright: true }), { code: "input", message: /`up` is missing/ });
+    for (const upright of [true, false]) {
+        const noDirection = { code: "input", message: /up has no length.*give a direction/ };
+        assert.throws(() => reduced.glb({ up: [0, 0, 0], upright }), noDirection);
+        assert.throws(() => reduced.placement({ up: [0, 0, 0], upright }), noDirection);
+    }
     const failing = { reorderMesh: (_, __) => [new Uint32Array(reduced.vertices), reduced.vertices] };
     assert.throws(() => reduced.glb({ compress: { ...failing, encodeVertexBufferLevel: thrown } }), {
         name: "RangeError",
@@ -176,8 +207,8 @@ test("a frame for the web is the command line's file", async (t) => {
     assert.deepEqual(problems, []);
 });
 
-test("forms of averaged frames are shown, and their clip is the command line's", async (t) => {
-    const source = capture([0, 1, 2]);
+test("forms of averaged frames are shown, and their clip is the command line's, also where a part came back", async (t) => {
+    const source = capture([0, 1, 2], lackingIn(1));
     const { page, problems, shot } = await openWith(t, source);
     await page.selectOption("#result", "phone");
     await run(page);
@@ -186,6 +217,8 @@ test("forms of averaged frames are shown, and their clip is the command line's",
     const out = folder();
     const options = ["--faces", "5000", "--texture=512", "--compress", "--upright"];
     pcmvs("reconstruct", source, "-o", out, "--preset", "hull", ...options);
+    const { warnings } = JSON.parse(readFileSync(join(out, "report.json"), "utf8"));
+    assert.ok(warnings.some(({ code, frame }) => code === "silhouette-restored" && frame === 1));
     const files = unzipped(await download(page, "export-zip"));
     for (const name of ["frame_0000.glb", "frame_0001.glb", "frame_0002.glb"])
         same(readFileSync(join(files, name)), readFileSync(join(out, name)));

@@ -293,6 +293,24 @@ test("a rig's memory is what an instance takes, to within a factor of three", as
     }
 });
 
+test("a rig's memory for a frame between others is what an instance takes, to within a factor of three", async (t) => {
+    const api = await import(new URL("pcmvs.js?between", pkg));
+    const { memory } = await api.default({
+        module_or_path: await promisify(readFile)(new URL("pcmvs.simd.wasm", pkg)),
+    });
+    const source = capture([0, 1, 2], lackingIn(1));
+    const rig = new api.Rig(scene.cameras);
+    const frames = [0, 1, 2].map((index) => frameOf(api, rig, undefined, index, source));
+    const whole = frames[1].reconstructBetween(frames[0], frames[2], "hull");
+    assert.ok(whole.triangles > 500);
+    const [alone, between, taken] = [rig.memory("hull"), rig.memory("hull", true), memory.buffer.byteLength];
+    const mebibytes = [alone, between, taken].map((bytes) => Math.round(bytes / 2 ** 20));
+    t.diagnostic(`${mebibytes[2]} MiB taken, ${mebibytes[1]} MiB expected, ${mebibytes[0]} MiB alone`);
+    const pixels = scene.cameras.reduce((sum, { width, height }) => sum + width * height, 0);
+    assert.ok(between >= alone + 2 * 4 * pixels, "the pictures of the neighbours are not counted");
+    assert.ok(taken <= between && between <= 3 * taken, `${taken} bytes taken, ${between} expected`);
+});
+
 /** A script that reconstructs the small sample's hull with the package at `from`. */
 const script = (from) => `
     import { Frame, Rig, ready } from "${from}";

@@ -34,6 +34,11 @@ export async function openReader(browser) {
             const pairs = stills.map(([at, still]) => [at, still.toString("base64")]);
             return call("readVideo", bytes, pairs);
         },
+        /**
+         * The sound in a video: its codec, when its track begins and ends, and when it is loud for the first time after at least
+         * 50 ms of silence. Null without sound.
+         */
+        sound: (bytes) => call("readSound", bytes),
         /** Size of a picture, and the alpha of its corner and its middle, and the colour of its corner. */
         picture: (bytes) => call("readPicture", bytes),
         /** The peak signal-to-noise ratio of two pictures in dB. */
@@ -63,6 +68,26 @@ function defineTools() {
         const { width, height, data } = await pixels(png);
         const middle = 4 * (Math.floor(height / 2) * width + Math.floor(width / 2));
         return { size: [width, height], corner: [...data.slice(0, 4)], middle: data[middle + 3] };
+    };
+    globalThis.readSound = async (data) => {
+        const { Input, BlobSource, ALL_FORMATS } = await import("/lib/mediabunny.mjs");
+        const blob = await blobOf(data, "video/any");
+        const input = new Input({ source: new BlobSource(blob), formats: ALL_FORMATS });
+        const track = await input.getPrimaryAudioTrack();
+        if (!track) return null;
+        const [begin, end] = [await track.getFirstTimestamp(), await track.computeDuration()];
+        // Decoded as the browser plays it.
+        const rate = 48_000;
+        const decoded = await new OfflineAudioContext(1, 1, rate).decodeAudioData(await blob.arrayBuffer());
+        const onsets = [];
+        let silent = Number.POSITIVE_INFINITY;
+        for (const [i, value] of decoded.getChannelData(0).entries()) {
+            const loud = Math.abs(value) > 0.1;
+            if (loud && silent > 0.05 * rate) onsets.push(i / rate);
+            silent = loud ? 0 : silent + 1;
+        }
+        const { codec, numberOfChannels, sampleRate } = track;
+        return { codec, channels: numberOfChannels, rate: sampleRate, begin, end, onsets, seconds: decoded.duration };
     };
     globalThis.readVideo = async (data, stills) => {
         const { Input, BlobSource, ALL_FORMATS, VideoSampleSink } = await import("/lib/mediabunny.mjs");

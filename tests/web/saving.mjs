@@ -56,14 +56,14 @@ export function pickers(disk) {
 }
 
 /** The page with the clip, standing still at its first frame. */
-export async function openClip(t, options) {
+export async function openClip(t, { from = clip, ...options } = {}) {
     const opened = await open(t, { query: "?clip=", ...options });
     const { page } = opened;
     await page.waitForFunction(() => /^Open/.test(document.getElementById("status").textContent));
-    const files = readdirSync(clip).filter((name) => /glb|sequence/.test(name));
+    const files = readdirSync(from).filter((name) => /glb|sequence|audio/.test(name));
     await page.setInputFiles(
         "#file-input",
-        files.map((name) => join(clip, name)),
+        files.map((name) => join(from, name)),
     );
     await page.waitForFunction(() => document.getElementById("status").textContent === "Clip opened");
     await page.click("#play");

@@ -14,7 +14,7 @@ use crate::{
 use glam::{DQuat, DVec3};
 use js_sys::{Float32Array, Reflect, Uint8Array};
 use pcmvs_core::{
-    Error, FormParams, Memory, Mesh, Params, Progress, Serial, TextureParams, ViewInput,
+    Error, FormParams, Memory, Mesh, Params, Progress, Serial, TextureParams,
     export::{bounds, glb},
 };
 use serde::{Deserialize, Serialize};
@@ -114,6 +114,34 @@ impl Frame {
         options: FormOptions,
         progress: Option<ProgressFunction>,
     ) -> Result<Form, Failed> {
+        self.make_form(None, preset, mesh, options, progress)
+    }
+
+    /// `form` of a mesh that `reconstructBetween` has made, or that was averaged from it: a texture takes the colours of parts
+    /// that came back from the same pictures. `before` and `after` are the frames beside it, with their pictures.
+    #[wasm_bindgen(js_name = formBetween)]
+    pub fn form_between(
+        &self,
+        before: &Frame,
+        after: &Frame,
+        preset: &PresetName,
+        mesh: &OwnMesh,
+        options: FormOptions,
+        progress: Option<ProgressFunction>,
+    ) -> Result<Form, Failed> {
+        self.make_form(Some([before, after]), preset, mesh, options, progress)
+    }
+}
+
+impl Frame {
+    fn make_form(
+        &self,
+        beside: Option<[&Frame; 2]>,
+        preset: &PresetName,
+        mesh: &OwnMesh,
+        options: FormOptions,
+        progress: Option<ProgressFunction>,
+    ) -> Result<Form, Failed> {
         let asked: Asked = serde_wasm_bindgen::from_value(options.into())?;
         let origin = origin_of(mesh)?;
         if origin != self.rig().origin() {
@@ -130,31 +158,39 @@ impl Frame {
         let params = FormParams { faces: asked.faces, texture };
         let finished = read(mesh)?;
         let form = if params.texture.is_some() {
-            self.textured(&preset, &finished, &gains_of(mesh)?, &params, &callback)?
+            self.textured(beside, &preset, &finished, &gains_of(mesh)?, &params, &callback)?
         } else {
             pcmvs_core::Form::untextured(&finished, params.faces, footprint_of(mesh)?, &callback)
         };
         Ok(Form { form: form.map_err(|error| callback.failed(&error))?, origin, faces: params.faces })
     }
-}
 
-impl Frame {
     /// The outer error is about the pictures as JavaScript gave them.
     fn textured(
         &self,
+        beside: Option<[&Frame; 2]>,
         preset: &Params,
         mesh: &Mesh,
         gains: &[[f32; 3]],
         params: &FormParams,
         progress: &dyn Progress,
     ) -> Result<Result<pcmvs_core::Form, Error>, Failed> {
-        let cameras = 0..self.rig().cameras().len();
-        let inputs: Vec<Option<ViewInput>> = cameras.map(|i| self.input(i)).collect::<Result<_, _>>()?;
         let mut frame = pcmvs_core::Frame::new(&**self.rig(), *preset, Memory::default());
         frame.keep_views(false);
-        let carved = frame
-            .read_views(&Serial, progress, |camera, give| give(inputs[camera].as_ref()))
-            .and_then(|()| frame.carve(&Serial, progress));
+        let read = match beside {
+            None => {
+                let own = self.inputs()?;
+                frame.read_views(&Serial, progress, |camera, give| give(own[camera].as_ref()))
+            }
+            Some([before, after]) => {
+                let [own, before, after] = self.inputs_between(before, after)?;
+                let read = frame.read_views_between(&Serial, progress, |camera, give| {
+                    give(own[camera].as_ref(), [before[camera].as_ref(), after[camera].as_ref()])
+                });
+                read.map(|_: u32| ())
+            }
+        };
+        let carved = read.and_then(|()| frame.carve(&Serial, progress));
         Ok(carved.and_then(|()| frame.form_of(mesh, gains, params, &Serial, progress)))
     }
 }
@@ -250,7 +286,9 @@ fn written(options: Option<GlbOptions>, compress: bool) -> Result<glb::Options, 
         return Err(Failed::input("`up` is missing, which `upright` needs: give the scene's upward direction"));
     }
     // The material is unlit, so that only hosts that light the mesh themselves need normals.
-    Ok(glb::Options { normals: !compress, up, upright, compact: compress, ..glb::Options::default() })
+    let options = glb::Options { normals: !compress, up, upright, compact: compress, ..glb::Options::default() };
+    options.check_up().map_err(Failed::input)?;
+    Ok(options)
 }
 
 /// Bounds of a box that is turned by a quaternion.

@@ -139,9 +139,23 @@ impl Frame {
     }
 
     /// The views of all cameras.
-    #[cfg(feature = "reconstruction")]
     pub(crate) fn inputs(&self) -> Result<Vec<Option<ViewInput<'_>>>, Failed> {
         (0..self.slots.len()).map(|camera| self.input(camera)).collect()
+    }
+
+    /// The views of all cameras of the frame, of the one before and of the one after, which must be of the same rig.
+    pub(crate) fn inputs_between<'a>(
+        &'a self,
+        before: &'a Self,
+        after: &'a Self,
+    ) -> Result<[Vec<Option<ViewInput<'a>>>; 3], Failed> {
+        let count = self.rig.cameras().len();
+        for other in [before, after] {
+            if other.rig.cameras().len() != count || other.rig.origin() != self.rig.origin() {
+                return Err(Failed::input("a neighbour has other cameras: use frames of the same rig"));
+            }
+        }
+        Ok([self.inputs()?, before.inputs()?, after.inputs()?])
     }
 
     /// Whether a camera's picture has been given.

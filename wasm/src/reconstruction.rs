@@ -85,13 +85,7 @@ impl Frame {
         preset: &PresetName,
         progress: Option<ProgressFunction>,
     ) -> Result<Option<Reconstruction>, Failed> {
-        let count = self.rig().cameras().len();
-        for other in [before, after] {
-            if other.rig().cameras().len() != count || other.rig().origin() != self.rig().origin() {
-                return Err(Failed::input("a neighbour has other cameras: use frames of the same rig"));
-            }
-        }
-        let (own, before, after) = (self.inputs()?, before.inputs()?, after.inputs()?);
+        let [own, before, after] = self.inputs_between(before, after)?;
         let (callback, executor) = (Callback::new(progress), executor());
         let mut frame = pcmvs_core::Frame::new(&**self.rig(), presets::params(preset)?, Memory::default());
         frame.keep_views(false);
@@ -142,10 +136,12 @@ impl Reconstruction {
 
 #[wasm_bindgen]
 impl Reconstruction {
-    /// The mesh as a GLB file. `up` is the scene's upward direction, recorded in the file.
+    /// The mesh as a GLB file. `up` is the scene's upward direction, recorded in the file. Throws `PcmvsError` if it is no
+    /// direction.
     pub fn glb(&self, up: Option<Up>) -> Result<Uint8Array, Failed> {
         let up: Option<[f64; 3]> = up.map(|up| serde_wasm_bindgen::from_value(up.into())).transpose()?;
         let options = glb::Options { up, ..glb::Options::default() };
+        options.check_up().map_err(Failed::input)?;
         Ok(Uint8Array::new_from_slice(&glb::write(&self.result.mesh, self.origin, &options)))
     }
 

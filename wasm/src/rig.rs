@@ -49,11 +49,15 @@ impl Rig {
         self.rig.cameras().len()
     }
 
-    /// Bytes of memory that a module is expected to need for a frame of this rig with its pictures.
-    pub fn memory(&self, preset: &PresetName) -> Result<f64, Failed> {
+    /// Bytes of memory that a module is expected to need for a frame of this rig with its pictures. With `between`, the frame is
+    /// made with the pictures of the frames before and after it (`reconstructBetween`), which are there, too.
+    pub fn memory(&self, preset: &PresetName, between: Option<bool>) -> Result<f64, Failed> {
         let pixels: f64 = self.rig.cameras().iter().map(|c| f64::from(c.width) * f64::from(c.height)).sum();
-        let frame = memory::expected(&self.rig, &presets::params(preset)?);
-        Ok(MODULE + PICTURES_PER_PIXEL * pixels + frame as f64)
+        let params = presets::params(preset)?;
+        let frame = memory::expected(&self.rig, &params);
+        let (frames, reading) =
+            if between == Some(true) { (3.0, memory::between(&self.rig, &params)) } else { (1.0, 0) };
+        Ok(MODULE + frames * PICTURES_PER_PIXEL * pixels + (frame + reading) as f64)
     }
 
     /// World position to which stages' outputs are relative, x y z.

@@ -180,6 +180,8 @@ pub struct Compressed {
     pub byte_stride: u32,
     pub count: u64,
     pub mode: String,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub filter: Option<String>,
 }
 
 #[derive(Debug, Serialize, Deserialize)]

@@ -203,6 +203,7 @@ pub fn view(json: &Value, binary: &[u8], index: &Value) -> Vec<u8> {
         }
         ("ATTRIBUTES", 4) => meshopt::decode_vertex_buffer::<[u8; 4]>(stored, count).unwrap().concat(),
         ("ATTRIBUTES", 8) => meshopt::decode_vertex_buffer::<[u8; 8]>(stored, count).unwrap().concat(),
+        ("ATTRIBUTES", 12) => meshopt::decode_vertex_buffer::<[u8; 12]>(stored, count).unwrap().concat(),
         other => panic!("{other:?}"),
     };
     assert_eq!(bytes.len(), number(view, "byteLength"));

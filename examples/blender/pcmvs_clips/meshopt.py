@@ -1,4 +1,4 @@
-"""Decodes buffer views that EXT_meshopt_compression has compressed: vertices and triangles, without filters.
+"""Decodes buffer views that EXT_meshopt_compression has compressed: vertices, also with the filter EXPONENTIAL, and triangles.
 
 Bytes come from files of unknown origin. Sizes are compared before memory is allocated, and what does not follow the format
 raises ValueError.
@@ -28,10 +28,11 @@ TRIANGLES_TAIL = 16
 
 def decode(data, mode, count, stride, name="NONE"):
     """The bytes of `count` items of `stride` bytes. `mode` and `name`, that of the filter, are those of the extension."""
-    if name != "NONE":
+    if name not in ("NONE", "EXPONENTIAL") or (name != "NONE" and mode != "ATTRIBUTES"):
         raise ValueError(f"the filter {name} is not known")
     if mode == "ATTRIBUTES":
-        return vertices(data, count, stride)
+        decoded = vertices(data, count, stride)
+        return exponential(decoded) if name == "EXPONENTIAL" else decoded
     if mode == "TRIANGLES":
         return triangles(data, count, stride)
     raise ValueError(f"the mode {mode} is not known")
@@ -63,6 +64,12 @@ def vertices(data, count, stride):
     # Signs are in the lowest bit, and every byte is the difference to that of the vertex before.
     deltas = deltas >> 1 ^ -(deltas & 1)
     return padded[len(data) - stride : len(data)] + numpy.cumsum(deltas, axis=0, dtype=numpy.uint8)
+
+
+def exponential(decoded):
+    """The bytes of single-precision numbers. Each is stored as 24 bits times two to the power of the highest 8 bits."""
+    numbers = numpy.ascontiguousarray(decoded).view("<i4")
+    return numpy.ldexp((numbers << 8 >> 8).astype("<f4"), numbers >> 24).astype("<f4").view(numpy.uint8)
 
 
 def find_groups(data, blocks, stride, end):

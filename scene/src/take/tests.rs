@@ -139,6 +139,13 @@ fn takes_share_the_cameras_of_a_rig() {
 }
 
 #[test]
+fn an_upward_direction_without_length_is_refused() {
+    let frames = r#""images": "{camera}{frame}", "frames": { "first": 0, "last": 1 }"#;
+    assert_refused(&format!(r#""up": [0, 0, 0], {frames}"#), &["up has no length", "(0, 0, 1), or remove it"]);
+    assert!(scene(&format!(r#""up": [0, -1, 0], {frames}"#)).is_ok());
+}
+
+#[test]
 fn frames_without_paths_and_paths_without_frames_are_refused() {
     let range = |keys: &str| format!(r#"{keys}, "frames": {{ "first": 0, "last": 9 }}"#);
     assert_refused(r#""frames": { "first": 0, "last": 9 }"#, &["no `images`"]);

@@ -46,6 +46,8 @@ export class Clip {
     private readonly playback: Playback;
     /** The quality that is being made. A coarser mesh, or one that has not been averaged, is no result. Null for a clip of files. */
     wanted: QualityLevel | null = null;
+    /** Address of the sound that is played with the clip; null without one. */
+    sound: string | null = null;
     /** Positions of the frames that have a mesh. */
     private made: number[] = [];
     /** Another frame is to be shown, or a better mesh of the same one. */
@@ -160,6 +162,7 @@ export class Clip {
 
     /** Plays a sound with the clip. */
     hear(url: string | null) {
+        this.sound = url;
         this.playback.clock.hear(url);
     }
 

@@ -10,6 +10,7 @@ import type { Format } from "./format";
 import { ofFrame } from "./frames";
 import { type Motion, standpoints } from "./motion";
 import type { Sink } from "./sink";
+import { packetsOf, readSound, type SoundFormat, SoundTrack } from "./sound";
 import { type Background, type PictureSize, release, Studio } from "./studio";
 
 /** A frame of the clip, as it is shown. */
@@ -35,6 +36,8 @@ export interface VideoPlan {
     /** Number of pictures. */
     count: number;
     format: Format;
+    /** The clip's sound and how it is encoded; null for a video without. */
+    sound: { url: string; format: SoundFormat } | null;
 }
 
 /** Pictures that wait for the encoder. */
@@ -54,7 +57,8 @@ export async function makeVideo(
     progress: (done: number) => void,
 ): Promise<Blob | null> {
     const { rate, count, shown, format } = plan;
-    const muxer = muxerOf(plan, sink);
+    const samples = plan.sound && (await readSound(plan.sound.url, signal));
+    const { muxer, addSound } = muxerOf(plan, sink);
     let failure: unknown = null;
     const encoder = new VideoEncoder({
         output: (chunk, meta) => {
@@ -73,8 +77,13 @@ export async function makeVideo(
         if (failure) throw failure;
     };
     const meshes = new Meshes(plan);
+    let track: SoundTrack | null = null;
     try {
         encoder.configure(format.config);
+        if (plan.sound && samples) {
+            const { frames, clipRate } = plan;
+            track = new SoundTrack(plan.sound.format, samples, count / rate, frames.length / clipRate, addSound);
+        }
         const studio = new Studio(shown, plan.size, plan.background);
         const standpoint = standpoints(plan.motion, shown, plan.size, count);
         for (let picture = 0; picture < count; picture++) {
@@ -89,12 +98,15 @@ export async function makeVideo(
                 check();
                 await nextEvent(encoder);
             }
+            // Sound and pictures alternate in the file.
+            track?.advance((picture + 1) / rate);
             await sink.settle();
             await breathe();
             check();
             progress(picture + 1);
         }
         await encoder.flush();
+        await track?.finish();
         check();
         muxer.finalize();
         return await sink.close();
@@ -103,21 +115,30 @@ export async function makeVideo(
         throw failure ?? error;
     } finally {
         if (encoder.state !== "closed") encoder.close();
+        track?.close();
         meshes.dispose();
         release();
     }
 }
 
-function muxerOf({ size, rate, count, format }: VideoPlan, sink: Sink) {
+/** What puts pictures and sound into one file. */
+function muxerOf({ size, rate, count, format, sound }: VideoPlan, sink: Sink) {
     const onData = (bytes: Uint8Array, position: number) => sink.write(bytes as Uint8Array<ArrayBuffer>, position);
     const chunks = { onData, chunked: true, chunkSize: CHUNK };
     if (format.codec === "avc") {
-        return new Mp4({
+        const muxer = new Mp4({
             target: new Mp4Target(chunks),
             video: { codec: "avc", ...size, frameRate: rate },
+            ...(sound && { audio: { ...sound.format.config, codec: sound.format.codec.mp4 } }),
             // The index comes first, so that a server can stream the file.
-            fastStart: { expectedVideoChunks: count },
+            fastStart: {
+                expectedVideoChunks: count,
+                ...(sound && { expectedAudioChunks: packetsOf(sound.format, count / rate) }),
+            },
         });
+        const addSound = (data: Uint8Array, at: number, duration: number, meta?: EncodedAudioChunkMetadata) =>
+            muxer.addAudioChunkRaw(data, "key", at, duration, meta);
+        return { muxer, addSound };
     }
     const video = { codec: format.codec, ...size, frameRate: rate };
     const milliseconds = (1000 * count) / rate;
@@ -125,7 +146,14 @@ function muxerOf({ size, rate, count, format }: VideoPlan, sink: Sink) {
         if (position < WEBM_HEAD) setDuration(bytes.subarray(0, WEBM_HEAD - position), milliseconds);
         onData(bytes, position);
     };
-    return new WebM({ target: new WebMTarget({ ...chunks, onData: timed }), video });
+    const muxer = new WebM({
+        target: new WebMTarget({ ...chunks, onData: timed }),
+        video,
+        ...(sound && { audio: { ...sound.format.config, codec: sound.format.codec.webm } }),
+    });
+    const addSound = (data: Uint8Array, at: number, _: number, meta?: EncodedAudioChunkMetadata) =>
+        muxer.addAudioChunkRaw(data, "key", at, meta);
+    return { muxer, addSound };
 }
 
 /** The element that gives the duration is among so many bytes of a WebM. */

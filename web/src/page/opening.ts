@@ -147,8 +147,9 @@ function showTake(name: string, take: Take, close = () => {}) {
         };
         return { read, close: () => own.dispose() };
     };
-    showClip(name, clip, upInScene(take));
+    // What can be exported depends on the sound.
     clip.hear(take.audio);
+    showClip(name, clip, upInScene(take));
     clip.fill((i) => ({ ...NOTHING_MADE, glb: () => stream.frame(i) }));
     startClip(clip);
 }

@@ -4,6 +4,7 @@ import type { Stage } from "pcmvs";
 import type { Clip } from "../clip/clip";
 import { sidePool } from "../early";
 import { tooLarge, workersFor } from "../run/memory";
+import { Neighbours } from "../run/neighbours";
 import { Session, type Status } from "../run/session";
 import { type Choice, chosenCameras } from "../run/views";
 import { Pool } from "../workers/pool";
@@ -100,12 +101,15 @@ export async function reconstruct(sketch?: Promise<FrameResult>) {
 async function reckon({ scene }: Source, { views, preset, form }: Choice, pool: Pool): Promise<boolean> {
     const cameras = chosenCameras(scene, views).map((i) => scene.cameras[i]);
     // If the cameras are wrong, the first frame reports it.
-    const bytes = await sidePool.run({ type: "memory", cameras, preset }).catch(() => null);
-    if (pool.cancelled || bytes === null) return !pool.cancelled;
+    const ask = (between: boolean) => sidePool.run({ type: "memory", cameras, preset, between }).catch(() => null);
+    const bytes = await ask(false);
+    // Few frames are made again with the pictures of their neighbours, but any may be.
+    const again = new Neighbours(scene.frames, preset).areBetween ? await ask(true) : bytes;
+    if (pool.cancelled || bytes === null || again === null) return !pool.cancelled;
     const problem = tooLarge(bytes, cameras.length);
     if (problem === null) {
         // A texture is made by another module, in memory of its own.
-        pool.grow(workersFor(scene.frames.length, form?.texture ? 2 * bytes : bytes));
+        pool.grow(workersFor(scene.frames.length, form?.texture ? 2 * again : again));
         return true;
     }
     state.turn++;

@@ -4,6 +4,7 @@ import { save } from "../clip/exports";
 import { chooseFormat, type Format } from "../export/format";
 import type { Motion } from "../export/motion";
 import { fileSink, memorySink } from "../export/sink";
+import { chooseSound, type SoundFormat } from "../export/sound";
 import type { OrbitView } from "../viewer/copy";
 import { $, button, input, on, select } from "./dom";
 import { exporting, offerVideo, shownCapture } from "./exporting";
@@ -24,7 +25,13 @@ let views: OrbitView[] = [];
 /** What the views belong to: they mean nothing in another capture. */
 let viewed: unknown = null;
 /** The settings and what they would be encoded as; null if no video can be made with them. */
-let offered: { wanted: ReturnType<typeof settings>; format: Format } | null = null;
+let offered: { wanted: ReturnType<typeof settings>; format: Format; sound: Sound | null } | null = null;
+/** The sound of a video. */
+interface Sound {
+    url: string;
+    format: SoundFormat;
+}
+
 /** Resolves when `offered` follows the last change of the settings. */
 let telling = Promise.resolve();
 /** Counts changes of the settings, so that the answer about earlier ones is left out. */
@@ -48,6 +55,24 @@ function motion(): Motion {
     return kind === "path" ? { kind, views: [...views] } : { kind };
 }
 
+/** The address of the sound that the person wants in the video. A frame that stands still has none. */
+function wantedSound(): string | null {
+    const clip = state.capture?.clip;
+    const url = clip?.sound ?? null;
+    const playing = select("video-frames").value === "clip" && clip !== undefined && clip.frames.length > 1;
+    $("video-sound-label").hidden = url === null || !playing;
+    return playing && input("video-sound").checked ? url : null;
+}
+
+/** The sound of a video in a kind of file, and what is said about it. */
+async function soundOf(container: Format["container"]): Promise<[Sound | null, string]> {
+    const url = wantedSound();
+    if (url === null) return [null, ""];
+    const format = await chooseSound(container);
+    if (format) return [{ url, format }, ` With the clip’s sound, ${format.label}.`];
+    return [null, " Without the clip’s sound, because this browser cannot encode it: use a newer one to have it."];
+}
+
 /** Says what would be made, or why nothing can be. */
 async function tell() {
     const now = ++change;
@@ -64,8 +89,9 @@ async function tell() {
             throw new Error("a path needs two views or more: turn the object, and add each view");
         }
         const megabytes = ((bitrate * count) / rate / 8e6).toFixed(1);
-        text = `${format.label}, ${count} pictures of ${width} × ${height}, about ${megabytes} MB or less.`;
-        chosen = { wanted, format };
+        const [sound, about] = await soundOf(format.container);
+        text = `${format.label}, ${count} pictures of ${width} × ${height}, about ${megabytes} MB or less.${about}`;
+        chosen = { wanted, format, sound };
     } catch (error) {
         text = error instanceof Error ? `${error.message[0].toUpperCase()}${error.message.slice(1)}.` : String(error);
     }
@@ -91,13 +117,14 @@ function propose() {
     const of = capture.source ?? capture.clip;
     if (viewed === of) return;
     viewed = of;
-    setViews([]);
     const { clip } = capture;
     const duration = clip.frames.length / clip.fps;
     const single = clip.frames.length === 1;
     input("video-rate").value = String(single ? 30 : clip.fps);
     const seconds = single ? SECONDS_OF_ONE : Math.ceil(SECONDS / duration) * duration;
     input("video-length").value = String(Number(seconds.toFixed(3)));
+    // Also says what would be made.
+    setViews([]);
 }
 
 function setViews(next: OrbitView[]) {
@@ -135,7 +162,7 @@ async function saveVideo(capture: Capture) {
     // A click on the button also ends the editing of a field.
     await telling;
     if (!offered) return;
-    const { format, wanted } = offered;
+    const { format, wanted, sound } = offered;
     const { width, height, rate, count } = wanted;
     const { clip } = capture;
     const files = clip.files();
@@ -154,6 +181,7 @@ async function saveVideo(capture: Capture) {
         rate,
         count,
         format,
+        sound,
     };
     const name = `${{ turntable: "turntable", path: "path", still: "clip" }[plan.motion.kind]}.${format.container}`;
     const mime = `video/${format.container}`;
@@ -172,7 +200,8 @@ async function saveVideo(capture: Capture) {
         } finally {
             files.close();
         }
-        return `${file?.name ?? name} is saved: ${count} pictures, ${format.label}`;
+        const heard = sound ? `, sound in ${sound.format.label}` : "";
+        return `${file?.name ?? name} is saved: ${count} pictures, ${format.label}${heard}`;
     });
 }
 
@@ -184,6 +213,8 @@ export function listenToVideo() {
     refresh();
     for (const id of [
         "video-motion",
+        "video-frames",
+        "video-sound",
         "video-size",
         "video-width",
         "video-height",

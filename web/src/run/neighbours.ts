@@ -34,6 +34,11 @@ export class Neighbours {
         return this.near[position].length > 0;
     }
 
+    /** Whether some frame may be made again with the pictures of those before and after it. */
+    get areBetween(): boolean {
+        return this.near.some((near) => near.length === 2);
+    }
+
     /** The positions of the frame before one and of the one after it, of those that there are. */
     beside(position: number): number[] {
         return this.near[position];

@@ -3,7 +3,16 @@
 import type { Camera, Placement, Scene, Stage } from "pcmvs";
 import type { Clip, ShownLevel } from "../clip/clip";
 import { JobError, type Listener, type Pool } from "../workers/pool";
-import type { Entries, Failure, FrameResult, PackedMesh, Pictures, QualityLevel, ViewFiles } from "../workers/protocol";
+import type {
+    Entries,
+    Failure,
+    FormJob,
+    FrameResult,
+    PackedMesh,
+    Pictures,
+    QualityLevel,
+    ViewFiles,
+} from "../workers/protocol";
 import { Neighbours } from "./neighbours";
 import { type Choice, chosenCameras, viewFiles } from "./views";
 
@@ -142,6 +151,7 @@ export class Session {
         let { glb } = made;
         let mesh = own;
         let last = made;
+        let again: Pictures | null = null;
         // All neighbours may have failed, or there are none.
         if (neighbours.length > 0 || pool.cancelled) {
             const formed = form !== null;
@@ -156,13 +166,15 @@ export class Session {
                     : null;
             const job = { type: "steady" as const, preset, pictures, own, neighbours, up: this.scene.up, formed };
             const mean = await pool.run(job, { progress });
+            if (mean.again) again = pictures;
             last = { ...made, ...mean.again, seconds: made.seconds + mean.seconds };
             if (mean.glb) glb = mean.glb;
             else mesh = mean.finished;
         }
         if (!form) return this.show(position, { ...last, glb });
         const { cameras } = this;
-        const job = { type: "form" as const, preset, cameras, views, mesh, up: this.scene.up, form };
+        const beside: FormJob["beside"] = again && [again.views[1], again.views[2]];
+        const job = { type: "form" as const, preset, cameras, views, beside, mesh, up: this.scene.up, form };
         const { placement, ...formed } = await pool.run(job, { progress });
         const warnings = [...last.warnings, ...formed.warnings];
         const result = { ...last, ...formed, warnings, seconds: last.seconds + formed.seconds };

@@ -29,8 +29,9 @@ function rigOf<R extends Freed>(cameras: Camera[], Rig: new (cameras: Camera[]) 
     return rig;
 }
 
-/** Bytes of memory that a worker is expected to need for a frame of these cameras. */
-export const memoryOf = (cameras: Camera[], preset: Preset) => rigOf(cameras, plain.Rig).memory(preset);
+/** Bytes of memory that a worker is expected to need for a frame of these cameras, or for one between two others. */
+export const memoryOf = (cameras: Camera[], preset: Preset, between: boolean) =>
+    rigOf(cameras, plain.Rig).memory(preset, between);
 
 /** Works with a frame of a module, then frees it. */
 export function withFrame<T, R extends Freed, F extends Freed>(

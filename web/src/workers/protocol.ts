@@ -39,7 +39,7 @@ export type Job =
     | { type: "open"; entries: Entries }
     | { type: "file"; entry: Entry }
     | { type: "unzip"; zip: Blob }
-    | { type: "memory"; cameras: Camera[]; preset: Preset }
+    | { type: "memory"; cameras: Camera[]; preset: Preset; between: boolean }
     | FrameJob
     | SteadyJob
     | FormJob
@@ -111,6 +111,8 @@ export interface FormJob {
     cameras: Camera[];
     /** Read for a texture only. */
     views: ViewFiles[];
+    /** Those of the frames before and after, if the frame was made again with them. Read for a texture only. */
+    beside: [ViewFiles[], ViewFiles[]] | null;
     mesh: PackedMesh;
     up: Scene["up"];
     form: ChosenForm;

@@ -35,7 +35,7 @@ async function run(job: Job): Promise<[unknown, Transferable[]]> {
         case "open":
             return [await (await import("./open")).open(job.entries), []];
         case "memory":
-            return [memoryOf(job.cameras, job.preset), []];
+            return [memoryOf(job.cameras, job.preset, job.between), []];
         case "frame":
             await reconstruct(job, send);
             return [null, []];

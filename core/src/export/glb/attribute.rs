@@ -23,13 +23,24 @@ pub(super) struct Attribute {
     pub bytes: Vec<u8>,
     /// The JSON members of the smallest and largest values, if they are stated.
     pub range: String,
+    /// The filter of EXT_meshopt_compression by which readers get the values from the bytes.
+    pub filter: Option<&'static str>,
 }
 
 impl Attribute {
     pub fn floats<const N: usize>(kind: &'static str, values: impl Iterator<Item = [f32; N]>) -> Self {
         let mut bytes = Vec::new();
         values.for_each(|v| put(&mut bytes, &v));
-        Self { component: FLOAT, normalised: false, kind, stride: 4 * N, used: 4 * N, bytes, range: String::new() }
+        Self {
+            component: FLOAT,
+            normalised: false,
+            kind,
+            stride: 4 * N,
+            used: 4 * N,
+            bytes,
+            range: String::new(),
+            filter: None,
+        }
     }
 
     /// Unsigned numbers of 16 bits. Vertices are padded to a multiple of four bytes.
@@ -44,6 +55,6 @@ impl Attribute {
             value.iter().for_each(|v| bytes.extend_from_slice(&v.to_le_bytes()));
             bytes.resize(bytes.len() + stride - used, 0);
         }
-        Self { component: UNSIGNED_SHORT, normalised, kind, stride, used, bytes, range: String::new() }
+        Self { component: UNSIGNED_SHORT, normalised, kind, stride, used, bytes, range: String::new(), filter: None }
     }
 }

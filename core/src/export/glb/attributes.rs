@@ -1,7 +1,7 @@
 //! The attributes of a mesh's vertices as a GLB file stores them: in single precision, or compact.
 //!
 //! A compact file (KHR_mesh_quantization) has positions with 14 bits, colours in linear light and texture coordinates with 16
-//! bits, and normals with 8 bits.
+//! bits, and normals with 8 bits. Colours of a file that is compressed, too, are in `colours`.
 
 use super::attribute::{self, Attribute};
 use crate::{export::Frame, point_cloud::Mesh};
@@ -82,6 +82,7 @@ pub(super) fn compact_normals(mesh: &Mesh) -> Attribute {
         used: 3,
         bytes,
         range: String::new(),
+        filter: None,
     }
 }
 
@@ -92,8 +93,8 @@ pub(super) fn colours(mesh: &Mesh) -> Attribute {
     Attribute::floats("VEC3", mesh.colours.iter().map(|c| c.map(|v| table[usize::from(v)])))
 }
 
-/// Linear colours with 16 bits, which are within one sRGB code. Among the numbers of a code the roundest is taken, because
-/// compression works on bytes: in all but dark colours the lower byte is the same everywhere.
+/// Linear colours with 16 bits, which are within one sRGB code. Among the numbers of a code the roundest is taken, so that files
+/// shrink when they are sent compressed: in all but dark colours the lower byte is the same everywhere.
 pub(super) fn compact_colours(mesh: &Mesh) -> Attribute {
     let table: [u16; 256] = core::array::from_fn(|code| {
         let at = |code: f64| libm::round(linear(code.clamp(0.0, 255.0)) * f64::from(u16::MAX)) as u16;
@@ -103,7 +104,7 @@ pub(super) fn compact_colours(mesh: &Mesh) -> Attribute {
 }
 
 /// Largest deviation of a compact colour in sRGB codes.
-const WITHIN: f64 = 0.9;
+pub(super) const WITHIN: f64 = 0.9;
 
 /// The number from `low` to `high` with the most zeros at its end.
 fn roundest(low: u16, high: u16) -> u16 {
@@ -148,7 +149,7 @@ fn linear_from_srgb() -> [f32; 256] {
 }
 
 /// Linear light of an sRGB code.
-fn linear(code: f64) -> f64 {
+pub(super) fn linear(code: f64) -> f64 {
     let v = code / 255.0;
     if v <= 0.04045 { v / 12.92 } else { libm::pow((v + 0.055) / 1.055, 2.4) }
 }

@@ -27,6 +27,11 @@ impl<'a> Layout<'a> {
         Self { compress, ..Self::default() }
     }
 
+    /// Whether a compressor is given.
+    pub fn is_compressed(&self) -> bool {
+        self.compress.is_some()
+    }
+
     /// The JSON of the buffers.
     pub fn buffers(&self) -> String {
         let stored = format!(r#"{{"byteLength":{}}}"#, self.binary.len());
@@ -42,8 +47,9 @@ impl<'a> Layout<'a> {
 
     /// Adds the bytes of an attribute. Returns the index of its accessor.
     pub fn put_attribute(&mut self, attribute: &Attribute, count: usize) -> usize {
-        let Attribute { component, normalised, kind, stride, used, ref bytes, ref range } = *attribute;
-        let packed = self.compress.map(|by| (by.attributes(bytes, stride), "ATTRIBUTES"));
+        let Attribute { component, normalised, kind, stride, used, ref bytes, ref range, filter } = *attribute;
+        let filter = filter.map_or_else(String::new, |name| format!(r#","filter":"{name}""#));
+        let packed = self.compress.map(|by| (by.attributes(bytes, stride), format!(r#""ATTRIBUTES"{filter}"#)));
         let view = self.put_view(bytes, count, stride, packed, ARRAY_BUFFER, used != stride);
         self.accessor(view, component, normalised, kind, count, range)
     }
@@ -60,7 +66,7 @@ impl<'a> Layout<'a> {
             corners.iter().for_each(|&i| bytes.extend_from_slice(&i.to_le_bytes()));
             (UNSIGNED_INT, 4)
         };
-        let packed = self.compress.map(|by| (by.triangles(triangles, vertices), "TRIANGLES"));
+        let packed = self.compress.map(|by| (by.triangles(triangles, vertices), r#""TRIANGLES""#.into()));
         let view = self.put_view(&bytes, corners.len(), stride, packed, ELEMENT_ARRAY_BUFFER, false);
         self.accessor(view, component, false, "SCALAR", corners.len(), "")
     }
@@ -80,13 +86,14 @@ impl<'a> Layout<'a> {
         start
     }
 
-    /// Adds a buffer view. `packed` has its compressed bytes and the mode of their compression.
+    /// Adds a buffer view. `packed` has its compressed bytes, and the JSON of the mode of their compression, which may be followed
+    /// by a filter.
     fn put_view(
         &mut self,
         bytes: &[u8],
         count: usize,
         stride: usize,
-        packed: Option<(Vec<u8>, &str)>,
+        packed: Option<(Vec<u8>, String)>,
         target: u32,
         has_stride: bool,
     ) -> usize {
@@ -104,7 +111,7 @@ impl<'a> Layout<'a> {
                     tail,
                     concat!(
                         r#","extensions":{{"EXT_meshopt_compression":{{"buffer":0,"byteOffset":{start},"#,
-                        r#""byteLength":{stored},"byteStride":{stride},"count":{count},"mode":"{mode}"}}}}"#
+                        r#""byteLength":{stored},"byteStride":{stride},"count":{count},"mode":{mode}}}}}"#
                     ),
                     start = start,
                     stored = stored,

@@ -2,6 +2,8 @@
 
 mod attribute;
 mod attributes;
+mod calm;
+mod colours;
 mod compress;
 mod container;
 mod layout;
@@ -43,6 +45,11 @@ impl Default for Options {
 }
 
 impl Options {
+    /// Says what is wrong with the upward direction, if it is set, and what to do. A direction of no length would turn nothing.
+    pub fn check_up(&self) -> Result<(), &'static str> {
+        self.up.map_or(Ok(()), node::check_up)
+    }
+
     /// The upward direction in the frame of the file.
     pub fn up_in_file(&self) -> Option<[f64; 3]> {
         self.up.map(|up| if self.upright { [0.0, 1.0, 0.0] } else { up })
@@ -146,7 +153,8 @@ fn put_mesh(
         let make = if options.compact { attributes::compact_uvs } else { attributes::uvs };
         found.push(("TEXCOORD_0", make(picture.uvs)));
     } else if mesh.colours.len() == count {
-        found.push(("COLOR_0", of(attributes::colours, attributes::compact_colours)));
+        let compact = if layout.is_compressed() { colours::compressed_colours } else { attributes::compact_colours };
+        found.push(("COLOR_0", of(attributes::colours, compact)));
     }
     let named = |(name, attribute): &(&str, Attribute)| {
         let accessor = layout.put_attribute(attribute, count);

@@ -32,10 +32,26 @@ pub(super) fn json(placement: Placement, rotation: Option<[f64; 4]>) -> String {
     json
 }
 
+/// The length of a direction; `None` if it has none.
+fn length_of(direction: DVec3) -> Option<f64> {
+    let length = libm::sqrt(direction.length_squared());
+    (length > 0.0 && length.is_finite()).then_some(length)
+}
+
+/// What is wrong with an upward direction, and what to do.
+pub(super) fn check_up(up: [f64; 3]) -> Result<(), &'static str> {
+    let up = DVec3::from_array(up);
+    match length_of(up) {
+        Some(_) => Ok(()),
+        None if !up.is_finite() => Err("up is not finite: give a direction, such as (0, 0, 1)"),
+        None => Err("up has no length that can be computed with: give a direction, such as (0, 0, 1)"),
+    }
+}
+
 /// The shortest rotation that turns a direction to +y, or `None` if it is +y or no direction.
 pub(super) fn upright(up: DVec3) -> Option<DQuat> {
-    let length = libm::sqrt(up.length_squared());
-    if !(length > 0.0 && length.is_finite()) || up == DVec3::Y * length {
+    let length = length_of(up)?;
+    if up == DVec3::Y * length {
         return None;
     }
     let up = up / length;
@@ -63,6 +79,15 @@ mod tests {
         }
         for none in [[0.0, 2.0, 0.0], [0.0; 3], [f64::NAN, 0.0, 1.0], [f64::INFINITY, 0.0, 0.0]] {
             assert_eq!(upright(DVec3::from_array(none)), None, "{none:?}");
+        }
+    }
+
+    #[test]
+    fn what_is_no_direction_is_refused_with_its_reason() {
+        assert_eq!(check_up([0.0, -0.1, 3.0]), Ok(()));
+        for (up, reason) in [([f64::NAN, 0.0, 1.0], "not finite"), ([0.0; 3], "no length"), ([1e200; 3], "no length")] {
+            let problem = check_up(up).expect_err("it is no direction");
+            assert!(problem.contains(reason) && problem.contains("such as (0, 0, 1)"), "{problem}");
         }
     }
 
