@@ -128,6 +128,7 @@ impl Params {
                 weights: Some(weights),
                 screening: Some(0.4),
                 calm: Some(0.15),
+                even_passes: 2,
                 space_constraint: Some(SpaceConstraint::Envelope),
                 smallest_component: 0.01,
             },
@@ -163,6 +164,7 @@ impl Params {
                     weights: Some(WeightParams { frontier: 16.0, substituted: 0.25, ..weights }),
                     screening: None,
                     calm: None,
+                    even_passes: 0,
                     space_constraint: Some(SpaceConstraint::Rectify),
                     ..default.meshing
                 },

@@ -211,7 +211,9 @@ impl<'a> Pass<'a> {
         let progress = self.next();
         let hull = self.context.hull;
         let voxel = voxel_pixels * hull.footprint();
-        let meshed = mesh::mesh(cloud.into(), hull, voxel, self.meshing, self.workspace, self.executor, &progress)?;
+        // It gets no colours, for which vertices are spread evenly.
+        let params = MeshingParams { even_passes: 0, ..*self.meshing };
+        let meshed = mesh::mesh(cloud.into(), hull, voxel, &params, self.workspace, self.executor, &progress)?;
         Ok(meshed.mesh)
     }
 
