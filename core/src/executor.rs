@@ -16,9 +16,9 @@ pub trait Executor: Sync {
 impl dyn Executor + '_ {
     /// Computes `(0..count).map(job)`.
     pub fn map<T: Send>(&self, count: usize, job: impl Fn(usize) -> T + Sync) -> Vec<T> {
-        let results: Vec<Mutex<Option<T>>> = (0..count).map(|_| Mutex::new(None)).collect();
+        let results = slots(count);
         self.run(count, &|i| *results[i].lock() = Some(job(i)));
-        results.into_iter().map(|result| result.into_inner().expect("an executor runs all jobs")).collect()
+        contents(results)
     }
 
     /// Computes `(0..count).map(|i| job(scratch, i))`.
@@ -62,6 +62,21 @@ impl dyn Executor + '_ {
         *spare = take(scratches.spare());
         results
     }
+}
+
+/// Places for the results of jobs. This and [`contents`] are apart, so that they are compiled once per type of result and not
+/// with every call.
+#[inline(never)]
+fn slots<T>(count: usize) -> Vec<Mutex<Option<T>>> {
+    (0..count).map(|_| Mutex::new(None)).collect()
+}
+
+/// The results of all jobs.
+#[inline(never)]
+fn contents<T>(slots: Vec<Mutex<Option<T>>>) -> Vec<T> {
+    let mut results = Vec::with_capacity(slots.len());
+    results.extend(slots.into_iter().map(|slot| slot.into_inner().expect("an executor runs all jobs")));
+    results
 }
 
 /// Runs all jobs on the calling thread.

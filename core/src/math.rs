@@ -46,8 +46,14 @@ pub fn from_ordered(order: u32) -> f32 {
 /// The number that the given fraction of all, numerator and denominator, is smaller than: of two the larger one. `None` of none.
 pub fn quantile(values: impl Iterator<Item = f32>, [part, of]: [usize; 2]) -> Option<f32> {
     let mut keys: Vec<u32> = values.map(ordered).collect();
-    keys.sort_unstable();
+    sort(&mut keys);
     keys.get(keys.len() * part / of).copied().map(from_ordered)
+}
+
+/// Sorts. Apart, so that it is compiled once.
+#[inline(never)]
+fn sort(keys: &mut [u32]) {
+    keys.sort_unstable();
 }
 
 /// The number that would be at a place of the list if it were sorted. Apart, so that it is compiled once.

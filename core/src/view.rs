@@ -192,7 +192,7 @@ impl View {
             let mut coverage = old.coverage_with(&lost);
             let (w, scratch) = (self.camera.width as usize, &mut scratch.contour);
             let (uncertainty, moved) =
-                refine(w, &self.rgb, &mut coverage, known, params, scratch, Uncertainty::default())?;
+                refine(w, &self.rgb, &mut coverage, &known, params, scratch, Uncertainty::default())?;
             let made =
                 Silhouette::with_buffers(old.width, old.height, &coverage, known, &mut scratch.distance, Vec::new());
             Some((made.ok()?.with_uncertainty(Some(uncertainty)), moved))
@@ -328,7 +328,7 @@ impl View {
         } else {
             let known = |i: usize| known.is_empty() || known[i];
             let (refined, by) = contour
-                .and_then(|params| refine(w as usize, &rgb, coverage, known, params, contour_scratch, uncertainty))
+                .and_then(|params| refine(w as usize, &rgb, coverage, &known, params, contour_scratch, uncertainty))
                 .unzip();
             moved = by.unwrap_or_default();
             match Silhouette::with_buffers(w, h, coverage, known, &mut contour_scratch.distance, distance) {

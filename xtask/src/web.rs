@@ -32,7 +32,7 @@ struct Module {
 
 /// Each is loaded when it is needed, and has its own memory.
 const MODULES: [Module; 4] = [
-    Module { feature: "reconstruction", file: "pcmvs", budget: 456 << 10, has_simd: true },
+    Module { feature: "reconstruction", file: "pcmvs", budget: 428 << 10, has_simd: true },
     Module { feature: "calibration", file: "pcmvs-calibration", budget: 316 << 10, has_simd: true },
     Module { feature: "forms", file: "pcmvs-forms", budget: 372 << 10, has_simd: true },
     Module { feature: "scene", file: "pcmvs-scene", budget: 296 << 10, has_simd: false },

@@ -25,11 +25,13 @@ pub(super) const UNITS: f32 = 64.0;
 /// Signed distance in 1/64 pixel, positive where the smoothed coverage exceeds one half. `out` is overwritten.
 ///
 /// There is no contour in cells with an unknown corner, nor along the picture's edge.
+///
+/// `known` is called at the contour only. It is not a type parameter, so that this is compiled once.
 pub(super) fn signed_distance(
     width: usize,
     height: usize,
     coverage: &[u8],
-    known: impl Fn(usize) -> bool,
+    known: &dyn Fn(usize) -> bool,
     scratch: &mut SilhouetteScratch,
     out: &mut Vec<i16>,
 ) {
@@ -39,10 +41,9 @@ pub(super) fn signed_distance(
     seed(width, height, smoothed, known, columns);
     // The direction to the nearest contour point is within 45° of down, up, left or right. Therefore four sweeps find
     // it.
-    let simd = Simd::detect();
-    simd.run(Sweep(columns));
+    sweep(columns);
     columns.transpose(rows);
-    simd.run(Sweep(rows));
+    sweep(rows);
     // Below it, conversion by way of a wider integer is a single instruction.
     let limit = 511.0 * UNITS;
     let offsets = rows.x.iter().zip(&rows.y);
@@ -102,7 +103,7 @@ fn smooth(
 const CELLS: usize = 16;
 
 /// Sets the offsets of the pixels around each segment of the contour. `offsets` is transposed.
-fn seed(width: usize, height: usize, smooth: &[u16], known: impl Fn(usize) -> bool, offsets: &mut Offsets) {
+fn seed(width: usize, height: usize, smooth: &[u16], known: &dyn Fn(usize) -> bool, offsets: &mut Offsets) {
     for y in 0..height - 1 {
         let (upper, lower) = (&smooth[y * width..][..width], &smooth[(y + 1) * width..][..width]);
         let with_contour = (0..width - 1).step_by(CELLS).map(|first| first..(first + CELLS).min(width - 1));
@@ -117,7 +118,7 @@ fn seed(width: usize, height: usize, smooth: &[u16], known: impl Fn(usize) -> bo
                 continue;
             }
             let i = y * width + x;
-            if ![i, i + 1, i + width, i + width + 1].into_iter().all(&known) {
+            if ![i, i + 1, i + width, i + width + 1].into_iter().all(known) {
                 continue;
             }
             // The corners of the cell in order, and the points where the contour crosses the edges between them.
@@ -188,6 +189,12 @@ impl Offsets {
 }
 
 /// Passes contour points on from row to row, first down and then up.
+#[inline(never)]
+fn sweep(offsets: &mut Offsets) {
+    Simd::detect().run(Sweep(offsets));
+}
+
+/// The work of [`sweep`].
 struct Sweep<'a>(&'a mut Offsets);
 
 impl Work for Sweep<'_> {

@@ -118,7 +118,7 @@ impl Silhouette {
         let coverage = self.coverage_with(added);
         let known = |i: usize| self.distance[i] != Self::UNKNOWN;
         let mut distance = Vec::new();
-        distance::signed_distance(w, h, &coverage, known, &mut SilhouetteScratch::default(), &mut distance);
+        distance::signed_distance(w, h, &coverage, &known, &mut SilhouetteScratch::default(), &mut distance);
         for (new, &old) in distance.iter_mut().zip(&self.distance) {
             if old == Self::UNKNOWN || (i32::from(*new) - i32::from(old)).abs() < Self::UNITS as i32 {
                 *new = old;
@@ -136,7 +136,7 @@ impl Silhouette {
         let (w, h) = (self.width as usize, self.height as usize);
         let known = |i: usize| self.distance[i] != Self::UNKNOWN;
         let mut distance = Vec::new();
-        distance::signed_distance(w, h, &grown, known, &mut SilhouetteScratch::default(), &mut distance);
+        distance::signed_distance(w, h, &grown, &known, &mut SilhouetteScratch::default(), &mut distance);
         distance.iter().zip(&self.distance).map(|(&grown, &d)| d <= 0 && grown > reach).collect()
     }
 

@@ -84,10 +84,7 @@ pub(super) fn solve(
     steps: &mut Steps,
 ) -> Result<Solution> {
     let (finest, count) = domain::domain(low, high, voxel);
-    let mut samples = samples::collect(&points, &finest, workspace, executor, || steps.step())?;
-    if let Cow::Owned(points) = points {
-        workspace.recycle(points);
-    }
+    let mut samples = samples::collect(points, &finest, workspace, executor, || steps.step())?;
     if samples.is_empty() {
         return Err(Error::NoSurface);
     }

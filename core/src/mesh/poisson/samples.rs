@@ -1,6 +1,6 @@
 //! The points as samples of the surface: the area that each one represents, and its level of detail.
 
-use alloc::{vec, vec::Vec};
+use alloc::{borrow::Cow, vec, vec::Vec};
 use glam::Vec3;
 
 use super::patch::{self, Patch, SAMPLES_PER_STEP};
@@ -39,9 +39,9 @@ pub(super) struct Sample {
 }
 
 /// Merges the points with a normal and a positive weight cell by cell. The result does not depend on the order of
-/// `points`. `step` is called between the phases.
+/// `points`, which are freed if they are owned. `step` is called between the phases.
 pub(super) fn collect(
-    points: &[Point],
+    points: Cow<[Point]>,
     grid: &SparseGrid,
     workspace: &mut Workspace,
     executor: &dyn Executor,
@@ -60,10 +60,13 @@ pub(super) fn collect(
         (rest, start) = (others, end);
         part
     });
-    let merged = executor.map_parts(parts, |_, part| merged_cells(part, points, grid));
-    // Freed before the samples are put together, and then one part after the other, because this is where a frame with large
-    // pictures needs most memory.
+    let merged = executor.map_parts(parts, |_, part| merged_cells(part, &points, grid));
+    // Keys and points are freed before the samples are put together, and then one part after the other, because this is where
+    // a frame with large pictures needs most memory.
     workspace.recycle(keyed);
+    if let Cow::Owned(points) = points {
+        workspace.recycle(points);
+    }
     let mut samples = workspace.empty(merged.iter().map(Vec::len).sum());
     merged.into_iter().for_each(|part| samples.extend_from_slice(&part));
     step()?;
@@ -125,8 +128,10 @@ fn merged_cells(keyed: &mut [(u64, u32)], points: &[Point], grid: &SparseGrid) -
         (place, p.weight.to_bits(), p.sigma.to_bits())
     };
     keyed.sort_unstable();
-    let mut samples = Vec::with_capacity(keyed.len() / 2);
-    for cell in keyed.chunk_by_mut(|a, b| a.0 == b.0) {
+    let same = |a: &(u64, u32), b: &(u64, u32)| a.0 == b.0;
+    // Counted first, so that no memory is taken for more.
+    let mut samples = Vec::with_capacity(keyed.chunk_by(same).count());
+    for cell in keyed.chunk_by_mut(same) {
         cell.sort_unstable_by_key(bits);
         samples.push(merged(cell, points, grid));
     }

@@ -146,7 +146,8 @@ mod tests {
             let point =
                 Point { position, normal, fidelity: 1.0, sigma: 0.0, weight: 1.0, view: 0, rank: Rank::Detected };
             let workspace = &mut Workspace::default();
-            let samples = samples::collect(&[point], &grid, workspace, &Serial, || Ok(())).expect("nothing cancels");
+            let samples =
+                samples::collect((&[point]).into(), &grid, workspace, &Serial, || Ok(())).expect("nothing cancels");
             let mut rhs = workspace.filled(0.0, grid.blocks.len() * BLOCK_NODES);
             splat(&samples, &grid, 0, |_| [1.0], [&mut rhs[..]], &Serial, || Ok(())).expect("nothing cancels");
             for layer in 1..15 {

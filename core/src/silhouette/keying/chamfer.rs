@@ -8,7 +8,7 @@ pub(super) const STEP: u32 = 3;
 const DIAGONAL: u32 = 4;
 
 /// Distance of every pixel to the nearest one of a set, in thirds of a pixel. `u32::MAX / 2` if the set is empty.
-pub(super) fn distances(w: usize, h: usize, is_in: impl Fn(usize) -> bool) -> Vec<u32> {
+pub(super) fn distances(w: usize, h: usize, is_in: &dyn Fn(usize) -> bool) -> Vec<u32> {
     let far = u32::MAX / 2;
     let mut d: Vec<u32> = (0..w * h).map(|i| if is_in(i) { 0 } else { far }).collect();
     for y in 0..h {

@@ -19,6 +19,11 @@ impl Histogram {
     pub fn new(colours: impl Iterator<Item = (usize, f32)>) -> Self {
         let mut weights = vec![0.0; LIGHT * HUE * HUE];
         colours.for_each(|(bin, weight)| weights[bin] += weight);
+        Self::smoothed(weights)
+    }
+
+    /// The histogram of weights that are spread to neighbouring bins.
+    fn smoothed(mut weights: Vec<f32>) -> Self {
         let mut line = [0.0; HUE];
         for (size, stride) in [(HUE, 1), (HUE, HUE), (LIGHT, HUE * HUE)] {
             for first in (0..weights.len() / size).map(|k| k / stride * stride * size + k % stride) {

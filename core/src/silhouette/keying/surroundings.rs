@@ -44,7 +44,7 @@ const PAINTED: f32 = 0.3;
 /// Adds to the core what belongs to the object around it.
 pub(super) fn add(w: usize, h: usize, colours: &Colours, likeness: &[Likeness], core: Vec<bool>) -> Vec<bool> {
     let diagonal = diagonal(w, &core);
-    let distance = distances(w, h, |i| core[i]);
+    let distance = distances(w, h, &|i| core[i]);
     let limit = |share: f32| (share * diagonal * STEP as f32) as u32;
     let (near, around, lit) = (limit(NEAR), limit(AROUND), limit(LIT));
     let paint = |i: usize| likeness[i] == Likeness::Paint;
@@ -91,7 +91,7 @@ pub(super) fn add(w: usize, h: usize, colours: &Colours, likeness: &[Likeness], 
         keep_large(w, h, &mut object, PART);
     }
     // A gap of the core, as below an arm, is seen through. Only gaps of what was added to it are closed.
-    let added = distances(w, h, |i| object[i] && !core[i]);
+    let added = distances(w, h, &|i| object[i] && !core[i]);
     close(w, h, &mut object, limit(NOTCH), |i| added[i] < distance[i] && distance[i] <= near && !paint(i));
     fill(w, h, &mut object, core.iter().filter(|&&c| c).count(), paint);
     object
@@ -118,8 +118,8 @@ fn wall_scale(all: &Histogram, wall: &impl Fn(usize) -> f32, bins: impl Iterator
 
 /// Closes notches and gaps up to twice `radius` wide, in thirds of a pixel, where `may`.
 fn close(w: usize, h: usize, object: &mut [bool], radius: u32, may: impl Fn(usize) -> bool) {
-    let out = distances(w, h, |i| object[i]);
-    let deep = distances(w, h, |i| out[i] > radius);
+    let out = distances(w, h, &|i| object[i]);
+    let deep = distances(w, h, &|i| out[i] > radius);
     for (i, object) in object.iter_mut().enumerate() {
         *object |= deep[i] > radius && may(i);
     }

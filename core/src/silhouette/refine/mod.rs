@@ -102,7 +102,7 @@ pub(crate) fn refine(
     width: usize,
     rgb: &[u8],
     coverage: &mut [u8],
-    known: impl Fn(usize) -> bool,
+    known: &dyn Fn(usize) -> bool,
     params: &ContourParams,
     scratch: &mut RefineScratch,
     old: Uncertainty,
@@ -116,10 +116,10 @@ pub(crate) fn refine(
     for y in 0..h {
         matte.extend_from_slice(&coverage[patch.index(0, y)..][..w]);
     }
-    signed_distance(w, h, matte, |_| true, distance, given);
+    signed_distance(w, h, matte, &|_| true, distance, given);
     colours.count(&patch, given);
     if islands::settle(&patch, given, colours, matte, islands, open) {
-        signed_distance(w, h, matte, |_| true, distance, given);
+        signed_distance(w, h, matte, &|_| true, distance, given);
     }
 
     near.clone_from(given);
@@ -127,7 +127,7 @@ pub(crate) fn refine(
         model.learn(&patch, near, colours, ROUGH);
         let buffers = labels::Buffers { planes, alphas, confusion, moved, open };
         let far = labels::relabel(&patch, near, model, params.reach_pixels, matte, buffers);
-        signed_distance(w, h, matte, |_| true, distance, near);
+        signed_distance(w, h, matte, &|_| true, distance, near);
         if far < SETTLED {
             break;
         }

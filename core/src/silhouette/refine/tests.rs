@@ -54,7 +54,7 @@ fn picture(object: [f32; 3], background: impl Fn(f32, f32) -> [f32; 3], noise: f
 
 fn moved(rgb: &[u8], coverage: &mut [u8], known: impl Fn(usize) -> bool) -> Option<Uncertainty> {
     let scratch = &mut RefineScratch::default();
-    refine(W, rgb, coverage, known, &ContourParams::default(), scratch, Uncertainty::default())
+    refine(W, rgb, coverage, &known, &ContourParams::default(), scratch, Uncertainty::default())
         .map(|(uncertainty, _)| uncertainty)
 }
 
@@ -245,7 +245,7 @@ fn how_far_a_contour_has_moved_is_measured() {
     let by = |error: &dyn Fn(f32, f32) -> f32| {
         let (scratch, params) = (&mut RefineScratch::default(), ContourParams::default());
         let rgb = picture(SKIN, |_, _| GREEN, 4.0);
-        refine(W, &rgb, &mut matte(error), |_| true, &params, scratch, Uncertainty::default()).expect("a contour").1
+        refine(W, &rgb, &mut matte(error), &|_| true, &params, scratch, Uncertainty::default()).expect("a contour").1
     };
     assert_eq!(by(&|_, _| 0.0), Moved { median: 0.0, far: [0.0; 2] });
     for wider in [-4.0, 4.0] {
