@@ -52,7 +52,7 @@ static void check_reading(pcmvs_rig *rig, pcmvs_frame *frame, uint32_t views) {
     start();
     OK(pcmvs_frame_warning_count(frame, &warnings));
     show("warnings", used);
-    CHECK(counts.calls <= 5 && counts.bytes <= 64 * (size_t)views && counts.used == used);
+    CHECK(counts.calls <= 6 && counts.bytes <= 64 * (size_t)views && counts.used == used);
 }
 
 /* After the first frame, reading views allocates one view's buffers, and detection allocates the points that it finds. */
