@@ -33,8 +33,8 @@ struct Module {
 /// Each is loaded when it is needed, and has its own memory.
 const MODULES: [Module; 4] = [
     Module { feature: "reconstruction", file: "pcmvs", budget: 428 << 10, has_simd: true },
-    Module { feature: "calibration", file: "pcmvs-calibration", budget: 316 << 10, has_simd: true },
-    Module { feature: "forms", file: "pcmvs-forms", budget: 372 << 10, has_simd: true },
+    Module { feature: "calibration", file: "pcmvs-calibration", budget: 310 << 10, has_simd: true },
+    Module { feature: "forms", file: "pcmvs-forms", budget: 350 << 10, has_simd: true },
     Module { feature: "scene", file: "pcmvs-scene", budget: 296 << 10, has_simd: false },
 ];
 /// The builds of a module and their further compiler flags. The page uses the first that the browser can run.

@@ -111,7 +111,7 @@ pub struct Reconstruct {
     /// photographs' detail needs. Only for GLB
     #[arg(long, value_name = "SIZE", num_args = 0..=1, require_equals = true, value_parser = parse_texture_size)]
     pub texture: Option<Option<u32>>,
-    /// Compress the meshes to about a seventh: positions and colours with fewer bits, without normals. Players need
+    /// Compress the meshes to about an eighth: positions and colours with fewer bits, without normals. Players need
     /// EXT_meshopt_compression and KHR_mesh_quantization. Only for GLB
     #[arg(long)]
     pub compress: bool,

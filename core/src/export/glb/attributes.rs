@@ -1,15 +1,18 @@
 //! The attributes of a mesh's vertices as a GLB file stores them: in single precision, or compact.
 //!
-//! A compact file (KHR_mesh_quantization) has positions with 14 bits, colours in linear light and texture coordinates with 16
-//! bits, and normals with 8 bits. Colours of a file that is compressed, too, are in `colours`.
+//! A compact file (KHR_mesh_quantization) has positions with 14 to 16 bits, colours in linear light and texture coordinates with
+//! 16 bits, and normals with 8 bits. Colours of a file that is compressed, too, are in `colours`.
 
 use super::attribute::{self, Attribute};
 use crate::{export::Frame, point_cloud::Mesh};
 use alloc::{collections::BTreeMap, format, string::String, vec::Vec};
 use glam::{DVec3, Vec3};
 
-/// Largest coordinate of a compact position.
-const POSITION_STEPS: f64 = 16383.0;
+/// Least and most steps of compact positions along the longest side of a mesh.
+const STEPS: [f64; 2] = [16383.0, 65535.0];
+/// An edge of a mesh has at least so many steps, unless it takes more than the most. A mesh of preset `default`, whose edges are
+/// 1.5 pixels of footprint long, then keeps its positions to 0.05 pixels.
+const STEPS_PER_EDGE: f64 = 26.0;
 
 /// Positions in single precision, in a file's frame.
 pub(super) fn positions(mesh: &Mesh, frame: Frame, [low, high]: [[f32; 3]; 2]) -> Attribute {
@@ -22,8 +25,10 @@ pub(super) fn compact_positions(mesh: &Mesh, frame: Frame, [low, high]: [[f32; 3
     let [low, high] = [low, high].map(|corner| DVec3::from_array(corner.map(f64::from)));
     // One factor for all axes, because normals must stay perpendicular.
     let extent = (high - low).max_element();
-    let scale = if extent > 0.0 { extent / POSITION_STEPS } else { 1.0 };
-    let mut places = Places::default();
+    let edge = typical_edge(mesh);
+    let steps = if edge > 0.0 { libm::ceil(STEPS_PER_EDGE * extent / edge) } else { 0.0 }.clamp(STEPS[0], STEPS[1]);
+    let scale = if extent > 0.0 { extent / steps } else { 1.0 };
+    let mut places = Places { last: steps as u16, taken: BTreeMap::new() };
     let stored = mesh.positions.iter().map(|&p| {
         let local = DVec3::from_array(frame.position(p).map(f64::from)) - low;
         places.place((local / scale).to_array().map(|v| libm::round(v) as u16), p)
@@ -40,10 +45,23 @@ pub(super) fn compact_positions(mesh: &Mesh, frame: Frame, [low, high]: [[f32; 3
     (Attribute { range, ..Attribute::shorts("VEC3", false, stored.into_iter()) }, scale, low)
 }
 
+/// The root of the mean square of the edges' lengths; 0 without triangles.
+fn typical_edge(mesh: &Mesh) -> f64 {
+    let at = |vertex: u32| mesh.positions[vertex as usize].as_dvec3();
+    let squares = mesh.triangles.iter().map(|&[a, b, c]| {
+        at(a).distance_squared(at(b)) + at(b).distance_squared(at(c)) + at(c).distance_squared(at(a))
+    });
+    libm::sqrt(squares.sum::<f64>() / (3 * mesh.triangles.len()).max(1) as f64)
+}
+
 /// The places of compact positions. Vertices at different positions get different places, so that readers which join vertices
 /// at the same place find the same surface.
-#[derive(Default)]
-struct Places(BTreeMap<[u16; 3], [u32; 3]>);
+struct Places {
+    /// Largest coordinate.
+    last: u16,
+    /// The positions at the places that are taken.
+    taken: BTreeMap<[u16; 3], [u32; 3]>,
+}
 
 impl Places {
     /// The place of a vertex, or the first free one next to it.
@@ -51,10 +69,9 @@ impl Places {
         let own = position.to_array().map(f32::to_bits);
         let steps = [0, 1, -1].into_iter();
         let around = steps.clone().flat_map(|z| steps.clone().flat_map(move |y| [0, 1, -1].map(|x| [x, y, z])));
-        let near =
-            around.map(|step| [0, 1, 2].map(|k| place[k].saturating_add_signed(step[k]).min(POSITION_STEPS as u16)));
+        let near = around.map(|step| [0, 1, 2].map(|k| place[k].saturating_add_signed(step[k]).min(self.last)));
         for near in near {
-            if *self.0.entry(near).or_insert(own) == own {
+            if *self.taken.entry(near).or_insert(own) == own {
                 return near;
             }
         }
@@ -171,8 +188,31 @@ mod tests {
     }
 
     #[test]
+    fn positions_of_finer_meshes_have_more_steps() {
+        // Two small triangles, 1 apart.
+        let off = |edge: f32| {
+            let corners = [Vec3::ZERO, Vec3::new(edge, 0.0, 0.0), Vec3::new(0.0, edge, 0.0)];
+            let positions: Vec<Vec3> = corners.into_iter().chain(corners.map(|p| Vec3::ONE - 0.37 * p)).collect();
+            let mesh = Mesh { positions, triangles: Vec::from([[0, 1, 2], [3, 4, 5]]), ..Mesh::default() };
+            let (attribute, scale, low) =
+                compact_positions(&mesh, Frame::of_mesh(&mesh, DVec3::ZERO), [[0.0; 3], [1.0; 3]]);
+            assert_eq!(low, DVec3::ZERO);
+            let stored = attribute.bytes.chunks(attribute.stride).zip(&mesh.positions);
+            let distance = |(bytes, position): (&[u8], &Vec3)| {
+                let at = |k: usize| f64::from(u16::from_le_bytes([bytes[2 * k], bytes[2 * k + 1]])) * scale;
+                DVec3::new(at(0), at(1), at(2)).distance(position.as_dvec3())
+            };
+            (scale, stored.map(distance).fold(0.0, f64::max))
+        };
+        for (edge, steps) in [(0.1, 16383.0), (7e-4, 44000.0), (1e-4, 65535.0)] {
+            let (scale, off) = off(edge);
+            assert!((scale * steps - 1.0).abs() < 0.2 && off < 0.9 * scale, "{edge}: {scale}, {off}");
+        }
+    }
+
+    #[test]
     fn different_positions_have_different_places() {
-        let mut places = Places::default();
+        let mut places = Places { last: 9, taken: BTreeMap::new() };
         let at = |x: f32| Vec3::new(x, 0.0, 0.0);
         assert_eq!(places.place([5, 5, 0], at(1.0)), [5, 5, 0]);
         assert_eq!(places.place([5, 5, 0], at(1.0)), [5, 5, 0], "a copy at the border of a chart");

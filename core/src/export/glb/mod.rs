@@ -32,7 +32,7 @@ pub struct Options {
     /// scene's frame, for tools that work there.
     pub upright: bool,
     /// Writes integers of few bits instead of single-precision numbers (KHR_mesh_quantization). Coordinates are within
-    /// 1/32,000 of the object's size, or 1/10,000 where two vertices would meet. Colours are within one sRGB code.
+    /// 1/32,000 of the object's size, and closer in fine meshes, or within 1/10,000 where two vertices would meet. Colours are within one sRGB code.
     pub compact: bool,
     /// Quality of a texture's JPEG picture, 1 to 100.
     pub jpeg_quality: u8,
