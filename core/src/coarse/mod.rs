@@ -96,6 +96,7 @@ pub fn coarse(
     let further = further_octaves(context.views);
     let mut pass = Pass {
         context,
+        hull_mesh,
         frontier,
         params,
         meshing,
@@ -123,6 +124,7 @@ const PARTS: u32 = 5;
 /// What the octaves of the pass share.
 struct Pass<'a> {
     context: Context<'a>,
+    hull_mesh: &'a Mesh,
     frontier: &'a [Point],
     params: &'a CoarseParams,
     meshing: &'a MeshingParams,
@@ -159,7 +161,8 @@ impl<'a> Pass<'a> {
         let progress = self.next();
         if let Some(params) = &self.params.gaps {
             let thickness = voxel_pixels * footprint;
-            let filling = gaps::filling(shown, &levels, &surface, params, thickness, self.executor, &progress)?;
+            let filling =
+                gaps::filling(shown, &levels, &surface, self.hull_mesh, params, thickness, self.executor, &progress)?;
             if !filling.is_empty() {
                 cloud.extend(filling);
                 let closed = self.mesh(&cloud, voxel_pixels)?;
