@@ -6,6 +6,7 @@ import { fileURLToPath } from "node:url";
 import { folder } from "./captures.mjs";
 import { dist, launch, openPage, pcmvs, serve } from "./site.mjs";
 import { small } from "./small.mjs";
+import { wave } from "./wave.mjs";
 
 const here = (path) => fileURLToPath(new URL(path, import.meta.url));
 export const FPS = 8;
@@ -27,7 +28,10 @@ before(async () => {
     pcmvs("reconstruct", small, "-o", join(root, "one"), ...web);
     pcmvs("reconstruct", small, "-o", join(root, "mobile"), ...web.with(3, "600").with(4, "--texture=64"));
     const [one, mobile, two, sound] = ["one", "mobile", "two", "sound.wav"].map((name) => join(root, name));
-    writeFileSync(sound, wave(1));
+    writeFileSync(
+        sound,
+        wave(1, 8000, (time) => Math.sin(2 * Math.PI * 440 * time) / 3),
+    );
     const more = ["--quality", `mobile=${mobile}`, "--poster", join(small, "images/cam00_0000.jpg")];
     pcmvs("pack", one, "--manifest", "-o", two, ...more, "--segment", "0.25");
     pcmvs("pack", one, "--manifest", "-o", join(root, "parts"), "--segment", "0.25");
@@ -66,27 +70,6 @@ export function edit(name, change, from = "one") {
     const manifest = JSON.parse(readFileSync(path, "utf8"));
     change(manifest);
     writeFileSync(path, JSON.stringify(manifest));
-}
-
-/** A tone of so many seconds. */
-function wave(seconds) {
-    const [rate, head] = [8000, Buffer.alloc(44)];
-    const data = Buffer.from(Array.from({ length: rate * seconds }, (_, i) => 128 + 40 * Math.sin(i / 3)));
-    head.write("RIFF");
-    head.writeUInt32LE(36 + data.length, 4);
-    head.write("WAVEfmt ", 8);
-    head.writeUInt32LE(16, 16);
-    for (const [at, value] of [
-        [20, 1],
-        [22, 1],
-        [32, 1],
-        [34, 8],
-    ])
-        head.writeUInt16LE(value, at);
-    for (const at of [24, 28]) head.writeUInt32LE(rate, at);
-    head.write("data", 36);
-    head.writeUInt32LE(data.length, 40);
-    return Buffer.concat([head, data]);
 }
 
 /** A page with the element, without a clip. */

@@ -6,6 +6,7 @@ import { before, test } from "node:test";
 import { folder } from "./captures.mjs";
 import { clip, openClip, reader, setPictures } from "./saving.mjs";
 import { download, pcmvs, text } from "./site.mjs";
+import { wave } from "./wave.mjs";
 
 /** Frames per second of the clip and of the video. */
 const [FPS, RATE] = [8, 16];
@@ -20,43 +21,11 @@ before(() => {
     const made = folder();
     const sound = join(made, "sound.wav");
     // It is loud while the second frame is shown.
-    writeFileSync(
-        sound,
-        wave((time) => (time >= 1 / FPS && time < 1.5 / FPS ? Math.sin(2 * Math.PI * 880 * time) / 2 : 0)),
-    );
+    const beep = (time) => (time >= 1 / FPS && time < 1.5 / FPS ? Math.sin(2 * Math.PI * 880 * time) / 2 : 0);
+    writeFileSync(sound, wave(1 / 3, SAMPLES, beep));
     loud = join(made, "loud");
     pcmvs("pack", clip, "--manifest", "-o", loud, "--audio", sound, "--fps", String(FPS));
 });
-
-/** A sound of two channels and one third of a second, as PCM. */
-function wave(value) {
-    const count = SAMPLES / 3;
-    const bytes = Buffer.alloc(44 + 4 * count);
-    bytes.write("RIFF");
-    bytes.writeUInt32LE(bytes.length - 8, 4);
-    bytes.write("WAVEfmt ", 8);
-    for (const [at, number] of [
-        [16, 16],
-        [24, SAMPLES],
-        [28, 4 * SAMPLES],
-        [40, 4 * count],
-    ])
-        bytes.writeUInt32LE(number, at);
-    for (const [at, number] of [
-        [20, 1],
-        [22, 2],
-        [32, 4],
-        [34, 16],
-    ])
-        bytes.writeUInt16LE(number, at);
-    bytes.write("data", 36);
-    for (let i = 0; i < count; i++) {
-        const sample = Math.round(32_767 * value(i / SAMPLES));
-        bytes.writeInt16LE(sample, 44 + 4 * i);
-        bytes.writeInt16LE(sample, 46 + 4 * i);
-    }
-    return bytes;
-}
 
 async function openLoud(t, script) {
     const opened = await openClip(t, { from: loud, script });
