@@ -180,6 +180,13 @@ mod tests {
     }
 
     #[test]
+    fn numbers_are_written_as_people_write_them() {
+        let written = |v: f64| format!("{}", Readable(v));
+        assert_eq!([0.0, 3622.472, 362.247, 36.2247, 3.62247].map(written), ["0", "3622", "362.2", "36.22", "3.622"]);
+        assert_eq!([-0.25, 3.62e-5, 1.5e9].map(written), ["-0.250", "3.620e-5", "1.500e9"]);
+    }
+
+    #[test]
     fn numbers_out_of_reason_are_refused() {
         let changes: [fn(&mut Camera); 16] = [
             |c| c.width = u32::MAX,

@@ -1,4 +1,4 @@
-//! What the pictures say about the contours of several cameras.
+//! What the pictures of several cameras show along the contours: masks that are at fault, and pictures that are blurred.
 
 use super::ContourEdge;
 use crate::math::{max, median};
@@ -24,7 +24,7 @@ const CLEARLY: f32 = 5.0;
 /// median of all. In sharp pictures, rendered and real ones, it is one to four pixels wide.
 const BLURRED: [f32; 2] = [5.0, 2.5];
 
-/// A fault of silhouettes that the pictures show. Cameras are numbered as given to [`crate::Rig::new`].
+/// A fault of silhouettes that the pictures show, or of a picture itself. Cameras are numbered as given to [`crate::Rig::new`].
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub enum ContourFault {
