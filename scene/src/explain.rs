@@ -76,6 +76,7 @@ impl Scene {
                 | Warning::SilhouetteCompleted { .. }
                 | Warning::SilhouetteRestored { .. }
                 | Warning::SilhouetteDisagrees { .. }
+                | Warning::SurfaceIncomplete { .. }
                 | Warning::Contour(_) => self.made_of(frame, camera),
                 Warning::CameraContradicts { .. }
                 | Warning::PicturesExchanged { .. }

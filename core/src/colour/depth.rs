@@ -6,6 +6,7 @@ use crate::{
     math::{max, min},
     point_cloud::Mesh,
     raster::draw_front,
+    silhouette::{Silhouette, Uncovered},
     workspace::Workspace,
 };
 use alloc::vec::Vec;
@@ -61,6 +62,16 @@ impl DepthBuffer {
             draw_front(corners, width, height, &mut self.inverse);
         }
         self.measure_border(camera);
+    }
+
+    /// What of a silhouette the mesh leaves uncovered.
+    pub(super) fn uncovered(&self, silhouette: &Silhouette) -> Uncovered {
+        // A coordinate before the first pixel wraps, so that it is beyond the last one.
+        Uncovered::count(silhouette, |x, y| {
+            let (x, y) = (x.wrapping_sub(self.x as usize), y.wrapping_sub(self.y as usize));
+            let (width, height) = (self.width as usize, self.height as usize);
+            x < width && y < height && self.inverse[y * width + x] > 0.0
+        })
     }
 
     /// If the camera sees the surface at this pixel and depth: the distance in pixels to the nearest depth step.

@@ -12,6 +12,7 @@ use crate::{
     executor::Executor,
     point_cloud::Mesh,
     progress::{self, Progress},
+    silhouette::Uncovered,
     stage::Stage,
     view::View,
     workspace::Workspace,
@@ -36,6 +37,15 @@ pub struct ColourParams {
     pub blended_views: u32,
 }
 
+/// What colouring finds out about the views.
+#[derive(Debug)]
+pub(crate) struct Coloured {
+    /// The gains that were used, one per view.
+    pub gains: Vec<Vec3>,
+    /// What of each view's silhouette the mesh leaves uncovered.
+    pub uncovered: Vec<Uncovered>,
+}
+
 /// Views whose depth buffers are held at the same time.
 const VIEWS_AT_A_TIME: usize = 8;
 /// Vertices that one job of an executor works on.
@@ -50,11 +60,11 @@ const BLEND_POWER: i32 = 4;
 /// ([`ColourParams::blended_views`] = 1, as in the paper), or a seamless blend of several such views. The colours of
 /// vertices that no camera sees are diffused from their surroundings. Colours are sRGB, like the pictures.
 ///
-/// `fixed_gains`, one per view, replace the gains that are otherwise solved here. Returns the gains that were used.
+/// `fixed_gains`, one per view, replace the gains that are otherwise solved here.
 ///
 /// # Errors
 /// [`crate::Error::Cancelled`].
-pub fn colour(
+pub(crate) fn colour(
     mesh: &mut Mesh,
     views: &[View],
     fixed_gains: Option<&[Vec3]>,
@@ -62,7 +72,7 @@ pub fn colour(
     workspace: &mut Workspace,
     executor: &dyn Executor,
     progress: &dyn Progress,
-) -> Result<Vec<Vec3>> {
+) -> Result<Coloured> {
     // One step per view, one for the gains and one for blending.
     let step = |done: u32| progress::step(progress, Stage::Colour, done, views.len() as u32 + 2);
     let solved = params.gains.filter(|_| fixed_gains.is_none());
@@ -74,6 +84,7 @@ pub fn colour(
     let mut buffers: Vec<DepthBuffer> = Vec::new();
     buffers.resize_with(used.len().min(VIEWS_AT_A_TIME), || DepthBuffer::with_workspace(workspace));
     let mut projected = vec![workspace.take()];
+    let mut uncovered = vec![Uncovered::default(); views.len()];
     for (n, batch) in used.chunks(VIEWS_AT_A_TIME).enumerate() {
         let done = (n * VIEWS_AT_A_TIME) as u32;
         let rendered = executor.map_parts_with(
@@ -81,10 +92,13 @@ pub fn colour(
             buffers.iter_mut().zip(batch),
             |projected, i, (buffer, (_, view))| {
                 buffer.render(mesh, &view.camera, projected);
-                step(done + i as u32)
+                step(done + i as u32)?;
+                Ok(view.shown().map(|silhouette| buffer.uncovered(silhouette)).unwrap_or_default())
             },
         );
-        rendered.into_iter().collect::<Result<()>>()?;
+        for (found, &(index, _)) in rendered.into_iter().zip(batch) {
+            uncovered[usize::from(index)] = found?;
+        }
         let parts = candidates.chunks_mut(VERTICES_PER_JOB * kept);
         let found = executor.map_parts(parts, |part, candidates| {
             let mut compared: Vec<gains::Sample> = Vec::new();
@@ -131,7 +145,7 @@ pub fn colour(
     mesh.colours.extend(colours.iter().map(|c| c.to_array().map(|v| libm::roundf(v.clamp(0.0, 255.0)) as u8)));
     workspace.recycle(seen);
     workspace.recycle(colours);
-    Ok(gains)
+    Ok(Coloured { gains, uncovered })
 }
 
 /// How many of the best candidates are kept. Blending also needs the best view that is left out.

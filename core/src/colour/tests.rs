@@ -235,8 +235,7 @@ fn cancelling_stops() {
     }
     let balls = [Ball(Vec3::ZERO, 1.0, smooth)];
     let mut mesh = mesh(&balls);
-    assert_eq!(
-        colour(&mut mesh, &ring(&balls, 3, |_| Vec3::ONE), None, &PAPER, &mut Workspace::default(), &Serial, &Stop),
-        Err(Error::Cancelled)
-    );
+    let cancelled =
+        colour(&mut mesh, &ring(&balls, 3, |_| Vec3::ONE), None, &PAPER, &mut Workspace::default(), &Serial, &Stop);
+    assert_eq!(cancelled.map(|coloured| coloured.gains), Err(Error::Cancelled));
 }

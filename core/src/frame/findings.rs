@@ -80,6 +80,9 @@ impl<R: Deref<Target = Rig>> Frame<R> {
             let silent = cameras().filter(|&(_, place)| self.views()[place].is_used() && !self.has_stereo[place]);
             warnings.extend(silent.map(|(camera, _)| Warning::NoStereoPoints { camera }));
         }
+        if self.require(Stage::Colour).is_ok() {
+            warnings.extend(self.surface_incomplete());
+        }
         if self.require(Stage::Colour).is_ok() && self.rig().gains().is_none() {
             let differ = |&(_, gains): &(u32, [f32; 3])| gains.iter().any(|&g| max(g, 1.0 / g) > DIFFERENT_GAIN);
             let of_cameras = (0..).zip(self.gains.iter().copied()).filter(differ);

@@ -6,6 +6,7 @@ mod checks;
 mod diagnostics;
 mod findings;
 mod form;
+mod incomplete;
 mod intermediates;
 mod memory;
 mod mistakes;

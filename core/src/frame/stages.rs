@@ -4,7 +4,7 @@ use super::state::{Frame, no_hull};
 use crate::{
     calibration::spot_check,
     coarse::coarse,
-    colour,
+    colour::{self, Coloured},
     contours::{Contours, contours},
     error::Result,
     executor::Executor,
@@ -131,7 +131,7 @@ impl<R: Deref<Target = Rig> + Sync> Frame<R> {
     /// §7: the colours of the mesh.
     pub(super) fn colour_mesh(&mut self, executor: &dyn Executor, progress: &dyn Progress) -> Result<()> {
         self.mesh.colours.clear();
-        let gains = colour::colour(
+        let Coloured { gains, uncovered } = colour::colour(
             &mut self.mesh,
             &self.windows,
             self.rig.gains(),
@@ -141,6 +141,7 @@ impl<R: Deref<Target = Rig> + Sync> Frame<R> {
             progress,
         )?;
         self.gains = self.rig.as_given(&gains);
+        self.find_lacking(&uncovered, executor);
         (self.counts.vertices, self.counts.faces) =
             (self.mesh.positions.len() as u32, self.mesh.triangles.len() as u32);
         Ok(())

@@ -20,6 +20,7 @@ use crate::{
     progress::{self, Progress},
     report::Counts,
     rig::Rig,
+    silhouette::Uncovered,
     stage::Stage,
     view::{Buffers, View, ViewInput},
     window::Window,
@@ -72,6 +73,8 @@ pub struct Frame<R> {
     /// The mean with neighbouring frames, once it has been asked for.
     pub(super) steadied: Option<Mesh>,
     pub(super) gains: Vec<[f32; 3]>,
+    /// The places of views of whose silhouettes the surface lacks much, in ascending order.
+    pub(super) lacking: Vec<(u16, Uncovered)>,
     pub(super) counts: Counts,
     pub(super) hashes: Vec<(Stage, u64)>,
 }
@@ -106,6 +109,7 @@ impl<R: Deref<Target = Rig>> Frame<R> {
             mesh: Mesh::default(),
             steadied: None,
             gains: Vec::new(),
+            lacking: Vec::new(),
             counts: Counts::default(),
             hashes: Vec::new(),
         }

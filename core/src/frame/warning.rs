@@ -120,6 +120,17 @@ pub enum Warning {
         /// Index of the camera.
         camera: u32,
     },
+    /// The surface lacks parts that silhouettes show and the hull has.
+    SurfaceIncomplete {
+        /// Index of the camera of whose silhouette it lacks the largest share.
+        camera: u32,
+        /// Number of pixels of this silhouette that it lacks.
+        pixels: u32,
+        /// Their share of the silhouette, 0 to 1.
+        share: f32,
+        /// Number of silhouettes of which it lacks more than 1 %, with this one.
+        views: u32,
+    },
     /// A camera's colours differ much from those in which the others show the same surface.
     ColoursDiffer {
         /// Index of the camera.
@@ -150,6 +161,7 @@ impl Warning {
             Self::Contour(fault) => fault.code(),
             Self::CalibrationInconsistent { .. } => "calibration-inconsistent",
             Self::NoStereoPoints { .. } => "no-stereo-points",
+            Self::SurfaceIncomplete { .. } => "surface-incomplete",
             Self::ColoursDiffer { .. } => "colours-differ",
         }
     }
@@ -170,6 +182,7 @@ impl Warning {
             | Self::CameraContradicts { camera, .. }
             | Self::PicturesExchanged { camera, .. }
             | Self::SilhouetteDisagrees { camera, .. }
+            | Self::SurfaceIncomplete { camera, .. }
             | Self::ColoursDiffer { camera, .. }
             | Self::NoStereoPoints { camera } => Some(*camera),
             Self::Contour(fault) => fault.camera(),
@@ -271,6 +284,18 @@ impl Warning {
                                             belongs to this camera, and that neighbouring cameras see the same side of the \
                                             object"
                 .into(),
+            Self::SurfaceIncomplete { pixels, share, views, .. } => format!(
+                "the surface lacks {pixels} pixels that its silhouette and the hull show ({:.1} % of the silhouette){}: \
+                 either stereo has matched wrongly there, so that a part of the object is torn, or masks show background \
+                 there. Look at the mesh and the mask from this camera. If the mask is right, more cameras around that part \
+                 or more light help, and preset hull keeps it",
+                100.0 * share,
+                match views {
+                    1 => String::new(),
+                    2 => String::from(", and parts of another silhouette"),
+                    _ => format!(", and parts of {} other silhouettes", views - 1),
+                }
+            ),
             Self::ColoursDiffer { gains: [red, green, blue], .. } => format!(
                 "its colours differ from those of the other views: red, green and blue agree when multiplied by {red:.2}, \
                  {green:.2} and {blue:.2}. Check its exposure and white balance, and the order of its channels"

@@ -13,6 +13,7 @@ mod no_silhouette;
 mod parts;
 mod refill;
 pub(crate) mod refine;
+mod uncovered;
 
 pub use chroma::{ChromaKey, MORE_COLOURS};
 pub use contour_fault::ContourFault;
@@ -22,6 +23,7 @@ pub use edge::ContourEdge;
 pub use no_silhouette::NoSilhouette;
 pub(crate) use parts::{Connected, Parts};
 pub use refine::{ContourParams, Uncertainty};
+pub(crate) use uncovered::Uncovered;
 
 use crate::window::Window;
 use alloc::{
