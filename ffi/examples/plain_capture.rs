@@ -1,9 +1,12 @@
-//! Renders a small capture as plain files for the examples in C. Usage: plain_capture FOLDER [VIEWS WIDTH HEIGHT | turned | FRAMES]
+//! Renders a small capture as plain files for the examples in C. Usage:
+//! plain_capture FOLDER [VIEWS WIDTH HEIGHT | turned | FRAMES | lacking]
 //!
 //! `turned` writes a capture of which camera 4 was turned after it was calibrated. FRAMES writes a capture of that many frames:
-//! frame 0 to the folder FOLDER0, frame 1 to FOLDER1, and so on.
+//! frame 0 to the folder FOLDER0, frame 1 to FOLDER1, and so on. `lacking` does the same with three frames, of which the masks of
+//! the second one lack a part.
 
 use std::{env, io, path::Path};
+use studio::Capture;
 
 #[path = "../tests/common/plain.rs"]
 mod plain;
@@ -15,14 +18,19 @@ fn main() -> io::Result<()> {
     let capture = match numbers.as_deref() {
         Some([]) => plain::capture(10, 160, 120),
         Some(&[views, width, height]) => plain::capture(views, width, height),
-        Some(&[frames]) => {
-            let capture = plain::take(frames);
-            let folder = |frame: usize| format!("{folder}{frame}");
-            let mut frames = 0..capture.frames.len();
-            return frames.try_for_each(|frame| plain::write(&capture, frame, Path::new(&folder(frame))));
-        }
+        Some(&[frames]) => return write_frames(&plain::take(frames), folder),
+        None if arguments[1..] == ["lacking"] => return write_frames(&plain::lacking(), folder),
         None if arguments[1..] == ["turned"] => plain::one_turned(),
-        _ => return Err(io::Error::other("usage: plain_capture FOLDER [VIEWS WIDTH HEIGHT | turned | FRAMES]")),
+        _ => {
+            return Err(io::Error::other(
+                "usage: plain_capture FOLDER [VIEWS WIDTH HEIGHT | turned | FRAMES | lacking]",
+            ));
+        }
     };
     plain::write(&capture, 0, Path::new(folder))
+}
+
+/// Writes every frame to a folder of its own, whose name ends with the frame's number.
+fn write_frames(capture: &Capture, folder: &str) -> io::Result<()> {
+    (0..capture.frames.len()).try_for_each(|frame| plain::write(capture, frame, Path::new(&format!("{folder}{frame}"))))
 }

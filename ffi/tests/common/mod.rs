@@ -153,14 +153,7 @@ impl Sample {
 
     /// Three frames of a moving figure. All masks of the second one lack the upper third of the figure.
     pub fn lacking() -> Self {
-        let mut capture = plain::recorded(8, 320, 240, &[], 3);
-        for mask in capture.frames[1].masks.iter_mut().flatten() {
-            let inside = |row: &[u8]| row.iter().any(|&v| v > 127);
-            let rows: Vec<usize> =
-                mask.chunks(320).enumerate().filter(|(_, row)| inside(row)).map(|(y, _)| y).collect();
-            mask[..320 * rows[rows.len() / 3]].fill(0);
-        }
-        Self::of(&capture)
+        Self::of(&plain::lacking())
     }
 
     fn of(capture: &Capture) -> Self {

@@ -24,7 +24,18 @@ pub fn take(frames: u32) -> Capture {
     recorded(8, 120, 90, &[], frames)
 }
 
-/// The same with so many frames, 30 per second, in which the figure moves.
+/// Three frames of a moving figure. All masks of the second one lack the upper third of the figure.
+pub fn lacking() -> Capture {
+    let mut capture = recorded(8, 320, 240, &[], 3);
+    for mask in capture.frames[1].masks.iter_mut().flatten() {
+        let inside = |row: &[u8]| row.iter().any(|&v| v > 127);
+        let rows: Vec<usize> = mask.chunks(320).enumerate().filter(|(_, row)| inside(row)).map(|(y, _)| y).collect();
+        mask[..320 * rows[rows.len() / 3]].fill(0);
+    }
+    capture
+}
+
+/// [`turned`] with so many frames, 30 per second, in which the figure moves.
 pub fn recorded(views: u32, width: u32, height: u32, turned: &[(usize, [f64; 2])], frames: u32) -> Capture {
     let distortion = [-0.05, 0.02, 1e-4, -2e-4, 0.0];
     let cameras = Ring { count: views, distortion, ..Ring::default() }.sized(width, height).cameras();

@@ -8,8 +8,9 @@ use crate::{
 use std::path::{Path, PathBuf};
 
 /// The captures that the programs read: the name of each, and the arguments with which the example `plain_capture` writes it.
-/// `take` has several frames, and each is written to a folder of its own: `take0`, `take1`, `take2`.
-const CAPTURES: [(&str, &str); 4] = [("plain", ""), ("tiny", "4 40 32"), ("turned", "turned"), ("take", "3")];
+/// `take` and `part` have several frames, and each is written to a folder of its own: `take0`, `take1`, `take2`.
+const CAPTURES: [(&str, &str); 5] =
+    [("plain", ""), ("tiny", "4 40 32"), ("turned", "turned"), ("take", "3"), ("part", "lacking")];
 
 /// Programs that check themselves, and their arguments. A capture's name stands for its folder.
 const TESTS: [(&str, &str); 11] = [
@@ -27,13 +28,14 @@ const TESTS: [(&str, &str); 11] = [
 ];
 
 /// Programs that write a file, whose bytes are compared. `OUT` stands for it.
-const WRITERS: [(&str, &str); 6] = [
+const WRITERS: [(&str, &str); 7] = [
     ("examples/c/reconstruct.c", "plain OUT"),
     ("examples/cpp/live.cpp", "plain 2 3 OUT"),
     ("examples/cpp/refine.cpp", "turned OUT"),
     ("tests/c/forms.c", "plain OUT"),
     ("tests/c/allocator.c", "tiny OUT growing"),
     ("tests/c/steady.c", "take0 take1 take2 OUT"),
+    ("tests/c/lost_part.c", "part0 part1 part2 OUT"),
 ];
 
 /// Compiles and runs all of them. The example with OpenCV has a check of its own.
