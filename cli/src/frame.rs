@@ -77,6 +77,18 @@ impl Own<'_> {
     pub fn kept(&self) -> Kept {
         Kept { mesh: self.made.own_mesh().clone(), overruled: self.made.overruled() }
     }
+
+    /// Whether the frames two before and two after it may tell what it has lost.
+    pub fn look_beyond(&self, job: &Job, neighbours: [&Kept; 2]) -> Result<[bool; 2], Failure> {
+        let look_beyond = self.made.look_beyond(neighbours.map(Kept::beside), job.threads);
+        look_beyond.map_err(|error| job.scene.explain(&error, Some(self.frame)))
+    }
+}
+
+/// A frame before and one after another one.
+pub struct Pair<'a, 'k> {
+    pub frames: [&'a SceneFrame; 2],
+    pub kept: [&'k Kept; 2],
 }
 
 /// Whether a warning of this code is about files that do not exist.
@@ -107,21 +119,15 @@ impl Job<'_> {
         digest.finish()
     }
 
-    /// What the result of a frame depends on: the settings, its own pictures, and those of its neighbours. A neighbour that
-    /// has no result has no digest.
-    pub fn fingerprint(&self, own: &str, neighbours: impl IntoIterator<Item = Option<String>>) -> String {
+    /// What the result of a frame depends on: the settings, its own pictures, and those of other frames, which are its neighbours
+    /// and, if they were looked at, the frames beyond them. A frame that has no result has no digest.
+    pub fn fingerprint(&self, own: &str, others: impl IntoIterator<Item = Option<String>>) -> String {
         let mut fingerprint = self.settings.clone();
         fingerprint.add(own.as_bytes());
-        for neighbour in neighbours {
-            fingerprint.add_optional(neighbour.as_deref().map(str::as_bytes));
+        for other in others {
+            fingerprint.add_optional(other.as_deref().map(str::as_bytes));
         }
         fingerprint.finish()
-    }
-
-    /// The result of an earlier run for a frame, if it is still there and nothing has changed.
-    pub fn kept(&self, frame: &SceneFrame, fingerprint: &str) -> Option<&FrameReport> {
-        let earlier = self.earlier.frames.iter().find(|e| e.index == frame.index && e.fingerprint == fingerprint);
-        earlier.filter(|earlier| self.is_still_there(earlier))
     }
 
     /// Keeps the result of an earlier run. Its warnings are written to the terminal and added to `warnings`.
@@ -137,12 +143,14 @@ impl Job<'_> {
         Ok(earlier.clone())
     }
 
-    /// Averages a frame with its neighbours, if there are any, and writes its mesh.
+    /// Averages a frame with its neighbours, if there are any, and writes its mesh. `beyond` are the other frames that it has
+    /// looked at.
     pub fn finish(
         &self,
         own: Own,
         neighbours: &[&Mesh],
         fingerprint: String,
+        beyond: Vec<u32>,
         warnings: &mut Vec<WarningReport>,
     ) -> Result<FrameReport, Failure> {
         let Own { frame, mut made, progress } = own;
@@ -174,6 +182,7 @@ impl Job<'_> {
             bytes: bytes.len() as u64,
             sha256: sha256(&bytes),
             fingerprint,
+            beyond,
             bounds,
             seconds: progress.seconds().into_iter().map(|(step, s)| (step.to_owned(), s.into())).collect(),
             counts: json::to_value(&result.counts),
@@ -209,7 +218,8 @@ impl Job<'_> {
         )))
     }
 
-    fn is_still_there(&self, earlier: &FrameReport) -> bool {
+    /// Whether the files of an earlier result are as they were written.
+    pub fn is_still_there(&self, earlier: &FrameReport) -> bool {
         let same = fs::read(self.folder.join(&earlier.file)).is_ok_and(|bytes| sha256(&bytes) == earlier.sha256);
         same && (!self.stages || self.stages_folder(earlier.index).is_dir())
     }
@@ -244,49 +254,63 @@ impl Job<'_> {
         Ok(Own { frame, made, progress })
     }
 
-    /// Makes a frame again if it lacks a part that the frames before and after it have, and its pictures show that part. `read`
-    /// reads the files of the frame and of those two. If no picture shows such a part, the frame stays as it is. Otherwise
-    /// `warnings` are replaced by those of the new frame.
+    /// Makes a frame again if it lacks a part that the two frames of a pair have, and its pictures show that part. Pairs are tried
+    /// in their order until one gives something back. `read` reads the files of a frame. If no picture shows such a part, the
+    /// frame stays as it is. Otherwise `warnings` are replaced by those of the new frame.
     pub fn restored<'s>(
         &'s self,
         own: Own<'s>,
-        neighbours: [&Kept; 2],
-        read: impl FnOnce() -> Result<[FrameFiles<'s>; 3], Failure>,
+        pairs: &[Pair<'s, '_>],
+        read: impl Fn([&'s SceneFrame; 3]) -> Result<[FrameFiles<'s>; 3], Failure>,
         warnings: &mut Vec<WarningReport>,
     ) -> Result<Own<'s>, Failure> {
         let frame = own.frame;
-        let explain = |problem| match problem {
-            Problem::File(failure) => failure,
-            Problem::Core(error) => self.scene.explain(&error, Some(frame)),
-        };
-        let may_have = own.made.may_have_lost_part(neighbours.map(Kept::beside), self.threads);
-        if !may_have.map_err(|error| explain(error.into()))? {
-            return Ok(own);
+        for pair in pairs {
+            let may_have = own.made.may_have_lost_part(pair.kept.map(Kept::beside), self.threads);
+            if !may_have.map_err(|error| self.scene.explain(&error, Some(frame)))? {
+                continue;
+            }
+            let [before, after] = pair.frames;
+            let (mut made, silhouettes) = self.views_between(frame, read([frame, before, after])?, &own.progress)?;
+            if silhouettes == 0 {
+                continue;
+            }
+            // Its memory is needed.
+            let Own { progress, .. } = own;
+            self.console.line(&format!(
+                "frame {} is made again: frames {} and {} have a part that {silhouettes} of its silhouettes lack and its pictures show",
+                frame.index, before.index, after.index
+            ));
+            made.run_stages(self.threads, &progress).map_err(|error| self.scene.explain(&error, Some(frame)))?;
+            // What is missing on the disk is missing still.
+            warnings.retain(|warning| is_about_files(&warning.code));
+            warnings.extend(self.warnings_of(&made, frame, warnings));
+            return Ok(Own { frame, made, progress });
         }
-        let mut made = self.empty_frame();
-        let files = read()?.map(|files| files.into_views(self.threads));
-        let restored = made.read_views_between(self.threads, &own.progress, |camera, give| {
+        Ok(own)
+    }
+
+    /// The views of a frame, with what its silhouettes lack and those of two other frames have, and the number of silhouettes
+    /// that got something.
+    fn views_between<'s>(
+        &'s self,
+        frame: &SceneFrame,
+        files: [FrameFiles; 3],
+        progress: &FrameProgress,
+    ) -> Result<(Frame<&'s Rig>, u32), Failure> {
+        let made = self.empty_frame();
+        let files = files.map(|files| files.into_views(self.threads));
+        let restored = made.read_views_between(self.threads, progress, |camera, give| {
             let [own, before, after] = [0, 1, 2].map(|file: usize| files[file].decode(camera));
             let [own, before, after] = [own?, before?, after?];
             let [own, before, after] = [&own, &before, &after].map(|view| view.as_ref().map(DecodedView::input));
             give(own.as_ref(), [before.as_ref(), after.as_ref()]).map_err(Problem::Core)
         });
-        drop(files);
-        let restored = restored.map_err(explain)?;
-        if restored == 0 {
-            return Ok(own);
-        }
-        // Its memory is needed.
-        let Own { progress, .. } = own;
-        self.console.line(&format!(
-            "frame {} is made again: the frames beside it have a part that {restored} of its silhouettes lack and its pictures show",
-            frame.index
-        ));
-        made.run_stages(self.threads, &progress).map_err(|error| explain(error.into()))?;
-        // What is missing on the disk is missing still.
-        warnings.retain(|warning| is_about_files(&warning.code));
-        warnings.extend(self.warnings_of(&made, frame, warnings));
-        Ok(Own { frame, made, progress })
+        let restored = restored.map_err(|problem| match problem {
+            Problem::File(failure) => failure,
+            Problem::Core(error) => self.scene.explain(&error, Some(frame)),
+        })?;
+        Ok((made, restored))
     }
 
     /// A frame without views.

@@ -10,6 +10,7 @@ mod import;
 mod join;
 mod json;
 mod kept;
+mod lost_part;
 mod manifest;
 mod mesh_file;
 mod neighbours;
@@ -22,6 +23,7 @@ mod refine;
 mod report;
 mod run;
 mod steps;
+mod unchanged;
 mod video;
 mod warning;
 

@@ -1,8 +1,11 @@
 //! Frames that are averaged with their neighbours in time: which frames are made, and when each can be finished.
+//!
+//! A frame is finished when its neighbours are made. It may then ask for the frames beyond them, two frames before and after it
+//! ([`pcmvs_core::Frame::look_beyond`]). If the plan has these, the frame waits until they are made. Meshes are held for that.
 
-use crate::{frame::Job, kept::Kept, report::FrameReport, warning::WarningReport};
-use pcmvs_scene::{Failure, SceneFrame};
-use std::sync::Arc;
+use crate::{kept::Kept, warning::WarningReport};
+use pcmvs_scene::SceneFrame;
+use std::{mem::replace, sync::Arc};
 
 /// A frame and what it has to do in this run.
 pub struct Planned<'a> {
@@ -11,6 +14,15 @@ pub struct Planned<'a> {
     pub is_asked: bool,
     /// Places in the plan of the frames before and after it. Empty if every frame is made by itself.
     pub neighbours: Vec<usize>,
+    /// Places in the plan of the frames two before and two after it, of those that the plan has.
+    pub beyond: [Option<usize>; 2],
+}
+
+impl Planned<'_> {
+    /// Places in the plan of all frames that may need this one's mesh, and of this one.
+    fn around(&self, place: usize) -> Vec<usize> {
+        self.neighbours.iter().copied().chain(self.beyond.into_iter().flatten()).chain([place]).collect()
+    }
 }
 
 /// The frames of `all`, which are sorted by index, that are asked for or that such a frame is averaged with. Frames are
@@ -22,7 +34,8 @@ pub fn plan<'a>(all: &'a [SceneFrame], is_asked: impl Fn(u32) -> bool, alone: bo
     let planned = |&place: &usize| {
         let of = |other: usize| needed.binary_search(&other).ok();
         let neighbours = if alone { Vec::new() } else { next_to(all, place).filter_map(of).collect() };
-        Planned { frame: &all[place], is_asked: asked[place], neighbours }
+        let beyond = if alone { [None; 2] } else { beyond(all, place).map(|other| of(other?)) };
+        Planned { frame: &all[place], is_asked: asked[place], neighbours, beyond }
     };
     needed.iter().map(planned).collect()
 }
@@ -33,22 +46,42 @@ fn next_to(all: &[SceneFrame], place: usize) -> impl Iterator<Item = usize> {
     near.filter(move |&other| all[other].index.abs_diff(all[place].index) == 1)
 }
 
-/// Those of `all` frames that are `asked` for, a sorted list of indices, or are the neighbour of such a frame, sorted by index.
+/// The places in `all` of the frames two before and two after one.
+fn beyond(all: &[SceneFrame], place: usize) -> [Option<usize>; 2] {
+    let indices = [-2, 2].map(|offset| all[place].index.checked_add_signed(offset));
+    indices.map(|index| all.binary_search_by_key(&index?, |frame| frame.index).ok())
+}
+
+/// The frames two before and two after one, of `all` frames, which are sorted by index.
+pub fn frames_beyond(all: &[SceneFrame], index: u32) -> [Option<&SceneFrame>; 2] {
+    let place = all.binary_search_by_key(&index, |frame| frame.index).ok();
+    place.map_or([None; 2], |place| beyond(all, place).map(|other| other.map(|other| &all[other])))
+}
+
+/// Those of `all` frames that are `asked` for, a sorted list of indices, or at most two frames before or after such a frame,
+/// sorted by index.
 pub fn with_neighbours(mut all: Vec<SceneFrame>, asked: &[u32]) -> Vec<SceneFrame> {
     let is_asked = |index: u32| asked.binary_search(&index).is_ok();
-    let near = |index: u32| index.saturating_sub(1)..=index.saturating_add(1);
+    let near = |index: u32| index.saturating_sub(2)..=index.saturating_add(2);
     all.retain(|frame| near(frame.index).any(is_asked));
     all.sort_by_key(|frame| frame.index);
     all
 }
+
+/// The digest of a frame's pictures, and what the frame has kept for others.
+pub type Found = (String, Arc<Kept>);
 
 /// A frame that can be finished. `O` is the frame as it was reconstructed by itself.
 pub struct Ready<O> {
     pub place: usize,
     pub own: O,
     pub digest: String,
-    /// The digests of its neighbours and what they have kept for it, of those that have a mesh.
-    pub neighbours: Vec<Option<(String, Arc<Kept>)>>,
+    /// What was found of its neighbours. `None` if they have no mesh.
+    pub neighbours: Vec<Option<Found>>,
+    /// Whether it has asked for the frames beyond its neighbours. `None` if that has not been decided.
+    pub asks: Option<[bool; 2]>,
+    /// What was found of those that it has asked for and the plan has.
+    pub beyond: [Option<Found>; 2],
     pub warnings: Vec<WarningReport>,
 }
 
@@ -61,12 +94,22 @@ pub struct Waiting<'a, O> {
 enum State<O> {
     /// It has not been reconstructed yet.
     Open,
-    /// It has been reconstructed by itself. `own` is there until it is finished.
-    Made { own: Option<Box<(O, Vec<WarningReport>)>>, digest: String, kept: Arc<Kept> },
+    /// It has been reconstructed by itself.
+    Made { own: Own<O>, digest: String, kept: Arc<Kept> },
     /// It has failed.
     Failed,
-    /// Neither it nor any of its neighbours needs it any more.
+    /// Neither it nor any frame around it needs it any more.
     Gone,
+}
+
+/// A frame as it was reconstructed by itself.
+enum Own<O> {
+    /// It waits for its neighbours and, if `asks` is there, for those of the frames beyond them that it marks.
+    Waits { own: Box<(O, Vec<WarningReport>)>, asks: Option<[bool; 2]> },
+    /// It has been given out and may come back.
+    Out,
+    /// It needs no other frame any more.
+    Done,
 }
 
 impl<'a, O> Waiting<'a, O> {
@@ -77,11 +120,11 @@ impl<'a, O> Waiting<'a, O> {
     /// Notes that a frame has failed. Returns the frames that can be finished now.
     pub fn failed(&mut self, place: usize) -> Vec<Ready<O>> {
         self.states[place] = State::Failed;
-        self.ready_around(place)
+        self.settled(place)
     }
 
     /// Notes that a frame has been reconstructed. `kept` is the copy that its neighbours are averaged with. Returns the frames
-    /// that can be finished now: itself, or frames beside it.
+    /// that can be finished now: itself, or frames around it.
     pub fn made(
         &mut self,
         place: usize,
@@ -90,71 +133,72 @@ impl<'a, O> Waiting<'a, O> {
         digest: String,
         warnings: Vec<WarningReport>,
     ) -> Vec<Ready<O>> {
-        let own = self.plan[place].is_asked.then(|| Box::new((own, warnings)));
+        let is_asked = self.plan[place].is_asked;
+        let own = if is_asked { Own::Waits { own: Box::new((own, warnings)), asks: None } } else { Own::Done };
         self.states[place] = State::Made { own, digest, kept: Arc::new(kept) };
-        self.ready_around(place)
+        self.settled(place)
     }
 
-    fn ready_around(&mut self, place: usize) -> Vec<Ready<O>> {
-        let around: Vec<usize> = self.plan[place].neighbours.iter().copied().chain([place]).collect();
-        let ready = around.iter().filter_map(|&place| self.ready(place)).collect();
-        // A frame that is finished now may be the last that needed the one beside it.
-        let plan = self.plan;
-        for place in around.into_iter().flat_map(|place| plan[place].neighbours.iter().copied().chain([place])) {
-            self.let_go(place);
+    /// Takes back a frame that asks for frames beyond its neighbours. Returns it if those are settled already.
+    pub fn ask_beyond(&mut self, ready: Ready<O>, asks: [bool; 2]) -> Option<Ready<O>> {
+        let Ready { place, own: frame, warnings, .. } = ready;
+        let State::Made { own, .. } = &mut self.states[place] else { return None };
+        *own = Own::Waits { own: Box::new((frame, warnings)), asks: Some(asks) };
+        self.ready(place)
+    }
+
+    /// Notes that a frame that has been given out needs no other frame any more.
+    pub fn done(&mut self, place: usize) {
+        if let State::Made { own, .. } = &mut self.states[place] {
+            *own = Own::Done;
         }
+        self.let_go_around(place);
+    }
+
+    fn settled(&mut self, place: usize) -> Vec<Ready<O>> {
+        let around = self.plan[place].around(place);
+        let ready = around.into_iter().filter_map(|place| self.ready(place)).collect();
+        self.let_go_around(place);
         ready
     }
 
-    /// Takes out a frame if it and all of its neighbours are settled.
+    /// Takes out a frame if it and all of those that it waits for are settled.
     fn ready(&mut self, place: usize) -> Option<Ready<O>> {
-        let plan = self.plan;
-        let neighbours = &plan[place].neighbours;
-        if neighbours.iter().any(|&other| matches!(self.states[other], State::Open)) {
+        let Planned { neighbours, beyond, .. } = &self.plan[place];
+        let State::Made { own: Own::Waits { asks, .. }, .. } = &self.states[place] else { return None };
+        let asks = *asks;
+        let beyond = [0, 1].map(|side: usize| beyond[side].filter(|_| asks.is_some_and(|asks| asks[side])));
+        let mut others = neighbours.iter().chain(beyond.iter().flatten());
+        if others.any(|&other| matches!(self.states[other], State::Open)) {
             return None;
         }
-        let State::Made { own, digest, .. } = &mut self.states[place] else { return None };
-        let ((own, warnings), digest) = (*own.take()?, digest.clone());
-        let result = |&other: &usize| match &self.states[other] {
+        let result = |other: usize| match &self.states[other] {
             State::Made { digest, kept, .. } => Some((digest.clone(), Arc::clone(kept))),
             State::Open | State::Failed | State::Gone => None,
         };
-        Some(Ready { place, own, digest, neighbours: neighbours.iter().map(result).collect(), warnings })
+        let neighbours = neighbours.iter().map(|&other| result(other)).collect();
+        let beyond = beyond.map(|other| result(other?));
+        let State::Made { own, digest, .. } = &mut self.states[place] else { return None };
+        let digest = digest.clone();
+        let Own::Waits { own, .. } = replace(own, Own::Out) else { return None };
+        let (own, warnings) = *own;
+        Some(Ready { place, own, digest, neighbours, asks, beyond, warnings })
     }
 
-    /// Drops the mesh of a frame that nothing needs any more.
-    fn let_go(&mut self, place: usize) {
-        let is_over = |place: usize| match &self.states[place] {
+    /// Drops the meshes that nothing needs any more, of a frame and those around it.
+    fn let_go_around(&mut self, place: usize) {
+        let plan = self.plan;
+        let is_over = |state: &State<O>| match state {
             State::Open => false,
-            State::Made { own, .. } => own.is_none(),
+            State::Made { own, .. } => matches!(own, Own::Done),
             State::Failed | State::Gone => true,
         };
-        if is_over(place) && self.plan[place].neighbours.iter().all(|&other| is_over(other)) {
-            self.states[place] = State::Gone;
+        for place in plan[place].around(place) {
+            if plan[place].around(place).iter().all(|&other| is_over(&self.states[other])) {
+                self.states[place] = State::Gone;
+            }
         }
     }
-}
-
-/// For each frame of a plan whose earlier result can be kept, that result. `digests` are those of the frames' pictures, `None`
-/// where they cannot be read.
-pub fn kept<'j>(job: &'j Job, plan: &[Planned], digests: &[Option<String>]) -> Vec<Option<&'j FrameReport>> {
-    let kept = |planned: &Planned, digest: &Option<String>| {
-        let neighbours = planned.neighbours.iter().map(|&other| digests[other].clone());
-        let fingerprint = job.fingerprint(digest.as_deref()?, neighbours);
-        job.kept(planned.frame, &fingerprint).filter(|_| planned.is_asked)
-    };
-    plan.iter().zip(digests).map(|(planned, digest)| kept(planned, digest)).collect()
-}
-
-/// The digests of all frames of a plan.
-pub fn digests(job: &Job, plan: &[Planned]) -> Result<Vec<Option<String>>, Failure> {
-    let digest = |planned: &Planned| match job.read(planned.frame) {
-        Ok(files) => Ok(Some(Job::digest(&files))),
-        Err(Failure::Cancelled) => Err(Failure::Cancelled),
-        // The frame fails again, with its message, when it is made.
-        Err(_) => Ok(None),
-    };
-    plan.iter().map(digest).collect()
 }
 
 #[cfg(test)]
@@ -181,9 +225,10 @@ mod tests {
                 } else {
                     waiting.made(place, place as u32, Kept::default(), place.to_string(), Vec::new())
                 };
+                ready.iter().for_each(|ready| waiting.done(ready.place));
                 finished.extend(ready.into_iter().map(|ready| (ready.own, ready.neighbours.iter().flatten().count())));
-                // The frame that waits for the next one, and the one beside it.
-                assert!(held(&waiting) <= 2, "{place}: {}", held(&waiting));
+                // The frame that waits for the next one, and the two before it.
+                assert!(held(&waiting) <= 3, "{place}: {}", held(&waiting));
             }
             assert_eq!(held(&waiting), 0);
             let made = |place: &u32| *place < 40 && fails != Some(*place as usize);
@@ -191,5 +236,50 @@ mod tests {
             let expected: Vec<(u32, usize)> = (0..40).filter(made).map(|place| (place, beside(place))).collect();
             assert_eq!(finished, expected);
         }
+    }
+
+    #[test]
+    fn a_frame_that_asks_for_frames_beyond_its_neighbours_gets_them() {
+        let frames = frames(7);
+        let plan = plan(&frames, |_| true, false);
+        // Frames in their order, and late ones first.
+        for order in [[0, 1, 2, 3, 4, 5, 6], [6, 5, 4, 3, 2, 1, 0], [1, 3, 0, 2, 5, 4, 6]] {
+            for fails in [None, Some(0), Some(4)] {
+                let (mut waiting, mut finished) = (Waiting::new(&plan), Vec::new());
+                for place in order {
+                    let mut ready = if fails == Some(place) {
+                        waiting.failed(place)
+                    } else {
+                        waiting.made(place, place as u32, Kept::default(), place.to_string(), Vec::new())
+                    };
+                    while let Some(next) = ready.pop() {
+                        if next.place == 2 && next.asks.is_none() {
+                            ready.extend(waiting.ask_beyond(next, [true; 2]));
+                        } else {
+                            waiting.done(next.place);
+                            finished.push((next.own, next.beyond.map(|found| found.map(|(digest, _)| digest))));
+                        }
+                    }
+                }
+                finished.sort();
+                let found = |place: usize| Some(place.to_string()).filter(|_| fails != Some(place));
+                let beyond = |place: usize| if place == 2 { [found(0), found(4)] } else { [None, None] };
+                let made = (0..7).filter(|&place| fails != Some(place));
+                let expected: Vec<_> = made.map(|place| (place as u32, beyond(place))).collect();
+                assert_eq!(finished, expected, "{order:?} {fails:?}");
+                assert_eq!(held(&waiting), 0, "{order:?} {fails:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn frames_beyond_the_neighbours_are_read_but_not_planned() {
+        let all = with_neighbours(frames(9), &[4]);
+        assert_eq!(all.iter().map(|frame| frame.index).collect::<Vec<_>>(), [2, 3, 4, 5, 6]);
+        let plan = plan(&all, |index| index == 4, false);
+        let planned: Vec<_> = plan.iter().map(|planned| (planned.frame.index, planned.beyond)).collect();
+        assert_eq!(planned, [(3, [None, Some(2)]), (4, [None; 2]), (5, [Some(0), None])]);
+        let beyond = |index| frames_beyond(&all, index).map(|frame| frame.map(|frame| frame.index));
+        assert_eq!((beyond(4), beyond(3), beyond(9)), ([Some(2), Some(6)], [None, Some(5)], [None; 2]));
     }
 }

@@ -8,13 +8,15 @@ use crate::{
     frame::{Job, Own},
     json,
     kept::Kept,
+    lost_part::{Beyond, Search, lock},
     manifest::Manifest,
     mesh_file::MeshFile,
-    neighbours::{self, Planned, Ready, Waiting},
+    neighbours::{self, Found, Planned, Ready, Waiting},
     output, overrides,
     progress::Console,
     report::{self, Earlier, FrameFailure, FrameReport, Report, peak_memory},
     run::Run,
+    unchanged,
     video::Videos,
     warning::WarningReport,
 };
@@ -22,7 +24,7 @@ use pcmvs_core::{Camera, Mesh, Params, Rig, Warning, calibration::CalibrationPar
 use pcmvs_scene::{Disk, Failure, Scene, Silhouettes, Threads, thread_count};
 use std::{
     panic::{AssertUnwindSafe, catch_unwind},
-    sync::{Mutex, MutexGuard, PoisonError, atomic::AtomicBool},
+    sync::{Mutex, PoisonError, atomic::AtomicBool},
 };
 
 /// Runs the command.
@@ -201,8 +203,7 @@ fn keep_earlier(job: &Job, outcome: &mut Outcome) -> Result<Vec<u32>, Failure> {
         return Ok(kept);
     }
     let plan = neighbours::plan(&job.scene.frames, |index| job.is_asked(index), job.alone);
-    let digests = neighbours::digests(job, &plan)?;
-    for (planned, earlier) in plan.iter().zip(neighbours::kept(job, &plan, &digests)) {
+    for (planned, earlier) in plan.iter().zip(unchanged::kept(job, &plan)?) {
         let Some(earlier) = earlier else { continue };
         let mut warnings = Vec::new();
         let done = job.keep(planned.frame, earlier, &mut warnings);
@@ -220,6 +221,7 @@ fn make_missing<'a>(job: &'a Job<'a>, kept: &[u32], outcome: Outcome<'a>) -> Out
     // Frames are read one after another, in their order, because that is how videos are read. No other work of the pool is
     // done meanwhile, which could wait for the same lock.
     let turn = Mutex::new(0);
+    let search = Search { job, plan: &plan, waiting: &waiting, turn: &turn };
     let at_once = AtOnce::new(job.rig, job.params, if job.alone { 0 } else { job.threads.count() });
     if let Some(text) = at_once.explanation(job.threads.count(), plan.len()) {
         job.console.line(&text);
@@ -228,7 +230,7 @@ fn make_missing<'a>(job: &'a Job<'a>, kept: &[u32], outcome: Outcome<'a>) -> Out
         let mut next = lock(&turn);
         let place = *next;
         *next += 1;
-        let Planned { frame, is_asked, ref neighbours } = plan[place];
+        let Planned { frame, is_asked, ref neighbours, .. } = plan[place];
         let index = frame.index;
         let files = guarded(index, || job.read(frame));
         drop(next);
@@ -256,51 +258,45 @@ fn make_missing<'a>(job: &'a Job<'a>, kept: &[u32], outcome: Outcome<'a>) -> Out
                 lock(&waiting).failed(place)
             }
         };
-        for Ready { place, own, digest, neighbours, mut warnings } in ready {
-            let frame = plan[place].frame;
-            let fingerprint =
-                job.fingerprint(&digest, neighbours.iter().map(|n| n.as_ref().map(|(digest, _)| digest.clone())));
-            let beside: Vec<&Kept> = neighbours.iter().flatten().map(|(_, kept)| &**kept).collect();
-            let done = guarded(frame.index, || {
-                if job.console.is_cancelled() {
-                    return Err(Failure::Cancelled);
+        for ready in ready {
+            let index = plan[ready.place].frame.index;
+            let place = ready.place;
+            match guarded(index, || search.ask(ready)) {
+                Ok(Some(ready)) => finish(&search, ready, &outcome),
+                // It comes back when the frames that it has asked for are made.
+                Ok(None) => {}
+                Err(failure) => {
+                    lock(&waiting).done(place);
+                    lock(&outcome).add(index, Err(failure), Vec::new());
                 }
-                with_lost_part(job, &plan, place, own, &beside, &turn, &mut warnings)
-            });
-            job.say(&warnings);
-            let done = done.and_then(|own| {
-                let meshes: Vec<&Mesh> = beside.iter().map(|kept| &kept.mesh).collect();
-                guarded(frame.index, || job.finish(own, &meshes, fingerprint, &mut warnings))
-            });
-            lock(&outcome).add(frame.index, done, warnings);
+            }
         }
     });
     outcome.into_inner().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// Makes a frame again if it lacks a part that the frames before and after it have, and its pictures show that part. The
-/// result depends on these three frames alone. `turn` is held while files are read.
-fn with_lost_part<'a>(
-    job: &'a Job<'a>,
-    plan: &[Planned<'a>],
-    place: usize,
-    own: Own<'a>,
-    beside: &[&Kept],
-    turn: &Mutex<usize>,
-    warnings: &mut Vec<WarningReport>,
-) -> Result<Own<'a>, Failure> {
-    let Planned { frame, ref neighbours, .. } = plan[place];
-    let (&[before, after], &[kept_before, kept_after]) = (&neighbours[..], beside) else { return Ok(own) };
-    let read = || {
-        let _turn = lock(turn);
-        Ok([job.read(frame)?, job.read(plan[before].frame)?, job.read(plan[after].frame)?])
-    };
-    job.restored(own, [kept_before, kept_after], read, warnings)
-}
-
-/// Locks a value. A panic in another frame has not left it half-changed.
-fn lock<T>(value: &Mutex<T>) -> MutexGuard<'_, T> {
-    value.lock().unwrap_or_else(PoisonError::into_inner)
+/// Finishes a frame whose neighbours are settled, and so are the frames that it has asked for.
+fn finish<'a>(search: &Search<'_, 'a>, mut ready: Ready<Own<'a>>, outcome: &Mutex<Outcome<'a>>) {
+    let Search { job, plan, waiting, .. } = search;
+    let index = plan[ready.place].frame.index;
+    let beyond =
+        guarded(index, || if job.console.is_cancelled() { Err(Failure::Cancelled) } else { search.beyond(&mut ready) });
+    let Ready { place, own, digest, neighbours, mut warnings, .. } = ready;
+    lock(waiting).done(place);
+    let digest_of = |found: &Option<Found>| found.as_ref().map(|(digest, _)| digest.clone());
+    let restored = beyond.and_then(|beyond| {
+        let own = guarded(index, || search.restored(place, own, &neighbours, &beyond, &mut warnings))?;
+        let looked_at: Vec<&Beyond> = beyond.iter().flatten().collect();
+        let digests = neighbours.iter().chain(looked_at.iter().map(|other| &other.found)).map(digest_of);
+        let fingerprint = job.fingerprint(&digest, digests);
+        Ok((own, fingerprint, looked_at.iter().map(|other| other.frame.index).collect()))
+    });
+    job.say(&warnings);
+    let done = restored.and_then(|(own, fingerprint, looked_at)| {
+        let meshes: Vec<&Mesh> = neighbours.iter().flatten().map(|(_, kept)| &kept.mesh).collect();
+        guarded(index, || job.finish(own, &meshes, fingerprint, looked_at, &mut warnings))
+    });
+    lock(outcome).add(index, done, warnings);
 }
 
 /// Work on a frame. A panic is a failure of the frame alone.

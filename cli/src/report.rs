@@ -58,8 +58,12 @@ pub struct FrameReport {
     pub file: String,
     pub bytes: u64,
     pub sha256: String,
-    /// SHA-256 of the settings and of the frame's pictures and masks.
+    /// SHA-256 of the settings and of the pictures and masks of the frame, of its neighbours and of the frames `beyond` them.
     pub fingerprint: String,
+    /// Indices of the frames beyond its neighbours that were looked at, because it may have lost a part together with one of
+    /// these. It is left out if there are none.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub beyond: Vec<u32>,
     /// Smallest and largest coordinates of the mesh.
     pub bounds: [[f64; 3]; 2],
     /// Seconds of every step, in the order in which they ran.

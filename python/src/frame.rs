@@ -231,7 +231,8 @@ impl Frame {
     /// Whether the finished frame may have lost a part, such as an arm, that the frames before and after it have, because many
     /// or all of its masks lack it. If so, make the frame again with their pictures, ``Frame(..., before=..., after=...)``. If
     /// its ``restored`` is not 0, use that one instead, averaged with the same neighbours. The meshes of the neighbours count as
-    /// they were reconstructed. No pictures are read, and the answer is nearly always False.
+    /// they were reconstructed. No pictures are read, and the answer is nearly always False. If one of them lacks the part, too,
+    /// name the frame beyond it.
     #[pyo3(signature = (before, after, *, threads = None))]
     fn may_have_lost_part(
         &self,

@@ -4,7 +4,7 @@ use super::state::{Frame, no_hull};
 use crate::{
     error::Result,
     executor::Executor,
-    lost_part::{Beside, may_have_lost_part},
+    lost_part::{Beside, look_beyond, may_have_lost_part},
     memory,
     point_cloud::Mesh,
     progress::Progress,
@@ -61,6 +61,20 @@ impl<R: Deref<Target = Rig> + Sync> Frame<R> {
         self.require(Stage::Colour)?;
         let own = Beside { mesh: &self.mesh, overruled: &self.overruled() };
         Ok(may_have_lost_part(own, neighbours, executor))
+    }
+
+    /// Whether the frame may have lost a part together with the one before or after it, so that a frame further away must take
+    /// that one's place in [`Frame::may_have_lost_part`] and [`Frame::read_views_between`]: first whether that is the frame
+    /// before `before`, then whether it is the one after `after`. They are asked if the other neighbour has a part that both
+    /// lack, or if two silhouettes or more were overruled in both and not in the other. The answer is nearly always no, unless
+    /// parts move fast.
+    ///
+    /// # Errors
+    /// [`crate::Error::WrongOrder`] if [`Stage::Colour`] is not complete.
+    pub fn look_beyond(&self, neighbours: [Beside; 2], executor: &dyn Executor) -> Result<[bool; 2]> {
+        self.require(Stage::Colour)?;
+        let own = Beside { mesh: &self.mesh, overruled: &self.overruled() };
+        Ok(look_beyond(own, neighbours, executor))
     }
 
     fn average(

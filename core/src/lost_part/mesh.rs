@@ -1,6 +1,7 @@
 //! Whether the mesh of a frame lacks a part that the meshes of its neighbours have.
 
 use crate::{executor::Executor, neighbour_grid::NeighbourGrid, point_cloud::Mesh};
+use alloc::vec::Vec;
 use glam::Vec3;
 
 /// Surface this far from the frame's own may be that of a lost part, as a share of the diagonal of the neighbour's bounds. For
@@ -33,30 +34,42 @@ pub fn may_have_lost_part(own: Beside, neighbours: [Beside; 2], executor: &dyn E
     overruled >= OVERRULED || has_lost_part(own.mesh, neighbours.map(|beside| beside.mesh), executor)
 }
 
+/// Whether the frame before `before`, and the one after `after`, may tell more: [`crate::Frame::look_beyond`] without the frame.
+pub fn look_beyond(own: Beside, [before, after]: [Beside; 2], executor: &dyn Executor) -> [bool; 2] {
+    let share = |with: Beside, other: Beside| {
+        let in_both = |camera: &&u32| with.overruled.contains(camera) && !other.overruled.contains(camera);
+        own.overruled.iter().filter(in_both).count() >= OVERRULED
+            || lacks(&[own.mesh, with.mesh], other.mesh, None, executor)
+    };
+    [share(before, after), share(after, before)]
+}
+
 /// Whether a mesh has no surface near a part that both neighbouring frames' meshes have. All are relative to the same origin.
 /// Parts that move fast from frame to frame are not lost: those of the two neighbours are then not near each other, either.
 pub fn has_lost_part(own: &Mesh, [before, after]: [&Mesh; 2], executor: &dyn Executor) -> bool {
-    lacks(own, before, after, executor) && lacks(own, after, before, executor)
+    lacks(&[own], before, Some(after), executor) && lacks(&[own], after, Some(before), executor)
 }
 
-/// Whether a mesh has no surface near a part of a neighbour, and the other neighbour has.
-fn lacks(own: &Mesh, neighbour: &Mesh, other: &Mesh, executor: &dyn Executor) -> bool {
+/// Whether meshes have no surface near a part of a neighbour. If there is another neighbour, it has.
+fn lacks(without: &[&Mesh], neighbour: &Mesh, other: Option<&Mesh>, executor: &dyn Executor) -> bool {
     let (mut low, mut high) = (Vec3::INFINITY, Vec3::NEG_INFINITY);
     for &p in &neighbour.positions {
         (low, high) = (low.min(p), high.max(p));
     }
     let far = FAR * (high - low).length();
-    if own.positions.is_empty() || !far.is_finite() || far <= 0.0 {
+    if without.iter().any(|mesh| mesh.positions.is_empty()) || !far.is_finite() || far <= 0.0 {
         return false;
     }
-    let [own, other] = [own, other].map(|mesh| Near::new(mesh, far));
+    let without: Vec<Near> = without.iter().map(|mesh| Near::new(mesh, far)).collect();
+    let other = other.map(|mesh| Near::new(mesh, far));
+    let is_lost = |&p: &Vec3| !without.iter().any(|mesh| mesh.has(p)) && other.as_ref().is_none_or(|mesh| mesh.has(p));
     let stride = (neighbour.positions.len() / LOOKED_AT).max(1);
     let samples = neighbour.positions.len().div_ceil(stride);
     let jobs = samples.div_ceil(VERTICES_PER_JOB);
     let counts = executor.map(jobs, |job| {
         let end = ((job + 1) * VERTICES_PER_JOB).min(samples);
         let points = (job * VERTICES_PER_JOB..end).map(|i| neighbour.positions[i * stride]);
-        points.filter(|&p| !own.has(p) && other.has(p)).count()
+        points.filter(is_lost).count()
     });
     counts.iter().sum::<usize>() as f32 > SHARE * samples as f32
 }
@@ -109,5 +122,27 @@ mod tests {
         assert!(!has_lost_part(&before, [&none, &none], &Serial), "a part that only this frame has");
         assert!(!has_lost_part(&Mesh::default(), [&before, &after], &Serial));
         assert!(!has_lost_part(&own, [&Mesh::default(), &Mesh::default()], &Serial));
+    }
+
+    #[test]
+    fn frames_beyond_the_neighbours_are_asked_if_one_of_these_lacks_the_part_too() {
+        let beyond = |own, [before, after]: [&Mesh; 2]| {
+            let [own, before, after] = [own, before, after].map(|mesh| Beside { mesh, overruled: &[] });
+            look_beyond(own, [before, after], &Serial)
+        };
+        let (arm, none, empty) = (&with_arm(0.6, 0.0), &with_arm(0.0, 0.0), Mesh::default());
+        assert_eq!(beyond(none, [arm, none]), [false, true], "the next frame lacks it, too");
+        assert_eq!(beyond(none, [none, arm]), [true, false], "the last frame lacked it, too");
+        assert_eq!(beyond(none, [arm, arm]), [false, false], "the neighbours know enough");
+        assert_eq!(beyond(arm, [arm, none]), [false, false], "only the next frame lacks it");
+        assert_eq!(beyond(none, [none, none]), [false, false], "the neighbours know of no arm");
+        assert_eq!(beyond(none, [arm, &empty]), [false, false], "an empty frame lacks no part");
+        let overruled = |own: &[u32], before: &[u32], after: &[u32]| {
+            let beside = [before, after].map(|overruled| Beside { mesh: arm, overruled });
+            look_beyond(Beside { mesh: arm, overruled: own }, beside, &Serial)
+        };
+        assert_eq!(overruled(&[3, 5], &[], &[3, 5, 7]), [false, true]);
+        assert_eq!(overruled(&[3, 5], &[3, 5], &[3]), [false, false], "one camera is not enough");
+        assert_eq!(overruled(&[3, 5], &[3, 5], &[3, 5]), [false, false], "bad in all frames");
     }
 }

@@ -8,10 +8,13 @@
 //! 2. In each camera, the picture decides whether the part is there: its colours are those of the part in the neighbouring
 //!    frames, and differ from the background, which the neighbouring frames show where the part is not (`pixels`).
 //!
+//! Where one of the two neighbours lacks the part as well, the frame beyond it takes its place ([`crate::Frame::look_beyond`]).
+//! So parts come back that two frames in a row lack.
+//!
 //! A person who has really bent an arm away gets none, because the pictures show the background there.
 
 mod mesh;
 mod pixels;
 
-pub use mesh::{Beside, has_lost_part, may_have_lost_part};
+pub use mesh::{Beside, has_lost_part, look_beyond, may_have_lost_part};
 pub(crate) use pixels::{Shown, lost_pixels};
