@@ -120,7 +120,7 @@ static pcmvs_view draw_view(uint32_t camera, pcmvs_image pictures[2]) {
             picture->format = draw(9);
             picture->data = spare, picture->chroma = draw(3) == 0 ? NULL : spare;
             break;
-        case 5: picture->struct_size = draw(100); break;
+        case 5: picture->struct_size = draw(2) == 0 ? 0xFFFFFFFFu : draw(sizeof *picture + 1); break;
         default: break;
         }
     }
@@ -230,10 +230,13 @@ static void read_results(pcmvs_frame *frame) {
     pcmvs_view_report view;
     pcmvs_warning warning;
     pcmvs_error error;
-    pcmvs_mesh mesh;
+    struct {
+        pcmvs_mesh mesh;
+        char later[64]; /* members of a later version */
+    } room;
     size_t count;
     uint32_t warnings = 0;
-    TRY(pcmvs_frame_get_mesh(frame, draw(5), &mesh, draw(9) == 0 ? draw(100) : sizeof mesh));
+    TRY(pcmvs_frame_get_mesh(frame, draw(5), &room.mesh, draw(9) == 0 ? draw(sizeof room + 1) : sizeof room.mesh));
     TRY(pcmvs_frame_copy_mesh(frame, draw(5), draw(6), buffer, draw(4096), draw(2) * 12, &count));
     TRY(pcmvs_frame_copy_cloud(frame, draw(5), draw(6), (pcmvs_point *)(void *)buffer, draw(1024), 0, &count));
     TRY(pcmvs_frame_get_silhouette(frame, draw(6), &silhouette, sizeof silhouette));
