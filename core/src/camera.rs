@@ -178,7 +178,7 @@ impl Pinhole {
     #[inline]
     pub fn pixel(&self, p: Vec3) -> Option<(usize, f32)> {
         let Vec3 { x, y, z } = self.project(p);
-        let (x, y) = (libm::floorf(x + 0.5), libm::floorf(y + 0.5));
+        let (x, y) = (x + 0.5, y + 0.5);
         let shown = z > 0.0 && x >= 0.0 && y >= 0.0 && x < self.width as f32 && y < self.height as f32;
         shown.then(|| (y as usize * self.width as usize + x as usize, z))
     }

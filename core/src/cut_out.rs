@@ -11,11 +11,23 @@ const OUTSIDE: f32 = -12.0;
 /// Smallest share of these pixels that have the colour, and how far each channel of such a pixel may be from it.
 const SHARE: f32 = 0.9999;
 const TOLERANCE: u8 = 2;
+/// What is looked at first: one in so many pixels, and whether one in so many has another colour than the pixel beside it. That
+/// is more than may differ from any single colour, so that most photographs need no further look.
+const FIRST: usize = 32;
+const DIFFERING: usize = 9000;
 
 /// Whether a picture shows one single colour outside its silhouette. Photographs of real backdrops have noise.
 pub(crate) fn is_cut_out(rgb: &[u8], silhouette: &Silhouette) -> bool {
     let outside = (OUTSIDE * Silhouette::UNITS) as i16;
     let pixels = || rgb.chunks_exact(3).zip(silhouette.distances()).filter(|&(_, &d)| d < outside).map(|(p, _)| p);
+    let differ = |a: &[u8], b: &[u8]| a.iter().zip(b).any(|(&a, &b)| a.abs_diff(b) > 2 * TOLERANCE);
+    let (mut first, mut pairs) = (pixels().take(silhouette.distances().len() / FIRST), 0);
+    while let (Some(a), Some(b)) = (first.next(), first.next()) {
+        pairs += usize::from(differ(a, b));
+    }
+    if pairs > silhouette.distances().len() / DIFFERING + 16 {
+        return false;
+    }
     // The colour that more than half of the pixels have, if there is one (Boyer and Moore's majority vote).
     let (mut colour, mut votes, mut total) = ([0u8; 3], 0u32, 0u32);
     for pixel in pixels() {

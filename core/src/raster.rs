@@ -1,12 +1,15 @@
 //! Rasterises a mesh: the depth of its front at every pixel ([`Raster`]), and all depths at which pixel rays cross it
 //! ([`Crossings`]), which are the hull's intervals of §4.1.
 
+mod between;
+
 use crate::{
     camera::Pinhole,
     math::{from_ordered, max, min, ordered},
     point_cloud::Mesh,
 };
 use alloc::vec::Vec;
+use between::{Between, spanned};
 use glam::Vec3;
 
 /// A depth buffer: the inverse depth of the nearest front face at every pixel. Reused for all views, so that its memory
@@ -76,6 +79,7 @@ pub struct Interval {
 pub struct Crossings {
     /// Pixel and depth of every vertex.
     projected: Vec<Vec3>,
+    between: Between,
     /// Pixel, inverse depth and side (true for a front face) of each crossing, in the order of the triangles.
     found: Vec<(u32, f32, bool)>,
     /// For each pixel, where its next crossing is written.
@@ -90,20 +94,21 @@ pub struct Crossings {
 impl Crossings {
     /// Finds the crossings of all pixels' rays.
     pub fn find(&mut self, mesh: &Mesh, camera: &Pinhole) {
-        let Self { projected, found, next, starts, crossings } = self;
+        let Self { projected, between, found, next, starts, crossings } = self;
         projected.clear();
         projected.extend(mesh.positions.iter().map(|&p| camera.project(p)));
         let (w, h) = (camera.width as usize, camera.height as usize);
         starts.clear();
         starts.resize(w * h + 1, 0);
         found.clear();
-        for triangle in &mesh.triangles {
+        between.set(projected.iter().copied(), w, h);
+        between.for_each(mesh, |triangle| {
             cover(triangle.map(|i| projected[i as usize]), w, h, |x, y, z, front| {
                 let pixel = y * w + x;
                 starts[pixel + 1] += 1;
                 found.push((pixel as u32, z, front));
             });
-        }
+        });
         for i in 1..starts.len() {
             starts[i] += starts[i - 1];
         }
@@ -152,16 +157,8 @@ pub(crate) fn cover([a, b, c]: [Vec3; 3], width: usize, height: usize, mut f: im
     if area == 0.0 || !area.is_finite() || a.z <= 0.0 || b.z <= 0.0 || c.z <= 0.0 {
         return;
     }
-    // Negative values are clamped first, so that truncation equals floor.
-    let high = |a: f32, b: f32, c: f32, n: usize| (max(max(max(a, b), c) + 1.0, 0.0) as i32).min(n as i32);
-    let low = |a: f32, b: f32, c: f32| {
-        let v = max(min(min(a, b), c), 0.0);
-        let floor = v as i32;
-        // Where a position is too large for an integer, `floor` is the largest one.
-        floor.saturating_add(i32::from(floor as f32 != v))
-    };
-    let (x0, x1) = (low(a.x, b.x, c.x), high(a.x, b.x, c.x, width));
-    let (y0, y1) = (low(a.y, b.y, c.y), high(a.y, b.y, c.y, height));
+    let [x0, x1] = spanned(a.x, b.x, c.x, width);
+    let [y0, y1] = spanned(a.y, b.y, c.y, height);
     // In a fine mesh most triangles cover no pixel centre.
     if x0 >= x1 || y0 >= y1 {
         return;

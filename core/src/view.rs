@@ -197,7 +197,8 @@ impl View {
                 Silhouette::with_buffers(old.width, old.height, &coverage, known, &mut scratch.distance, Vec::new());
             Some((made.ok()?.with_uncertainty(Some(uncertainty)), moved))
         });
-        let (silhouette, moved) = refined.unwrap_or_else(|| (old.with_added(&lost), Moved::default()));
+        let (silhouette, moved) =
+            refined.unwrap_or_else(|| (old.with_added(&lost, &mut scratch.contour.distance), Moved::default()));
         self.restored = lost.iter().filter(|&&is_lost| is_lost).count() as u32;
         self.edge = ContourEdge::new(&self.rgb, &silhouette, self.octave, moved);
         self.silhouette = Some(Arc::new(silhouette));
@@ -221,7 +222,9 @@ impl View {
     fn hash(&self) -> u64 {
         let mut hash = Hash64::default();
         for p in self.rgb.chunks(8) {
-            hash.word(p.iter().fold(0, |word, &b| word << 8 | u64::from(b)));
+            // All words but the last have eight bytes.
+            let whole = <[u8; 8]>::try_from(p).map(u64::from_be_bytes);
+            hash.word(whole.unwrap_or_else(|_| p.iter().fold(0, |word, &b| word << 8 | u64::from(b))));
         }
         for d in self.silhouette.iter().flat_map(|s| s.distances().chunks(4)) {
             hash.word(d.iter().fold(0, |word, &d| word << 16 | u64::from(d as u16)));

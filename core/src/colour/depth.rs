@@ -86,7 +86,7 @@ impl DepthBuffer {
         }
         let i = v as usize * self.width as usize + u as usize;
         let corners = [i, i + 1, i + self.width as usize, i + self.width as usize + 1];
-        let (fx, fy) = (u - libm::floorf(u), v - libm::floorf(v));
+        let (fx, fy) = (u - (u as i32) as f32, v - (v as i32) as f32);
         let limit = 1.0 / (pixel.z - tolerance);
         for (k, &corner) in corners.iter().enumerate() {
             let offset = Vec2::new((k % 2) as f32 - fx, (k / 2) as f32 - fy);

@@ -91,6 +91,8 @@ pub fn depth_map(
     }
     let simd = Simd::detect();
     scratch.curves.tune(&params.vote);
+    scratch.pairs.iter_mut().for_each(Vec::clear);
+    scratch.pairs.resize_with(scratch.pairs.len().max(neighbours.len()), Vec::new);
     for y0 in (0..h).step_by(TILE) {
         keep_going(y0, h)?;
         let mut x0 = 0;
@@ -110,6 +112,8 @@ pub struct SweepScratch {
     tile: Tile,
     curves: Curves,
     flat: Vec<f32>,
+    /// The neighbours' pairs of pixels ([`PyramidLevel::write_pairs`]). Empty for neighbours that have not been compared yet.
+    pairs: Vec<Vec<u16>>,
 }
 
 /// The depth hypotheses of a tile. Hypothesis i has the inverse depth `1/guide - step * (i + first)`.
@@ -153,7 +157,7 @@ impl Work for TileSweep<'_> {
 #[inline(always)]
 fn sweep_tile(tile: TileSweep) {
     let TileSweep { target, neighbours, range, params, corner: (x0, y0), scratch, map } = tile;
-    let SweepScratch { tile, curves, flat } = scratch;
+    let SweepScratch { tile, curves, flat, pairs } = scratch;
     let (w, h) = (target.camera.width as usize, target.camera.height as usize);
     let pixels = (y0..(y0 + TILE).min(h)).flat_map(move |y| (x0..(x0 + TILE).min(w)).map(move |x| (x, y)));
     let searched = pixels.filter(|&(x, y)| !range.of(y * w + x).is_empty());
@@ -167,20 +171,24 @@ fn sweep_tile(tile: TileSweep) {
         flat
     };
     let Some(middle) = middle(target, guide, searched.clone()) else { return };
-    let shown = neighbours.iter().filter(|n| n.camera.pixel(middle).is_some()).copied();
+    let shown = neighbours.iter().copied().enumerate().filter(|(_, n)| n.camera.pixel(middle).is_some());
     let neighbours = shown.take(params.neighbours as usize);
-    let Some(hypotheses) = hypotheses(target, neighbours.clone(), middle, range, guide, params, searched.clone())
-    else {
+    let compared = neighbours.clone().map(|(_, neighbour)| neighbour);
+    let Some(hypotheses) = hypotheses(target, compared, middle, range, guide, params, searched.clone()) else {
         return;
     };
     tile.load(target, guide, x0, y0, params.window_radius as usize);
     curves.reset(hypotheses.count);
     let mut compared = 0u16;
-    for neighbour in neighbours {
+    for (place, neighbour) in neighbours {
         compared += 1;
+        let pairs = &mut pairs[place];
+        if pairs.is_empty() {
+            neighbour.write_pairs(pairs);
+        }
         tile.face(target, neighbour, x0, y0);
         for (i, scores) in curves.scores_mut().iter_mut().enumerate() {
-            tile.score(neighbour, hypotheses.shift(i as f32), scores);
+            tile.score(neighbour, pairs, hypotheses.shift(i as f32), scores);
         }
         curves.vote(&params.vote);
     }

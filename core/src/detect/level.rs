@@ -46,6 +46,14 @@ impl<'a> PyramidLevel<'a> {
         PyramidLevel { camera: self.camera, luma, inside }
     }
 
+    /// Overwrites `pairs` with the luma of each pixel in the lower byte and that of the pixel below it in the upper one, for all
+    /// rows but the last. Two of them side by side are the four pixels around a position.
+    pub(super) fn write_pairs(&self, pairs: &mut Vec<u16>) {
+        let below = self.luma.get(self.camera.width as usize..).unwrap_or_default();
+        pairs.clear();
+        pairs.extend(self.luma.iter().zip(below).map(|(&upper, &lower)| u16::from(upper) | u16::from(lower) << 8));
+    }
+
     /// The next level at half the resolution, by averaging 2 x 2 pixels.
     fn halved(&self) -> PyramidLevel<'static> {
         let camera = self.camera.halved();

@@ -9,7 +9,10 @@
 //! pixels (the running sums of Lewis, Fast Normalized Cross-Correlation, 1995, serve the same purpose).
 
 use super::level::PyramidLevel;
-use crate::math::{inverse_sqrt, max, split};
+use crate::{
+    camera::Pinhole,
+    math::{inverse_sqrt, max, split},
+};
 use core::ops::Range;
 use glam::Vec3;
 
@@ -151,14 +154,15 @@ impl Tile {
     }
 
     /// ZNCC in [-1, 1] of the tile's windows with those of the neighbour that [`Self::face`] was called for, on the
-    /// hypothesis at inverse depth `1/g - shift`. Rows without pixels to search keep the previous content of `out`.
+    /// hypothesis at inverse depth `1/g - shift`. `pairs` are the neighbour's ([`PyramidLevel::write_pairs`]). Rows without pixels to search keep the previous content of `out`.
     #[inline(always)]
-    pub fn score(&mut self, neighbour: &PyramidLevel, shift: f32, out: &mut [f32; TILE_PIXELS]) {
+    pub fn score(&mut self, neighbour: &PyramidLevel, pairs: &[u16], shift: f32, out: &mut [f32; TILE_PIXELS]) {
         let shift = self.epipole * shift;
         let (r, rows) = (self.radius, self.rows.clone());
         let mut visible = false;
         for y in rows.start..rows.end + 2 * r {
-            visible |= warp(&self.seen[y], shift, neighbour, self.mean, &self.weight[y], &mut self.warped[y]);
+            let (seen, weight) = (&self.seen[y], &self.weight[y]);
+            visible |= warp(seen, shift, &neighbour.camera, pairs, self.mean, weight, &mut self.warped[y]);
         }
         if !visible {
             out.fill(-1.0);
@@ -180,10 +184,17 @@ impl Tile {
 /// Samples a neighbour's luma along a row bilinearly, subtracts `mean` and applies the weights. Returns false if no
 /// pixel lies in its picture.
 #[inline(always)]
-fn warp(seen: &[Row; 3], shift: Vec3, neighbour: &PyramidLevel, mean: f32, weight: &Row, out: &mut Row) -> bool {
-    let (w, h) = (neighbour.camera.width as usize, neighbour.camera.height as usize);
+fn warp(
+    seen: &[Row; 3],
+    shift: Vec3,
+    neighbour: &Pinhole,
+    pairs: &[u16],
+    mean: f32,
+    weight: &Row,
+    out: &mut Row,
+) -> bool {
+    let (w, h) = (neighbour.width as usize, neighbour.height as usize);
     let (right, bottom) = (w as f32 - 1.001, h as f32 - 1.001);
-    let luma: &[u8] = &neighbour.luma;
     let (mut px, mut py) = ([0u32; WIDTH], [0u32; WIDTH]);
     let (mut fx, mut fy) = (EMPTY, EMPTY);
     let mut visible = 0;
@@ -196,16 +207,16 @@ fn warp(seen: &[Row; 3], shift: Vec3, neighbour: &PyramidLevel, mean: f32, weigh
         (px[x], fx[x]) = split(if u < right { u } else { right });
         (py[x], fy[x]) = split(if v < bottom { v } else { bottom });
     }
-    // Gathers the four pixels around each position, packed into one word. Only this loop cannot be vectorised.
+    // Gathers the four pixels around each position, which are one word. Only this loop cannot be vectorised.
     let mut squares = [0u32; WIDTH];
     for x in 0..WIDTH {
-        let square = &luma[py[x] as usize * w + px[x] as usize..][..w + 2];
-        squares[x] = u32::from_le_bytes([square[0], square[1], square[w], square[w + 1]]);
+        let square = &pairs[py[x] as usize * w + px[x] as usize..][..2];
+        squares[x] = u32::from(square[0]) | u32::from(square[1]) << 16;
     }
     for x in 0..WIDTH {
         let pixel = |shift: u32| (squares[x] >> shift & 255) as i32 as f32;
-        let (top, bottom) = (pixel(0), pixel(16));
-        let top = top + (pixel(8) - top) * fx[x];
+        let (top, bottom) = (pixel(0), pixel(8));
+        let top = top + (pixel(16) - top) * fx[x];
         let bottom = bottom + (pixel(24) - bottom) * fx[x];
         out[x] = (top + (bottom - top) * fy[x] - mean) * weight[x];
     }

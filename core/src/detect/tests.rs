@@ -72,7 +72,9 @@ fn scores_are_zncc() {
     tile.load(&target, &guide, x0, y0, RADIUS);
     tile.face(&target, &neighbour, x0, y0);
     let mut scores = [0.0; TILE_PIXELS];
-    tile.score(&neighbour, shift, &mut scores);
+    let mut pairs = Vec::new();
+    neighbour.write_pairs(&mut pairs);
+    tile.score(&neighbour, &pairs, shift, &mut scores);
     for (i, &score) in scores.iter().enumerate() {
         let (cx, cy) = (x0 + i % TILE, y0 + i / TILE);
         let mut pairs: Vec<(f64, f64)> = Vec::new();
@@ -111,6 +113,8 @@ impl Work for Sweep<'_> {
         let params = VoteParams { smoothing: Some(0.8), support: Support::SpreadPeaks(1.0), agreement_radius: Some(2) };
         let mut tile = Tile::default();
         let mut curves = Curves::default();
+        let mut pairs = Vec::new();
+        self.neighbour.write_pairs(&mut pairs);
         curves.tune(&params);
         let mut bits = Vec::new();
         for (x0, y0) in [(0, 0), (20, 13), (40, 30)] {
@@ -118,7 +122,7 @@ impl Work for Sweep<'_> {
             tile.face(self.target, self.neighbour, x0, y0);
             curves.reset(9);
             for (i, scores) in curves.scores_mut().iter_mut().enumerate() {
-                tile.score(self.neighbour, 0.01 * (i as f32 - 4.0), scores);
+                tile.score(self.neighbour, &pairs, 0.01 * (i as f32 - 4.0), scores);
                 bits.extend(scores.iter().map(|&s| canonical(s)));
             }
             curves.vote(&params);

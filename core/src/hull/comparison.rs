@@ -149,21 +149,24 @@ impl Part<'_> {
         };
         for y in 0..self.size[1] {
             let (covered, d) = self.row(y);
-            for x in 1..covered.len() {
-                if covered[x] != covered[x - 1] {
-                    between(d[x], d[x - 1]);
-                }
-            }
+            let (left, right) = (&covered[..covered.len().saturating_sub(1)], covered.get(1..).unwrap_or_default());
+            for_differing(left, right, |x| between(d[x + 1], d[x]));
             if y > 0 {
                 let (above, e) = self.row(y - 1);
-                for x in 0..covered.len() {
-                    if covered[x] != above[x] {
-                        between(d[x], e[x]);
-                    }
-                }
+                for_differing(covered, above, |x| between(d[x], e[x]));
             }
         }
         let middle = distances.len() / 2;
         (!distances.is_empty()).then(|| select(distances, middle) as f32 * 0.5 / Silhouette::UNITS)
+    }
+}
+
+/// Calls `f` with the places at which two rows differ. They do so at few places only, so that many are compared together.
+fn for_differing(a: &[bool], b: &[bool], mut f: impl FnMut(usize)) {
+    const TOGETHER: usize = 64;
+    for (part, (a, b)) in a.chunks(TOGETHER).zip(b.chunks(TOGETHER)).enumerate() {
+        if a != b {
+            (0..a.len()).filter(|&i| a[i] != b[i]).for_each(|i| f(part * TOGETHER + i));
+        }
     }
 }

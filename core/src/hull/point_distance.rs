@@ -107,7 +107,8 @@ impl<'a> PointDistance<'a> {
         let carvers = &self.carvers[group * LANES..];
         let Group { rows, offset, focal, right, bottom, width, station } = &self.groups[group];
         let mut q = [Lanes::default(); 3];
-        let mut within = Lanes::<u32>::default();
+        let (mut fx, mut fy) = (Lanes::default(), Lanes::default());
+        let (mut within, mut pixel) = (Lanes::<u32>::default(), Lanes::<u32>::default());
         for i in 0..LANES {
             for axis in 0..3 {
                 let [x, y, z] = &rows[axis];
@@ -119,20 +120,22 @@ impl<'a> PointDistance<'a> {
                 (depth[i] > 0.0) & (x[i] >= EDGE) & (y[i] >= EDGE) & (x[i] <= right[i]) & (y[i] <= bottom[i]);
             let is_chosen = (chosen >> i & 1 != 0) & (station[i] != u32::from(self.without));
             within[i] = u32::from(is_within & is_chosen);
+            let (column, row) = (x[i] as i32, y[i] as i32);
+            (fx[i], fy[i]) = (x[i] - column as f32, y[i] - row as f32);
+            // Not read for views that do not see the point, whose numbers may be too large.
+            pixel[i] = (row as u32).wrapping_mul(width[i]).wrapping_add(column as u32);
         }
-        let [x, y, depth] = q;
+        let depth = q[2];
         // Reads the four pixels around each position, two per word. Only this loop cannot be vectorised.
         let (mut upper, mut lower) = (Lanes::<u32>::default(), Lanes::<u32>::default());
         for i in 0..LANES {
             if within[i] != 0 {
-                let first = y[i] as i32 as u32 * width[i] + x[i] as i32 as u32;
-                [upper[i], lower[i]] = square(&carvers[i].silhouette, width[i] as usize, first);
+                [upper[i], lower[i]] = square(&carvers[i].silhouette, width[i] as usize, pixel[i]);
             }
         }
         let (mut distance, mut seen) = (Lanes::default(), Lanes::<u32>::default());
         for i in 0..LANES {
-            let (fx, fy) = (x[i] - (x[i] as i32) as f32, y[i] - (y[i] as i32) as f32);
-            let (pixels, is_known) = interpolate([upper[i], lower[i]], fx, fy);
+            let (pixels, is_known) = interpolate([upper[i], lower[i]], fx[i], fy[i]);
             distance[i] = pixels * (depth[i] / focal[i]);
             seen[i] = u32::from(is_known) & within[i];
         }

@@ -22,10 +22,7 @@ impl Viewpoint {
 
     /// Index of the pixel that a point projects to, or `None` outside the picture.
     pub fn pixel(&self, p: Vec3) -> Option<usize> {
-        let q = self.camera.project(p);
-        let (x, y) = (libm::floorf(q.x + 0.5), libm::floorf(q.y + 0.5));
-        let within = q.z > 0.0 && x >= 0.0 && y >= 0.0 && x < self.camera.width as f32 && y < self.camera.height as f32;
-        within.then(|| y as usize * self.camera.width as usize + x as usize)
+        self.camera.pixel(p).map(|(pixel, _)| pixel)
     }
 }
 

@@ -269,17 +269,45 @@ fn copied<const N: usize>(values: &[f32], first: usize) -> [f32; N] {
     copy
 }
 
-/// Transposes a plane in tiles that fit into the cache.
+/// Transposes a plane in tiles. A tile is read row by row and written row by row, because its rows may all be in the same
+/// part of the cache, where few of them fit.
 fn transpose(width: usize, height: usize, plane: &[f32], out: &mut Vec<f32>) {
     const TILE: usize = 16;
     out.resize(plane.len(), 0.0);
+    let mut tile = [[0.0; TILE]; TILE];
     for ty in (0..height).step_by(TILE) {
+        let rows = TILE.min(height - ty);
         for tx in (0..width).step_by(TILE) {
-            for x in tx..(tx + TILE).min(width) {
-                for y in ty..(ty + TILE).min(height) {
-                    out[x * height + y] = plane[y * width + x];
+            let columns = TILE.min(width - tx);
+            for y in 0..rows {
+                let row = &plane[(ty + y) * width + tx..][..columns];
+                for (x, &value) in row.iter().enumerate() {
+                    tile[x][y] = value;
                 }
             }
+            for (x, tile) in tile[..columns].iter().enumerate() {
+                out[(tx + x) * height + ty..][..rows].copy_from_slice(&tile[..rows]);
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn planes_of_any_size_are_transposed() {
+        for (width, height) in [(1, 1), (16, 32), (15, 33), (40, 7)] {
+            let plane: Vec<f32> = (0..width * height).map(|i| i as f32).collect();
+            let (mut columns, mut back) = (Vec::new(), Vec::new());
+            transpose(width, height, &plane, &mut columns);
+            assert!(
+                (0..plane.len()).all(|i| columns[i % width * height + i / width] == plane[i]),
+                "{width} x {height}"
+            );
+            transpose(height, width, &columns, &mut back);
+            assert_eq!(back, plane);
         }
     }
 }

@@ -115,12 +115,12 @@ impl Silhouette {
 
     /// The same silhouette with the marked pixels added to the object, and those next to them. Where nothing changes by more
     /// than a pixel, the contour remains exactly as it is.
-    pub(crate) fn with_added(&self, added: &[bool]) -> Self {
+    pub(crate) fn with_added(&self, added: &[bool], scratch: &mut SilhouetteScratch) -> Self {
         let (w, h) = (self.width as usize, self.height as usize);
         let coverage = self.coverage_with(added);
         let known = |i: usize| self.distance[i] != Self::UNKNOWN;
         let mut distance = Vec::new();
-        distance::signed_distance(w, h, &coverage, &known, &mut SilhouetteScratch::default(), &mut distance);
+        distance::signed_distance(w, h, &coverage, &known, scratch, &mut distance);
         for (new, &old) in distance.iter_mut().zip(&self.distance) {
             if old == Self::UNKNOWN || (i32::from(*new) - i32::from(old)).abs() < Self::UNITS as i32 {
                 *new = old;
@@ -132,13 +132,13 @@ impl Silhouette {
 
     /// Marks the pixels outside the object that lie in gaps at most `2 * reach` pixels wide: those that remain outside if the
     /// object grows by `reach` and then shrinks by it.
-    pub(crate) fn narrow(&self, reach: f32) -> Vec<bool> {
+    pub(crate) fn narrow(&self, reach: f32, scratch: &mut SilhouetteScratch) -> Vec<bool> {
         let reach = (reach * Self::UNITS) as i16;
         let grown: Vec<u8> = self.distance.iter().map(|&d| if d > -reach { 255 } else { 0 }).collect();
         let (w, h) = (self.width as usize, self.height as usize);
         let known = |i: usize| self.distance[i] != Self::UNKNOWN;
         let mut distance = Vec::new();
-        distance::signed_distance(w, h, &grown, &known, &mut SilhouetteScratch::default(), &mut distance);
+        distance::signed_distance(w, h, &grown, &known, scratch, &mut distance);
         distance.iter().zip(&self.distance).map(|(&grown, &d)| d <= 0 && grown > reach).collect()
     }
 

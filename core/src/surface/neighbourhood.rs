@@ -3,7 +3,10 @@
 use glam::Vec3;
 
 use super::bspline::{derivatives, quadratic};
-use crate::grid::{BLOCK, BLOCK_NODES, SparseGrid};
+use crate::{
+    grid::{BLOCK, BLOCK_NODES, SparseGrid},
+    math::floor,
+};
 
 /// Nodes along an edge of a [`Neighbourhood`]: the block's nodes, one below and two above.
 pub(crate) const SIDE: usize = BLOCK + 3;
@@ -41,7 +44,13 @@ impl Neighbourhood {
                             row.fill(if slot == SparseGrid::INSIDE { inside } else { outside });
                         } else {
                             let from = slot as usize * BLOCK_NODES + ((z0 + k) * BLOCK + y0 + j) * BLOCK + x0;
-                            row.copy_from_slice(&values[from..from + nx]);
+                            let from = &values[from..from + nx];
+                            // For lengths that the compiler knows no function is called.
+                            match nx {
+                                1 => copy::<1>(from, row),
+                                2 => copy::<2>(from, row),
+                                _ => copy::<BLOCK>(from, row),
+                            }
                         }
                     }
                 }
@@ -70,9 +79,15 @@ impl Neighbourhood {
     }
 }
 
+/// Copies N values.
+#[inline(always)]
+fn copy<const N: usize>(from: &[f32], to: &mut [f32]) {
+    to[..N].copy_from_slice(&from[..N]);
+}
+
 /// Values and derivatives of the quadratic B-spline at the three nodes nearest to a coordinate, and the middle node.
 fn spline(at: f32) -> ([f32; 3], [f32; 3], i32) {
-    let nearest = libm::floorf(at + 0.5);
-    let d = at - nearest;
-    (quadratic(d), derivatives(d), nearest as i32)
+    let nearest = floor(at + 0.5);
+    let d = at - nearest as f32;
+    (quadratic(d), derivatives(d), nearest)
 }

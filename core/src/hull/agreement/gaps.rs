@@ -6,10 +6,10 @@
 
 use super::{rays::Rays, stereo::Stereo};
 use crate::{
-    silhouette::{Connected, Parts, Silhouette},
+    silhouette::{Connected, Parts, Silhouette, SilhouetteScratch},
     view::View,
 };
-use alloc::{collections::VecDeque, vec, vec::Vec};
+use alloc::{vec, vec::Vec};
 
 /// Half the width of the widest gap, in pixels.
 const REACH: f32 = 12.0;
@@ -25,12 +25,18 @@ const MIN_FOUND: u32 = 16;
 const MIN_SHARE: f32 = 0.3;
 
 /// Marks the pixels of the gaps to be closed. `None` if there is none.
-pub(super) fn gaps(views: &[View], view: &View, silhouette: &Silhouette, rays: &Rays) -> Option<Vec<bool>> {
+pub(super) fn gaps(
+    views: &[View],
+    view: &View,
+    silhouette: &Silhouette,
+    rays: &Rays,
+    scratch: &mut SilhouetteScratch,
+) -> Option<Vec<bool>> {
     if !view.cut_out {
         return None;
     }
     let (w, h) = (silhouette.width as usize, silhouette.height as usize);
-    let (narrow, distances) = (silhouette.narrow(REACH), silhouette.distances());
+    let (narrow, distances) = (silhouette.narrow(REACH, scratch), silhouette.distances());
     let (columns, rows) = (w.div_ceil(SQUARE), h.div_ceil(SQUARE));
     let pixels = |square: usize| {
         let (x, y) = (square % columns * SQUARE, square / columns * SQUARE);
@@ -42,7 +48,7 @@ pub(super) fn gaps(views: &[View], view: &View, silhouette: &Silhouette, rays: &
     let followed = |square: usize| pixels(square).min_by_key(|&i| distances[i]).filter(meets);
     let followed: Vec<Option<usize>> = (0..columns * rows).map(followed).collect();
     let mut gaps = Parts::default();
-    gaps.find(columns, rows, Connected::Corners, |square| followed[square].map(|_| false), &mut VecDeque::new());
+    gaps.find(columns, rows, Connected::Corners, |square| followed[square].map(|_| false));
 
     let stereo = Stereo { views, rays };
     // Of every gap, the number of rays that count, and on how many of them there is a surface.
@@ -124,7 +130,8 @@ mod tests {
         let bounds = (Vec3::splat(-0.9), Vec3::splat(0.9));
         let rays = Rays { carvers: &carvers, own: 0, bounds, footprint: 4.0 / 520.0 };
         let silhouette = views[0].silhouette.as_ref().expect("it has one");
-        gaps(views, &views[0], silhouette, &rays).map(|added| added.iter().filter(|&&a| a).count())
+        gaps(views, &views[0], silhouette, &rays, &mut SilhouetteScratch::default())
+            .map(|added| added.iter().filter(|&&a| a).count())
     }
 
     /// A stripe that one matte lacks, of 10 by 80 pixels, is added: the other views see the ball there. If the picture was not

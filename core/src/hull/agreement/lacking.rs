@@ -7,7 +7,7 @@ use crate::{
     error::Result,
     executor::Executor,
     progress::{self, Progress},
-    silhouette::Silhouette,
+    silhouette::{Silhouette, SilhouetteScratch},
     stage::Stage,
     view::View,
 };
@@ -45,15 +45,15 @@ pub fn completed(
 ) -> Result<Vec<Completed>> {
     let carvers = carvers(views);
     let object = ObjectColours::new(views, executor);
-    let completed = executor.map(carvers.len(), |own| {
+    let completed = executor.map_with(&mut Vec::<SilhouetteScratch>::new(), carvers.len(), |scratch, own| {
         progress::step(progress, Stage::Hull, own as u32, carvers.len() as u32)?;
         let view = &views[usize::from(carvers[own].index)];
         let rays = Rays { carvers: &carvers, own, bounds, footprint };
         let silhouette = &carvers[own].silhouette;
-        let added = lacking(view, silhouette, &object, &rays).or_else(|| gaps(views, view, silhouette, &rays));
+        let added = lacking(view, silhouette, &object, &rays).or_else(|| gaps(views, view, silhouette, &rays, scratch));
         Ok(added.map(|added| Completed {
             place: carvers[own].index,
-            silhouette: Arc::new(silhouette.with_added(&added)),
+            silhouette: Arc::new(silhouette.with_added(&added, scratch)),
             added: added.iter().filter(|&&is_added| is_added).count() as u32,
         }))
     });

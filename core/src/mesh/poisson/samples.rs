@@ -127,12 +127,14 @@ fn merged_cells(keyed: &mut [(u64, u32)], points: &[Point], grid: &SparseGrid) -
         let place = (p.position.to_array().map(f32::to_bits), p.normal.to_array().map(f32::to_bits));
         (place, p.weight.to_bits(), p.sigma.to_bits())
     };
-    keyed.sort_unstable();
+    keyed.sort_unstable_by_key(|&(key, _)| key);
     let same = |a: &(u64, u32), b: &(u64, u32)| a.0 == b.0;
     // Counted first, so that no memory is taken for more.
     let mut samples = Vec::with_capacity(keyed.chunk_by(same).count());
     for cell in keyed.chunk_by_mut(same) {
-        cell.sort_unstable_by_key(bits);
+        // Nearly always the first coordinate decides.
+        let first = |&(_, i): &(u64, u32)| points[i as usize].position.x.to_bits();
+        cell.sort_unstable_by(|a, b| first(a).cmp(&first(b)).then_with(|| bits(a).cmp(&bits(b))));
         samples.push(merged(cell, points, grid));
     }
     samples

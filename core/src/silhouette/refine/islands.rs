@@ -5,7 +5,7 @@ use crate::silhouette::{
     parts::{Connected, Part, Parts},
     refill::refill,
 };
-use alloc::{collections::VecDeque, vec::Vec};
+use alloc::vec::Vec;
 
 /// Mean evidence of a part's pixels that overrules the matte.
 const MIN_MEAN: f32 = 1.0;
@@ -28,10 +28,9 @@ pub(super) fn settle(
     colours: &Likelihoods,
     coverage: &mut [u8],
     buffers: &mut Buffers,
-    open: &mut VecDeque<u32>,
 ) -> bool {
     let Buffers { parts, evidence } = buffers;
-    parts.find(patch.width, patch.height, Connected::Sides, |i| Some(distance[i] > 0), open);
+    parts.find(patch.width, patch.height, Connected::Sides, |i| Some(distance[i] > 0));
     let list = &parts.list;
     let object_pixels = list.iter().filter(|p| p.inside).map(|p| p.pixels).sum::<u32>();
     let largest = list.iter().filter(|p| p.inside).map(|p| p.pixels).max().unwrap_or(0);

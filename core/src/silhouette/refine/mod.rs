@@ -118,7 +118,7 @@ pub(crate) fn refine(
     }
     signed_distance(w, h, matte, &|_| true, distance, given);
     colours.count(&patch, given);
-    if islands::settle(&patch, given, colours, matte, islands, open) {
+    if islands::settle(&patch, given, colours, matte, islands) {
         signed_distance(w, h, matte, &|_| true, distance, given);
     }
 

@@ -27,6 +27,9 @@ const MAX_PRECISION: f32 = 200.0;
 /// Cost of offsets outside the part of a profile that belongs to this contour.
 const BLIND: f32 = 50.0;
 
+/// Largest distance of a sample from the contour for which the expected share is tabulated, in quarters of a pixel.
+const FARTHEST: usize = 48;
+
 pub(super) type Costs = [f32; OFFSETS];
 
 /// Offset of a state in pixels, positive outwards.
@@ -43,8 +46,9 @@ pub(super) struct Profiles<'a> {
     distance: &'a [i16],
     alpha: &'a [f32],
     precision: &'a [f32],
-    /// Share of the object expected at a sample, by its distance from the contour in 1/4 pixel.
-    edge: [f32; 2 * 48 + 1],
+    /// Share of the object expected at a sample, by how far the contour is outwards from it in 1/4 pixel, from
+    /// -[`FARTHEST`] on.
+    edge: [f32; 2 * FARTHEST + 1],
 }
 
 impl<'a> Profiles<'a> {
@@ -64,9 +68,9 @@ impl<'a> Profiles<'a> {
                 }
             }
         }
-        let mut edge = [0.0; 97];
-        for (i, edge) in edge.iter_mut().enumerate() {
-            let s = (i as f32 - 48.0) * OFFSET_STEP / BLUR;
+        let mut edge = [0.0; 2 * FARTHEST + 1];
+        for (i, edge) in edge.iter_mut().rev().enumerate() {
+            let s = (i as f32 - FARTHEST as f32) * OFFSET_STEP / BLUR;
             *edge = 0.5 * libm::erfcf(s * core::f32::consts::FRAC_1_SQRT_2);
         }
         Self { width: w, height: h, distance, alpha, precision, edge }
@@ -129,20 +133,17 @@ impl<'a> Profiles<'a> {
         let precision = self.precision[y.min(self.height - 1) * self.width + x.min(self.width - 1)];
         let scale = 0.5 * INDEPENDENT * SAMPLE_STEP * min(precision, MAX_PRECISION);
         let reach = |i: usize| (i as f32 - middle as f32) * SAMPLE_STEP;
+        for (i, share) in (first..=last).zip(&shares[first..]) {
+            // The first offset's distance from the sample, in quarters of a pixel. Vectors hold several offsets.
+            let nearest = FARTHEST + 2 * middle - OFFSETS / 2 - 2 * i;
+            for (sum, edge) in costs.iter_mut().zip(&self.edge[nearest..][..OFFSETS]) {
+                let error = share - edge;
+                *sum += min(error * error, MAX_SQUARED_ERROR);
+            }
+        }
         for (state, cost) in costs.iter_mut().enumerate() {
             let t = offset(state);
-            if t < reach(first) || t > reach(last) {
-                *cost = BLIND;
-                continue;
-            }
-            let mut sum = 0.0;
-            for i in first..=last {
-                // In quarters of a pixel from the offset's edge.
-                let place = (2 * i + 48 + OFFSETS / 2) - (2 * middle + state);
-                let error = shares[i] - self.edge[place];
-                sum += min(error * error, MAX_SQUARED_ERROR);
-            }
-            *cost = scale * sum;
+            *cost = if t < reach(first) || t > reach(last) { BLIND } else { scale * *cost };
         }
         costs
     }
