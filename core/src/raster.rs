@@ -7,6 +7,7 @@ use crate::{
     camera::Pinhole,
     math::{from_ordered, max, min, ordered},
     point_cloud::Mesh,
+    sort,
 };
 use alloc::vec::Vec;
 use between::{Between, spanned};
@@ -125,7 +126,7 @@ impl Crossings {
     /// Calls `f` with the depths at which a pixel's ray enters and leaves the mesh, nearest interval first.
     pub fn intervals(&mut self, pixel: usize, mut f: impl FnMut(Interval)) {
         let crossings = &mut self.crossings[self.starts[pixel] as usize..self.starts[pixel + 1] as usize];
-        crossings.sort_unstable();
+        sort::numbers(crossings);
         // A ray through an edge may cross both adjacent triangles or neither. Therefore only changes of side count.
         let mut entered = None;
         for &mut key in crossings {

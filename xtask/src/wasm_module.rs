@@ -2,15 +2,32 @@
 
 use crate::Result;
 use flate2::{Compression, write::GzEncoder};
-use std::{fs, io::Write, path::Path};
+use std::{
+    env, fs,
+    io::Write,
+    path::{Path, PathBuf},
+};
 use wasm_bindgen_cli_support::Bindgen;
 
 /// Inlines little, which keeps the modules within their budgets. Hot loops are inlined by attribute.
 pub const INLINE: &str = "-Cllvm-args=-inline-threshold=15";
-/// Flags of the optimisation across crates only, for the same end: loops are not unrolled any further, and addresses are
-/// reckoned where they are used. Earlier, short loops must be unrolled, or matching takes twice as long.
-pub const SMALL: [&str; 3] =
-    ["-Cllvm-args=-unroll-threshold=0", "-Cllvm-args=-unroll-runtime=false", "-Cllvm-args=-disable-lsr"];
+/// Flags of the optimisation across crates only, for the same end: loops are not unrolled any further, addresses are reckoned
+/// where they are used, loops of fewer than 32 steps are not vectorised, and code is not repeated to save a read of memory.
+/// Earlier, short loops must be unrolled, or matching takes twice as long.
+pub const SMALL: [&str; 5] = [
+    "-Cllvm-args=-unroll-threshold=0",
+    "-Cllvm-args=-unroll-runtime=false",
+    "-Cllvm-args=-disable-lsr",
+    "-Cllvm-args=-vectorizer-min-trip-count=32",
+    "-Cllvm-args=-enable-load-pre=false",
+];
+/// The compiler's flag by which places in dependencies, which messages of defects name, do not depend on this machine.
+pub fn places() -> String {
+    let home = env::var_os("CARGO_HOME").map(PathBuf::from);
+    let home = home.or_else(|| env::home_dir().map(|home| home.join(".cargo"))).unwrap_or_default();
+    format!("--remap-path-prefix={}=", home.join("registry/src/").display())
+}
+
 /// The browser.
 pub const TRIPLE: &str = "wasm32-unknown-unknown";
 

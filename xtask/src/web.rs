@@ -9,7 +9,7 @@ use crate::{
     shared_memory,
     steps::{Outcome, Steps},
     tables::replace_in,
-    wasm_module::{INLINE, SMALL, TRIPLE, bind, copy, gzip, read},
+    wasm_module::{INLINE, SMALL, TRIPLE, bind, copy, gzip, places, read},
 };
 use std::{
     fs,
@@ -32,10 +32,10 @@ struct Module {
 
 /// Each is loaded when it is needed, and has its own memory.
 const MODULES: [Module; 4] = [
-    Module { feature: "reconstruction", file: "pcmvs", budget: 428 << 10, has_simd: true },
-    Module { feature: "calibration", file: "pcmvs-calibration", budget: 310 << 10, has_simd: true },
-    Module { feature: "forms", file: "pcmvs-forms", budget: 350 << 10, has_simd: true },
-    Module { feature: "scene", file: "pcmvs-scene", budget: 296 << 10, has_simd: false },
+    Module { feature: "reconstruction", file: "pcmvs", budget: 400 << 10, has_simd: true },
+    Module { feature: "calibration", file: "pcmvs-calibration", budget: 290 << 10, has_simd: true },
+    Module { feature: "forms", file: "pcmvs-forms", budget: 330 << 10, has_simd: true },
+    Module { feature: "scene", file: "pcmvs-scene", budget: 280 << 10, has_simd: false },
 ];
 /// The builds of a module and their further compiler flags. The page uses the first that the browser can run.
 const BUILDS: [(&str, &str); 2] = [(SIMD, "-Ctarget-feature=+simd128"), ("scalar", "-Ctarget-feature=-simd128")];
@@ -136,7 +136,7 @@ fn modules(compiler: Compiler, name: &str, flags: &str) -> Result<PathBuf> {
     for Module { feature, file, .. } in MODULES.iter().filter(|module| module.has_simd || name != SIMD) {
         let arguments = format!("rustc --profile wasm --package pcmvs-wasm --no-default-features --features {feature}");
         let mut build = compiler.cargo(&arguments, TRIPLE, "std,panic_abort")?;
-        let flags = [flags, INLINE].join("\u{1f}");
+        let flags = [flags, INLINE, &places()].join("\u{1f}");
         build.arg("--").args(SMALL);
         run(build.env("CARGO_TARGET_DIR", &target).env("CARGO_ENCODED_RUSTFLAGS", flags))?;
         bind(&target, &bound, file)?;

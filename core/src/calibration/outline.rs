@@ -1,6 +1,6 @@
 //! The outline of a silhouette: the convex hull of its contour, which planes through two cameras touch.
 
-use crate::silhouette::Silhouette;
+use crate::{math::ordered, silhouette::Silhouette, sort};
 use alloc::{vec, vec::Vec};
 use glam::DVec2;
 
@@ -38,7 +38,7 @@ pub(super) fn outline(silhouette: &Silhouette) -> Vec<Corner> {
             corners.push(Corner { pixel: DVec2::new(x as f64, y as f64), is_contour: false });
         }
     }
-    convex_hull(corners)
+    convex_hull(&corners)
 }
 
 /// Which pixels belong to parts of the silhouette that are no specks.
@@ -75,8 +75,12 @@ fn large_parts(silhouette: &Silhouette) -> Vec<bool> {
 }
 
 /// Andrew's monotone chain (1979).
-fn convex_hull(mut points: Vec<Corner>) -> Vec<Corner> {
-    points.sort_by(|a, b| a.pixel.x.total_cmp(&b.pixel.x).then(a.pixel.y.total_cmp(&b.pixel.y)));
+fn convex_hull(points: &[Corner]) -> Vec<Corner> {
+    // The pixels have been read from numbers of 32 bits.
+    let key = |p: DVec2| u64::from(ordered(p.x as f32)) << 32 | u64::from(ordered(p.y as f32));
+    let mut order: Vec<(u64, u32)> = points.iter().zip(0..).map(|(point, i)| (key(point.pixel), i)).collect();
+    sort::indexed(&mut order);
+    let points: Vec<Corner> = order.into_iter().map(|(_, i)| points[i as usize]).collect();
     let turn = |a: &Corner, b: &Corner, c: &Corner| (b.pixel - a.pixel).perp_dot(c.pixel - a.pixel);
     let mut hull: Vec<Corner> = Vec::new();
     let mut chain = |points: &mut dyn Iterator<Item = &Corner>| {

@@ -9,6 +9,7 @@ use crate::{
     executor::Executor,
     hull::{compare, exchanged},
     progress::Progress,
+    sort::short,
 };
 use alloc::{vec, vec::Vec};
 
@@ -50,7 +51,7 @@ pub(super) fn fit(
         }
     }
     let overlaps = sums.into_iter().map(|(sum, count)| (count > 0).then(|| sum / f64::from(count))).collect();
-    pairs.sort_unstable();
+    short(&mut pairs);
     let most = pairs.chunk_by(|a, b| a == b).find(|same| 2 * same.len() > hulls);
     Ok(Fit { overlaps, exchanged: most.map(|same| same[0].map(usize::from)) })
 }

@@ -1,5 +1,6 @@
 //! Robust statistics. Ties and order do not matter, because values are sorted.
 
+use crate::sort;
 use alloc::vec::Vec;
 
 /// The median; `None` of no values. The values are reordered.
@@ -14,7 +15,7 @@ pub(super) fn quantile(values: &mut [f64], share: f64) -> Option<f64> {
     }
     // As integers, which other code sorts, too.
     let mut keys: Vec<u64> = values.iter().map(|&v| ordered(v)).collect();
-    keys.sort_unstable();
+    sort::numbers(&mut keys);
     values.iter_mut().zip(keys).for_each(|(v, key)| *v = from_ordered(key));
     Some(values[((values.len() - 1) as f64 * share + 0.5) as usize])
 }

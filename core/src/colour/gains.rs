@@ -6,6 +6,7 @@ use crate::{
     executor::Executor,
     linear::solve_symmetric,
     math::{from_ordered, ordered, select},
+    sort,
     workspace::Workspace,
 };
 use alloc::{vec, vec::Vec};
@@ -67,7 +68,7 @@ impl Overlap {
         let mut gains = vec![Vec3::ONE; n];
         let key = |(i, &(vertex, view, _)): (usize, &Sample)| (u64::from(vertex) << 16 | u64::from(view), i as u32);
         let mut order: Vec<(u64, u32)> = self.samples.iter().enumerate().map(key).collect();
-        order.sort_unstable();
+        sort::indexed(&mut order);
         self.samples = order.into_iter().map(|(_, i)| self.samples[i as usize]).collect();
         let solved = executor.map(3, |channel| {
             let mut matrix = vec![0.0f64; n * n];

@@ -9,6 +9,7 @@ use crate::{
     point_cloud::Mesh,
     progress::Progress,
     rig::Rig,
+    sort::short,
     stage::Stage,
     steady::{SteadyParams, steady},
 };
@@ -21,7 +22,7 @@ impl<R: Deref<Target = Rig>> Frame<R> {
     pub fn overruled(&self) -> Vec<u32> {
         let views = self.views().iter().filter(|view| view.is_set_aside() || view.added > 0);
         let mut cameras: Vec<u32> = views.map(|view| self.rig.order()[usize::from(view.index)]).collect();
-        cameras.sort_unstable();
+        short(&mut cameras);
         cameras
     }
 }

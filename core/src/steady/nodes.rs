@@ -2,6 +2,7 @@
 //! manipulation, 2007).
 
 use super::target::Target;
+use crate::sort;
 use alloc::{collections::BinaryHeap, vec, vec::Vec};
 use core::cmp::Reverse;
 use glam::Vec3;
@@ -29,7 +30,7 @@ impl Nodes {
             let sides = [[a, b], [b, c], [c, a]].into_iter().filter(|[a, b]| a != b);
             edges.extend(sides.map(|[a, b]| u64::from(a.min(b)) << 32 | u64::from(a.max(b))));
         }
-        edges.sort_unstable();
+        sort::numbers(&mut edges);
         edges.dedup();
         let edges: Vec<[u32; 2]> = edges.into_iter().map(|key| [(key >> 32) as u32, key as u32]).collect();
         let mut adjacent = vec![Vec::new(); places.len()];

@@ -9,6 +9,7 @@ use super::spline::{ABSENT, cube};
 use crate::executor::Executor;
 use crate::grid::{BLOCK_NODES, BLOCKS_PER_JOB, SparseGrid};
 use crate::math::{floor, from_ordered, min, ordered};
+use crate::sort;
 use crate::workspace::Workspace;
 
 /// Cells that one job of an executor makes.
@@ -175,7 +176,7 @@ impl Cells {
         let area = |key: u64| f64::from(f32::from_bits(key as u32));
         let mut keys: Vec<u64> = workspace.empty(self.cells.len());
         keys.extend(self.cells.iter().map(key));
-        keys.sort_unstable();
+        sort::numbers(&mut keys);
         let half = 0.5 * keys.iter().fold(0.0, |sum, &key| sum + area(key));
         let mut sum = 0.0;
         let middle = keys.iter().find(|&&key| {

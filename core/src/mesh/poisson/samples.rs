@@ -10,6 +10,7 @@ use crate::executor::Executor;
 use crate::grid::{BLOCK, BLOCK_NODES, SparseGrid};
 use crate::math::{max, min, sqrt};
 use crate::point_cloud::Point;
+use crate::sort;
 use crate::workspace::Workspace;
 
 /// Points that one job of an executor works on.
@@ -124,18 +125,21 @@ fn distributed(
 fn merged_cells(keyed: &mut [(u64, u32)], points: &[Point], grid: &SparseGrid) -> Vec<Sample> {
     let bits = |&(_, i): &(u64, u32)| {
         let p = &points[i as usize];
-        let place = (p.position.to_array().map(f32::to_bits), p.normal.to_array().map(f32::to_bits));
-        (place, p.weight.to_bits(), p.sigma.to_bits())
+        let [[x, y, z], [u, v, w]] = [p.position, p.normal].map(|p| p.to_array().map(f32::to_bits));
+        ([x, y, z, u, v, w, p.weight.to_bits(), p.sigma.to_bits()], i)
     };
-    keyed.sort_unstable_by_key(|&(key, _)| key);
+    sort::indexed(keyed);
     let same = |a: &(u64, u32), b: &(u64, u32)| a.0 == b.0;
     // Counted first, so that no memory is taken for more.
     let mut samples = Vec::with_capacity(keyed.chunk_by(same).count());
-    for cell in keyed.chunk_by_mut(same) {
-        // Nearly always the first coordinate decides.
-        let first = |&(_, i): &(u64, u32)| points[i as usize].position.x.to_bits();
-        cell.sort_unstable_by(|a, b| first(a).cmp(&first(b)).then_with(|| bits(a).cmp(&bits(b))));
-        samples.push(merged(cell, points, grid));
+    let (mut sorted, mut of) = (Vec::new(), Vec::new());
+    for cell in keyed.chunk_by(same) {
+        sorted.clear();
+        sorted.extend(cell.iter().map(bits));
+        sort::mostly_short(&mut sorted);
+        of.clear();
+        of.extend(sorted.iter().map(|&(_, i)| &points[i as usize]));
+        samples.push(merged(cell[0].0, &of, grid));
     }
     samples
 }
@@ -150,17 +154,16 @@ fn spread(v: u64) -> u64 {
 }
 
 /// Weighted means of a cell's points. The field of their normals remains the same except for the finest detail.
-fn merged(cell: &[(u64, u32)], points: &[Point], grid: &SparseGrid) -> Sample {
+fn merged(cell: u64, of: &[&Point], grid: &SparseGrid) -> Sample {
     let (mut at, mut normal, mut area, mut sigma) = (Vec3::ZERO, Vec3::ZERO, 0.0, 0.0);
-    for &(_, i) in cell {
-        let point = &points[i as usize];
+    for point in of {
         at += (point.position - grid.origin) / grid.voxel * point.weight;
         normal += point.normal * (point.weight / point.normal.length());
         area += point.weight;
         sigma += point.weight * point.sigma;
     }
-    let count = cell.len() as f32;
-    Sample { at: at / area, normal: normal / area, sigma: sigma / area, count, area, detail: 0.0, cell: cell[0].0 }
+    let count = of.len() as f32;
+    Sample { at: at / area, normal: normal / area, sigma: sigma / area, count, area, detail: 0.0, cell }
 }
 
 /// Samples for a level from those for the next finer level: samples that are `settled` are merged in cells of twice the

@@ -4,6 +4,7 @@ use super::{patch::Patch, trace::Loops};
 use crate::{
     math::{min, sqrt},
     silhouette::refill::refill,
+    sort,
     window::Window,
 };
 use alloc::{vec, vec::Vec};
@@ -44,7 +45,7 @@ impl Uncertainty {
             let (row, column) = ((patch.top + y as usize) as u32, (patch.left + x as usize) as u16);
             found.push(u64::from(row) << 24 | u64::from(column) << 8 | u64::from(sigma));
         }
-        found.sort_unstable();
+        sort::numbers(found);
         let Self { mut starts, mut columns, mut sigmas } = old;
         refill(&mut starts, height + 1, 0);
         columns.clear();
