@@ -51,8 +51,9 @@ pub fn add(compiler: Compiler, package: &Path) -> Result<String> {
     let target = target().join("wasm-threads");
     let arguments = "rustc --profile wasm --package pcmvs-wasm --no-default-features --features threads";
     let mut build = compiler.cargo_with_library(arguments, TRIPLE, "std,panic_abort")?;
-    let places = places();
-    let flags = FLAGS.into_iter().chain([INLINE, &places]).collect::<Vec<_>>().join("\u{1f}");
+    let places = places()?;
+    let flags: Vec<&str> = FLAGS.into_iter().chain([INLINE]).chain(places.iter().map(String::as_str)).collect();
+    let flags = flags.join("\u{1f}");
     build.arg("--").args(SMALL);
     run(build.env("CARGO_TARGET_DIR", &target).env("CARGO_ENCODED_RUSTFLAGS", flags))?;
     let bound = target.join("bound");

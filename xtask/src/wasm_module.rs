@@ -1,6 +1,9 @@
 //! What all builds of the npm package's modules have in common.
 
-use crate::Result;
+use crate::{
+    Result,
+    process::{program, run},
+};
 use flate2::{Compression, write::GzEncoder};
 use std::{
     env, fs,
@@ -21,11 +24,14 @@ pub const SMALL: [&str; 5] = [
     "-Cllvm-args=-vectorizer-min-trip-count=32",
     "-Cllvm-args=-enable-load-pre=false",
 ];
-/// The compiler's flag by which places in dependencies, which messages of defects name, do not depend on this machine.
-pub fn places() -> String {
+/// The compiler's flags by which the places that messages of defects name, in dependencies and in the standard library, do not
+/// depend on this machine.
+pub fn places() -> Result<Vec<String>> {
     let home = env::var_os("CARGO_HOME").map(PathBuf::from);
     let home = home.or_else(|| env::home_dir().map(|home| home.join(".cargo"))).unwrap_or_default();
-    format!("--remap-path-prefix={}=", home.join("registry/src/").display())
+    let toolchain = run(&mut program("rustc", "--print sysroot"))?;
+    let folders = [home.join("registry/src/"), Path::new(toolchain.trim()).join("lib/rustlib/src/rust/")];
+    Ok(folders.iter().map(|folder| format!("--remap-path-prefix={}=", folder.display())).collect())
 }
 
 /// The browser.

@@ -32,7 +32,7 @@ struct Module {
 
 /// Each is loaded when it is needed, and has its own memory.
 const MODULES: [Module; 4] = [
-    Module { feature: "reconstruction", file: "pcmvs", budget: 400 << 10, has_simd: true },
+    Module { feature: "reconstruction", file: "pcmvs", budget: 404 << 10, has_simd: true },
     Module { feature: "calibration", file: "pcmvs-calibration", budget: 290 << 10, has_simd: true },
     Module { feature: "forms", file: "pcmvs-forms", budget: 330 << 10, has_simd: true },
     Module { feature: "scene", file: "pcmvs-scene", budget: 280 << 10, has_simd: false },
@@ -133,10 +133,11 @@ impl Module {
 fn modules(compiler: Compiler, name: &str, flags: &str) -> Result<PathBuf> {
     let target = target().join(format!("wasm-{name}"));
     let bound = target.join("bound");
+    let places = places()?.join("\u{1f}");
     for Module { feature, file, .. } in MODULES.iter().filter(|module| module.has_simd || name != SIMD) {
         let arguments = format!("rustc --profile wasm --package pcmvs-wasm --no-default-features --features {feature}");
         let mut build = compiler.cargo(&arguments, TRIPLE, "std,panic_abort")?;
-        let flags = [flags, INLINE, &places()].join("\u{1f}");
+        let flags = [flags, INLINE, &places].join("\u{1f}");
         build.arg("--").args(SMALL);
         run(build.env("CARGO_TARGET_DIR", &target).env("CARGO_ENCODED_RUSTFLAGS", flags))?;
         bind(&target, &bound, file)?;

@@ -67,7 +67,7 @@ impl DepthBuffer {
     /// What of a silhouette the mesh leaves uncovered.
     pub(super) fn uncovered(&self, silhouette: &Silhouette) -> Uncovered {
         // A coordinate before the first pixel wraps, so that it is beyond the last one.
-        Uncovered::count(silhouette, |x, y| {
+        Uncovered::count(silhouette, &|x, y| {
             let (x, y) = (x.wrapping_sub(self.x as usize), y.wrapping_sub(self.y as usize));
             let (width, height) = (self.width as usize, self.height as usize);
             x < width && y < height && self.inverse[y * width + x] > 0.0

@@ -92,12 +92,13 @@ pub(crate) fn colour(
             buffers.iter_mut().zip(batch),
             |projected, i, (buffer, (_, view))| {
                 buffer.render(mesh, &view.camera, projected);
-                step(done + i as u32)?;
-                Ok(view.shown().map(|silhouette| buffer.uncovered(silhouette)).unwrap_or_default())
+                step(done + i as u32)
             },
         );
-        for (found, &(index, _)) in rendered.into_iter().zip(batch) {
-            uncovered[usize::from(index)] = found?;
+        rendered.into_iter().collect::<Result<()>>()?;
+        for (&(index, view), buffer) in batch.iter().zip(&buffers) {
+            uncovered[usize::from(index)] =
+                view.shown().map(|silhouette| buffer.uncovered(silhouette)).unwrap_or_default();
         }
         let parts = candidates.chunks_mut(VERTICES_PER_JOB * kept);
         let found = executor.map_parts(parts, |part, candidates| {

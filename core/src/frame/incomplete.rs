@@ -1,38 +1,31 @@
 //! Whether the surface lacks what the silhouettes show.
 
 use super::{state::Frame, warning::Warning};
-use crate::{executor::Executor, point_cloud::Mesh, raster::Raster, rig::Rig, silhouette::Uncovered, view::View};
-use alloc::vec::Vec;
+use crate::{raster::Raster, rig::Rig, silhouette::Uncovered};
 use core::ops::Deref;
 
 /// The surface lacks a part if it leaves more than this share of a silhouette uncovered, well inside its contour. Complete
 /// surfaces of real captures leave up to 0.4 %, in holes that masks lack.
 const LACKING: f32 = 0.01;
 
-impl<R: Deref<Target = Rig> + Sync> Frame<R> {
+impl<R: Deref<Target = Rig>> Frame<R> {
     /// Looks closer at the views of whose silhouettes the surface seems to lack much. What the hull does not cover either, other
     /// silhouettes exclude, so that these are at fault. `uncovered` are those of the surface, in the rig's order.
-    pub(super) fn find_lacking(&mut self, uncovered: &[Uncovered], executor: &dyn Executor) {
-        let suspects: Vec<usize> = (0..uncovered.len()).filter(|&place| uncovered[place].share() > LACKING).collect();
-        let (views, mesh, hull) = (&self.windows, &self.mesh, &self.intermediates.hull);
-        let render = |view: &View, mesh: &Mesh| {
-            let mut raster = Raster::default();
-            raster.render(mesh, &view.camera);
-            raster
-        };
-        let found = executor.map(suspects.len(), |i| {
-            let view = &views[suspects[i]];
-            let silhouette = view.shown()?;
-            let [surface, hull] = [mesh, hull].map(|mesh| render(view, mesh));
+    pub(super) fn find_lacking(&mut self, uncovered: &[Uncovered]) {
+        self.lacking.clear();
+        let [mut surface, mut hull] = [Raster::default(), Raster::default()];
+        for (view, uncovered) in self.windows.iter().zip(uncovered) {
+            let Some(silhouette) = view.shown().filter(|_| uncovered.share() > LACKING) else { continue };
+            surface.render(&self.mesh, &view.camera);
+            hull.render(&self.intermediates.hull, &view.camera);
             let is_lacking = |at: usize| surface.inverse[at] == 0.0 && hull.inverse[at] > 0.0;
-            let lacking = Uncovered::count(silhouette, |x, y| !is_lacking(y * surface.width + x));
-            (lacking.share() > LACKING).then_some((view.index, lacking))
-        });
-        self.lacking = found.into_iter().flatten().collect();
+            let lacking = Uncovered::count(silhouette, &|x, y| !is_lacking(y * surface.width + x));
+            if lacking.share() > LACKING {
+                self.lacking.push((view.index, lacking));
+            }
+        }
     }
-}
 
-impl<R: Deref<Target = Rig>> Frame<R> {
     /// The warning about the view of whose silhouette the surface lacks most.
     pub(super) fn surface_incomplete(&self) -> Option<Warning> {
         let views = self.lacking.len() as u32;
@@ -53,11 +46,12 @@ impl<R: Deref<Target = Rig>> Frame<R> {
 mod tests {
     use super::*;
     use crate::{
-        executor::Serial,
         frame::Memory,
         params::{Params, Preset},
+        point_cloud::Mesh,
         testing::{both, camera, pinhole, ring, silhouette_of, sphere},
     };
+    use alloc::vec::Vec;
     use glam::Vec3;
 
     const BODY: (Vec3, f32) = (Vec3::ZERO, 0.5);
@@ -82,10 +76,10 @@ mod tests {
                 let mut raster = Raster::default();
                 raster.render(&frame.mesh, &view.camera);
                 let silhouette = view.silhouette.as_ref().expect("it has one");
-                Uncovered::count(silhouette, |x, y| raster.inverse[y * raster.width + x] > 0.0)
+                Uncovered::count(silhouette, &|x, y| raster.inverse[y * raster.width + x] > 0.0)
             })
             .collect();
-        frame.find_lacking(&uncovered, &Serial);
+        frame.find_lacking(&uncovered);
         frame.surface_incomplete()
     }
 

@@ -141,7 +141,7 @@ impl<R: Deref<Target = Rig> + Sync> Frame<R> {
             progress,
         )?;
         self.gains = self.rig.as_given(&gains);
-        self.find_lacking(&uncovered, executor);
+        self.find_lacking(&uncovered);
         (self.counts.vertices, self.counts.faces) =
             (self.mesh.positions.len() as u32, self.mesh.triangles.len() as u32);
         Ok(())
