@@ -254,9 +254,9 @@ impl Job<'_> {
         Ok(Own { frame, made, progress })
     }
 
-    /// Makes a frame again if it lacks a part that the two frames of a pair have, and its pictures show that part. Pairs are tried
-    /// in their order until one gives something back. `read` reads the files of a frame. If no picture shows such a part, the
-    /// frame stays as it is. Otherwise `warnings` are replaced by those of the new frame.
+    /// Makes a frame again if it lacks a part that the two frames of a pair have, and its pictures show that part. Of the pairs,
+    /// that counts which gives back a part of the most silhouettes; of equal ones, the first. `read` reads the files of a frame.
+    /// If no picture shows such a part, the frame stays as it is. Otherwise `warnings` are replaced by those of the new frame.
     pub fn restored<'s>(
         &'s self,
         own: Own<'s>,
@@ -265,29 +265,30 @@ impl Job<'_> {
         warnings: &mut Vec<WarningReport>,
     ) -> Result<Own<'s>, Failure> {
         let frame = own.frame;
+        let mut best = None;
         for pair in pairs {
             let may_have = own.made.may_have_lost_part(pair.kept.map(Kept::beside), self.threads);
             if !may_have.map_err(|error| self.scene.explain(&error, Some(frame)))? {
                 continue;
             }
             let [before, after] = pair.frames;
-            let (mut made, silhouettes) = self.views_between(frame, read([frame, before, after])?, &own.progress)?;
-            if silhouettes == 0 {
-                continue;
+            let (made, silhouettes) = self.views_between(frame, read([frame, before, after])?, &own.progress)?;
+            if silhouettes > best.as_ref().map_or(0, |&(_, most, _)| most) {
+                best = Some((made, silhouettes, pair.frames));
             }
-            // Its memory is needed.
-            let Own { progress, .. } = own;
-            self.console.line(&format!(
-                "frame {} is made again: frames {} and {} have a part that {silhouettes} of its silhouettes lack and its pictures show",
-                frame.index, before.index, after.index
-            ));
-            made.run_stages(self.threads, &progress).map_err(|error| self.scene.explain(&error, Some(frame)))?;
-            // What is missing on the disk is missing still.
-            warnings.retain(|warning| is_about_files(&warning.code));
-            warnings.extend(self.warnings_of(&made, frame, warnings));
-            return Ok(Own { frame, made, progress });
         }
-        Ok(own)
+        let Some((mut made, silhouettes, [before, after])) = best else { return Ok(own) };
+        // Its memory is needed.
+        let Own { progress, .. } = own;
+        self.console.line(&format!(
+            "frame {} is made again: frames {} and {} have a part that {silhouettes} of its silhouettes lack and its pictures show",
+            frame.index, before.index, after.index
+        ));
+        made.run_stages(self.threads, &progress).map_err(|error| self.scene.explain(&error, Some(frame)))?;
+        // What is missing on the disk is missing still.
+        warnings.retain(|warning| is_about_files(&warning.code));
+        warnings.extend(self.warnings_of(&made, frame, warnings));
+        Ok(Own { frame, made, progress })
     }
 
     /// The views of a frame, with what its silhouettes lack and those of two other frames have, and the number of silhouettes

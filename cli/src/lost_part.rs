@@ -97,11 +97,10 @@ impl<'a> Search<'_, 'a> {
             frames: [before, after],
             kept: [kept_before, kept_after],
         };
-        let mut pairs = Vec::new();
-        // A frame beyond a neighbour has what both have lost, so it may give back more.
+        // First the nearest frames. A frame beyond a neighbour has what both have lost, so that it may give back more.
+        let mut pairs = vec![pair(before, after)];
         pairs.extend(after_next.as_ref().and_then(Beyond::made).map(|after| pair(before, after)));
         pairs.extend(before_last.as_ref().and_then(Beyond::made).map(|before| pair(before, after)));
-        pairs.push(pair(before, after));
         let read = |frames: [&'a SceneFrame; 3]| {
             let _turn = lock(self.turn);
             let [own, before, after] = frames.map(|frame| self.job.read(frame));
