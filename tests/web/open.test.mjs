@@ -5,6 +5,7 @@ import { cpSync, readFileSync, rmSync, truncateSync, writeFileSync } from "node:
 import { basename, join } from "node:path";
 import { test } from "node:test";
 import { capture, colmap, folder, middlebury, opencv, transforms, zipped } from "./captures.mjs";
+import { withDraco } from "./draco.mjs";
 import { download, drive, launch, openFolder, pcmvs, run, same, text, view } from "./site.mjs";
 
 const { open, openWith } = drive();
@@ -74,11 +75,7 @@ test("every form of a mesh shows the same person", async (t) => {
         compressed: ["--compress"],
         web: ["--faces", "5000", "--texture=512", "--compress", "--upright"],
     };
-    for (const [name, options] of Object.entries(forms)) {
-        const out = folder();
-        pcmvs("reconstruct", source, "-o", out, "--alone", "--preset", "hull", ...options);
-        const glb = join(out, `${name}.glb`);
-        cpSync(join(out, "frame_0000.glb"), glb);
+    const show = async (name, glb) => {
         await page.evaluate(() => {
             document.getElementById("status").replaceChildren();
             performance.clearMarks("shown-clip");
@@ -91,11 +88,45 @@ test("every form of a mesh shows the same person", async (t) => {
         );
         pictures[name] = await view(page);
         await shot(`form-${name}`);
+    };
+    for (const [name, options] of Object.entries(forms)) {
+        const out = folder();
+        pcmvs("reconstruct", source, "-o", out, "--alone", "--preset", "hull", ...options);
+        const glb = join(out, `${name}.glb`);
+        cpSync(join(out, "frame_0000.glb"), glb);
+        await show(name, glb);
+        if (["plain", "textured"].includes(name)) {
+            const byOthers = join(out, `draco-${name}.glb`);
+            writeFileSync(byOthers, await withDraco(readFileSync(glb)));
+            await show(`draco-${name}`, byOthers);
+        }
     }
-    for (const name of ["textured", "compressed", "web"]) {
+    for (const name of ["textured", "compressed", "web", "draco-plain", "draco-textured"]) {
         const share = await difference(page, [pictures.plain, pictures[name]]);
         assert.ok(share < 0.01, `${name}: ${share}`);
     }
+    assert.deepEqual(problems, []);
+});
+
+test("a damaged GLB that is compressed with Draco is reported, and the next one opens", async (t) => {
+    const { page, problems } = await open(t);
+    await page.waitForSelector("#cancel:enabled");
+    const out = folder();
+    pcmvs("reconstruct", capture([0]), "-o", out, "--alone", "--preset", "hull");
+    const [whole, damaged] = ["whole.glb", "damaged.glb"].map((name) => join(out, name));
+    const glb = Buffer.from(await withDraco(readFileSync(join(out, "frame_0000.glb"))));
+    writeFileSync(whole, glb);
+    // The compressed mesh is at the end, after the file's JSON.
+    glb.fill(0xff, 20 + glb.readUInt32LE(12) + 8 + 20);
+    writeFileSync(damaged, glb);
+    await dropFiles(page, [damaged]);
+    await page.waitForFunction(() => /this GLB is damaged/.test(document.getElementById("errors").textContent));
+    await page.evaluate(() => {
+        document.getElementById("status").replaceChildren();
+        performance.clearMarks("shown-clip");
+    });
+    await dropFiles(page, [whole]);
+    await page.waitForFunction(() => performance.getEntriesByName("shown-clip").length > 0);
     assert.deepEqual(problems, []);
 });
 

@@ -3,8 +3,11 @@
 import type { Placement, ViewReport } from "pcmvs";
 import type { BufferGeometry } from "three";
 import type { FrameStages, QualityLevel } from "../workers/protocol";
-import { readGeometry } from "./glb";
+import { draco } from "./draco";
+import { openDraco, readGeometry } from "./glb";
 import { Playback } from "./playback";
+
+openDraco(draco);
 
 /** Number of geometries kept ready. Other frames are read from their GLBs again when they are shown. */
 const READY = 48;

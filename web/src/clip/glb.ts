@@ -2,9 +2,14 @@
 
 import { BufferAttribute, type BufferGeometry, type Mesh, type MeshBasicMaterial, Quaternion, Vector3 } from "three";
 import { MeshoptDecoder } from "three/addons/libs/meshopt_decoder.module.js";
+import type { DRACOLoader } from "three/addons/loaders/DRACOLoader.js";
 import { GLTFLoader } from "three/addons/loaders/GLTFLoader.js";
 
 const loader = new GLTFLoader().setMeshoptDecoder(MeshoptDecoder);
+
+/** Opens meshes that are compressed with Draco, too. Players of clips, which have none, do without. */
+export const openDraco = (draco: DRACOLoader) => loader.setDRACOLoader(draco);
+
 /** "glTF", little-endian. */
 const MAGIC = 0x46546c67;
 /** Bytes of the file's header and that of its first chunk, which is JSON. */
