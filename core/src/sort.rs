@@ -8,13 +8,14 @@ use core::cmp::Ordering;
 /// Longer lists are not short.
 const SHORT: usize = 64;
 
-/// Sorts numbers. Apart, so that it is compiled once.
+/// Sorts numbers. It is a function of its own, so that it is compiled once.
 #[inline(never)]
 pub fn numbers(list: &mut [u64]) {
     list.sort_unstable();
 }
 
-/// Sorts a list of keys and of indices by which equal keys are told apart. Apart, so that it is compiled once.
+/// Sorts pairs of a key and an index by their keys, and pairs with the same key by their indices. It is a function of its own, so
+/// that it is compiled once.
 #[inline(never)]
 pub fn indexed(list: &mut [(u64, u32)]) {
     list.sort_unstable();

@@ -1,5 +1,5 @@
-//! Which triangles of a mesh lie between the centres of pixels, so that they cover none. In a fine mesh these are most of
-//! them, and they are told by integers of their vertices.
+//! Finds the triangles of a mesh that lie between the centres of pixels and therefore cover none. Most triangles of a fine mesh
+//! do. One integer per vertex says between which centres the vertex lies, and comparing three of them is enough for a triangle.
 
 use crate::{
     math::{max, min},

@@ -135,6 +135,13 @@ fn what_the_pictures_do_not_show_does_not_come_back() {
     }
 }
 
+/// Checks which of the frames beyond its neighbours a frame asks for, and that it may have lost a part that the frames `around`
+/// have.
+fn assert_asks(frame: &Frame<&Rig>, neighbours: [Beside; 2], around: [Beside; 2], asks: [bool; 2]) {
+    assert_eq!(frame.look_beyond(neighbours, &threads(2)).expect("it is complete"), asks);
+    assert!(frame.may_have_lost_part(around, &threads(2)).expect("it is complete"));
+}
+
 /// In the first frame that lacks the arm, the one after it lacks it, too, and the frame beyond that one tells. In the second
 /// frame it is the other way round.
 #[test]
@@ -150,9 +157,7 @@ fn an_arm_that_the_masks_of_two_frames_lack_comes_back() {
         let overruled = frames.map(Frame::overruled);
         let beside = |i: usize| Beside { mesh: frames[i].own_mesh(), overruled: &overruled[i] };
         for (i, asks) in [(1, [false, true]), (2, [true, false])] {
-            let neighbours = [beside(i - 1), beside(i + 1)];
-            assert_eq!(frames[i].look_beyond(neighbours, &threads(2)).expect("it is complete"), asks);
-            assert!(frames[i].may_have_lost_part([beside(0), beside(3)], &threads(2)).expect("it is complete"));
+            assert_asks(frames[i], [i - 1, i + 1].map(beside), [0, 3].map(beside), asks);
             let (mesh, _, cameras) = restored([&shots[0], &shots[i], &shots[3]], &rig, 2);
             let meshes = [frames[i].own_mesh(), &mesh, complete[i].own_mesh()];
             let [left, back, share] = meshes.map(|mesh| arm_share(&shots[i], mesh));
@@ -179,9 +184,7 @@ fn an_arm_that_is_withdrawn_for_two_frames_is_not_invented() {
     let overruled = frames.each_ref().map(Frame::overruled);
     let beside = |i: usize| Beside { mesh: frames[i].own_mesh(), overruled: &overruled[i] };
     for (i, asks) in [(1, [false, true]), (2, [true, false])] {
-        let neighbours = [beside(i - 1), beside(i + 1)];
-        assert_eq!(frames[i].look_beyond(neighbours, &threads(2)).expect("it is complete"), asks);
-        assert!(frames[i].may_have_lost_part([beside(0), beside(3)], &threads(2)).expect("it is complete"));
+        assert_asks(&frames[i], [i - 1, i + 1].map(beside), [0, 3].map(beside), asks);
         let (mesh, warnings, cameras) = restored([&shots[0], &shots[i], &shots[3]], &rig, 2);
         assert_eq!((cameras, warnings), (0, vec![]));
         assert!(mesh == *frames[i].own_mesh());

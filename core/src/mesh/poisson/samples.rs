@@ -121,7 +121,8 @@ fn distributed(
     (keyed, ends)
 }
 
-/// Sorts the keys and merges the points of each cell.
+/// Sorts the keys and merges the points of each cell. The points of a cell are sorted by all of their numbers, so that the order
+/// in which they are given does not change the sums.
 fn merged_cells(keyed: &mut [(u64, u32)], points: &[Point], grid: &SparseGrid) -> Vec<Sample> {
     let bits = |&(_, i): &(u64, u32)| {
         let p = &points[i as usize];
