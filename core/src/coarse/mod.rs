@@ -23,6 +23,7 @@ use crate::{
     silhouette::Silhouette,
     sort::short,
     stage::Stage,
+    surface::drop_small_components,
     view::View,
     workspace::Workspace,
 };
@@ -76,10 +77,11 @@ fn octaves_of(mut areas: Vec<usize>) -> u32 {
 /// Where the object is large in the pictures, the pass begins some octaves above that of its parameters. Each octave below is
 /// searched around the surface of the one before, by the parameters `detection` of the search that follows the pass. Where a
 /// silhouette shows the object and that surface is not seen, the whole hull is searched again, because thin parts such as
-/// fingers may get lost at a higher octave.
+/// fingers may get lost at a higher octave. Octaves above the last one search a mesh of the hull with wider voxels, because a
+/// search looks at every triangle of the hull in every view.
 ///
-/// `hull_mesh` is the hull's own mesh and `frontier` the weighted frontier points. `scratch` holds one buffer per job
-/// that runs at the same time; the executor adds more if there are too few.
+/// `hull_mesh` is the hull's own mesh, which the last octave searches, and `frontier` the weighted frontier points. `scratch`
+/// holds one buffer per job that runs at the same time; the executor adds more if there are too few.
 ///
 /// # Errors
 /// [`crate::Error::NoSurface`] and [`crate::Error::Cancelled`].
@@ -96,7 +98,6 @@ pub fn coarse(
     let further = further_octaves(context.views);
     let mut pass = Pass {
         context,
-        hull_mesh,
         frontier,
         params,
         meshing,
@@ -106,16 +107,20 @@ pub fn coarse(
         part: 0,
         parts: PARTS * (further + 1),
     };
-    let first = params.detection.octave + further;
-    let mut surface = pass.surface(Guide::Hull(hull_mesh), &DetectionParams { octave: first, ..params.detection })?;
-    for octave in (params.detection.octave..first).rev() {
-        let guide = Guide::Incomplete { surface: &surface, hull: hull_mesh };
-        let band_pixels = params.detection.band_pixels * pass.scale(octave);
-        let better = pass.surface(guide, &DetectionParams { octave, band_pixels, ..params.detection })?;
-        surface.recycle_into(pass.workspace);
-        surface = better;
+    let last = params.detection.octave;
+    let mut surface: Option<Mesh> = None;
+    for octave in (last..=last + further).rev() {
+        // The hull's voxels are as much wider as the octave's pixels.
+        let coarser = (octave > last).then(|| pass.coarser_hull(octave - last));
+        let hull = coarser.as_ref().unwrap_or(hull_mesh);
+        let (guide, band_pixels) = match &surface {
+            None => (Guide::Hull(hull), params.detection.band_pixels),
+            Some(surface) => (Guide::Incomplete { surface, hull }, params.detection.band_pixels * pass.scale(octave)),
+        };
+        let better = pass.surface(guide, hull, &DetectionParams { octave, band_pixels, ..params.detection })?;
+        coarser.into_iter().chain(surface.replace(better)).for_each(|mesh| mesh.recycle_into(pass.workspace));
     }
-    Ok(surface)
+    Ok(surface.expect("there is at least one octave"))
 }
 
 /// Steps of an octave that report their progress: detection, points seen through, meshing, gaps, and meshing again.
@@ -124,7 +129,6 @@ const PARTS: u32 = 5;
 /// What the octaves of the pass share.
 struct Pass<'a> {
     context: Context<'a>,
-    hull_mesh: &'a Mesh,
     frontier: &'a [Point],
     params: &'a CoarseParams,
     meshing: &'a MeshingParams,
@@ -137,8 +141,15 @@ struct Pass<'a> {
 }
 
 impl<'a> Pass<'a> {
-    /// The surface of an octave, that of `detection`.
-    fn surface(&mut self, guide: Guide, detection: &DetectionParams) -> Result<Mesh> {
+    /// The hull's mesh without stray components, of voxels that are 2^`halvings` times as wide.
+    fn coarser_hull(&mut self, halvings: u32) -> Mesh {
+        let mut mesh = self.context.hull.coarser_mesh(halvings, self.workspace, self.executor);
+        drop_small_components(&mut mesh, self.meshing.smallest_component, self.workspace);
+        mesh
+    }
+
+    /// The surface of an octave, that of `detection`. `hull` is the hull's mesh.
+    fn surface(&mut self, guide: Guide, hull: &Mesh, detection: &DetectionParams) -> Result<Mesh> {
         let octave = detection.octave;
         let voxel_pixels = self.params.voxel_pixels * self.scale(octave);
         let made = self.made(octave);
@@ -161,8 +172,7 @@ impl<'a> Pass<'a> {
         let progress = self.next();
         if let Some(params) = &self.params.gaps {
             let thickness = voxel_pixels * footprint;
-            let filling =
-                gaps::filling(shown, &levels, &surface, self.hull_mesh, params, thickness, self.executor, &progress)?;
+            let filling = gaps::filling(shown, &levels, &surface, hull, params, thickness, self.executor, &progress)?;
             if !filling.is_empty() {
                 cloud.extend(filling);
                 let closed = self.mesh(&cloud, voxel_pixels)?;

@@ -10,6 +10,7 @@ mod block_distances;
 mod blocks;
 mod carve;
 mod carver;
+mod coarser;
 mod comparison;
 mod exchanged;
 mod judge;
