@@ -46,6 +46,11 @@ impl SparseGrid {
     /// A grid of `dims` blocks. `keep` is called for each block, with x fastest and z slowest. A block is stored unless
     /// `keep` returns [`Self::OUTSIDE`] or [`Self::INSIDE`].
     pub fn new(origin: Vec3, voxel: f32, dims: [u32; 3], mut keep: impl FnMut([u32; 3]) -> u32) -> Self {
+        Self::keeping(origin, voxel, dims, &mut keep)
+    }
+
+    /// [`Self::new`]. `keep` is not a type parameter, so that this is compiled once.
+    fn keeping(origin: Vec3, voxel: f32, dims: [u32; 3], keep: &mut dyn FnMut([u32; 3]) -> u32) -> Self {
         let mut grid = Self {
             origin,
             voxel,

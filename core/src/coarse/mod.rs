@@ -148,7 +148,7 @@ impl<'a> Pass<'a> {
         mesh
     }
 
-    /// The surface of an octave, that of `detection`. `hull` is the hull's mesh.
+    /// The surface of an octave, that of `detection`. `hull` is the mesh of the hull for this octave.
     fn surface(&mut self, guide: Guide, hull: &Mesh, detection: &DetectionParams) -> Result<Mesh> {
         let octave = detection.octave;
         let voxel_pixels = self.params.voxel_pixels * self.scale(octave);

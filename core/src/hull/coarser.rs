@@ -13,19 +13,18 @@ impl VisualHull {
     /// The hull's surface as a closed mesh, made of every 2^`halvings`-th node along each axis. Parts that are thinner than two
     /// such distances may be lost.
     pub fn coarser_mesh(&self, halvings: u32, workspace: &mut Workspace, executor: &dyn Executor) -> Mesh {
-        let step = 1 << halvings;
+        let step = 1u32 << halvings;
         let voxel = self.grid.voxel * step as f32;
         // Blocks beyond the grid are outside.
         let dims = self.grid.dims.map(|n| n.div_ceil(step));
         let grid = SparseGrid::new(self.grid.origin, voxel, dims, |block| {
-            let [x, y, z] = block.map(|first| (first * step) as i32);
-            let first = self.grid.slot(x, y, z);
-            let within = 0..step as i32;
-            let is_uniform = first >= SparseGrid::INSIDE
-                && within.clone().all(|dz| {
-                    within.clone().all(|dy| within.clone().all(|dx| self.grid.slot(x + dx, y + dy, z + dz) == first))
-                });
-            if is_uniform { first } else { 0 }
+            let slot = |i: u32| {
+                let within = [i % step, i / step % step, i / step / step];
+                let [x, y, z] = [0, 1, 2].map(|k| (block[k] * step + within[k]) as i32);
+                self.grid.slot(x, y, z)
+            };
+            let first = slot(0);
+            if first >= SparseGrid::INSIDE && (1..step * step * step).all(|i| slot(i) == first) { first } else { 0 }
         });
         let mut values = workspace.filled(0.0, grid.blocks.len() * BLOCK_NODES);
         grid.for_each_part(&mut values, executor, |blocks| {
