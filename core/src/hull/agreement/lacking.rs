@@ -1,7 +1,7 @@
 //! Parts that a silhouette lacks: holes and missing limbs whose colours are the object's and not the background's, and
 //! along whose rays all other silhouettes agree that there is something.
 
-use super::{super::carver::carvers, colours::ObjectColours, coverage::area, gaps::gaps, rays::Rays};
+use super::{super::carver::carvers, colours::ObjectColours, gaps::gaps, rays::Rays};
 use crate::{
     colour_counts::bin,
     error::Result,
@@ -16,10 +16,9 @@ use glam::Vec3;
 
 /// A pixel may belong to the object if its colour is at least this many times more frequent there.
 const EVIDENCE: f32 = 8.0;
-/// A part has at least this many pixels and this share of the silhouette's, and one of them is at least this far outside the
-/// contour, in pixels. Anything smaller may be a fringe of mixed colours.
+/// A part has at least this many pixels, and one of them is at least this far outside the contour, in pixels. Anything
+/// smaller may be a fringe of mixed colours.
 const MIN_PIXELS: usize = 24;
-const MIN_SHARE: f32 = 1.0 / 2500.0;
 const MIN_DEPTH: f32 = -1.75;
 
 /// A silhouette that lacked parts, with the parts added.
@@ -67,7 +66,6 @@ fn lacking(view: &View, silhouette: &Silhouette, object: &ObjectColours, rays: &
     let distances = silhouette.distances();
     let evidence = object.against_background(view, silhouette);
     let may_belong = |i: usize| distances[i] <= 0 && evidence[bin(&view.rgb[3 * i..])] >= EVIDENCE;
-    let smallest = MIN_PIXELS.max((MIN_SHARE * area(silhouette) as f32) as usize);
     let [first, end] = rays.part_of_picture(w, h);
     let mut visited = vec![false; w * h];
     let mut added: Option<Vec<bool>> = None;
@@ -101,7 +99,7 @@ fn lacking(view: &View, silhouette: &Silhouette, object: &ObjectColours, rays: &
                     }
                 }
             }
-            if part.len() >= smallest && rays.meet(&part, w) {
+            if part.len() >= MIN_PIXELS && rays.meet(&part, w) {
                 let added = added.get_or_insert_with(|| vec![false; w * h]);
                 part.iter().for_each(|&i| added[i as usize] = true);
             }
