@@ -112,6 +112,31 @@ test("without H.264 the clip is a WebM, repeated at its rate until the length is
     assert.deepEqual(problems, []);
 });
 
+test("what is chosen before the code for videos is loaded shows its fields", async (t) => {
+    const { page, problems } = await openClip(t);
+    let load;
+    const held = new Promise((resolve) => {
+        load = resolve;
+    });
+    let asked = 0;
+    await page.route("**/assets/video-*.js", async (route) => {
+        asked++;
+        await held;
+        await route.continue();
+    });
+    await page.evaluate(() => {
+        document.getElementById("video").open = true;
+    });
+    await page.selectOption("#video-motion", "path");
+    await page.selectOption("#video-size", "own");
+    await page.selectOption("#video-background", "own");
+    assert.equal(await page.isVisible("#video-add"), false);
+    load();
+    for (const id of ["video-add", "video-width", "video-colour"]) await page.waitForSelector(`#${id}`);
+    assert.ok(asked > 0);
+    assert.deepEqual(problems, []);
+});
+
 test("a path goes from its first view to its last, and needs two", async (t) => {
     const script = () => {
         const ask = VideoEncoder.isConfigSupported;

@@ -38,11 +38,16 @@ export function chosenView(prefix: Prefix) {
 
 /** Shows the fields that the choices need. */
 export function listenToPicture(prefix: Prefix) {
-    on(`${prefix}-size`, "change", () => {
+    const showSize = () => {
         const own = select(`${prefix}-size`).value === "own";
         $(`${prefix}-width-label`).hidden = $(`${prefix}-height-label`).hidden = !own;
-    });
-    on(`${prefix}-background`, "change", () => {
+    };
+    const showColour = () => {
         $(`${prefix}-colour-label`).hidden = select(`${prefix}-background`).value !== "own";
-    });
+    };
+    on(`${prefix}-size`, "change", showSize);
+    on(`${prefix}-background`, "change", showColour);
+    // They may have been chosen before this code was loaded.
+    showSize();
+    showColour();
 }

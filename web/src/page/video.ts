@@ -224,9 +224,12 @@ export function listenToVideo() {
     ]) {
         on(id, "change", () => refresh());
     }
-    on("video-motion", "change", () => {
+    const showPath = () => {
         $("video-path").hidden = select("video-motion").value !== "path";
-    });
+    };
+    on("video-motion", "change", showPath);
+    // It may have been chosen before this code was loaded.
+    showPath();
     on("video-add", "click", () => void attempt(async () => addView()));
     on("video-clear", "click", () => setViews([]));
     on("export-video", "click", () => {
