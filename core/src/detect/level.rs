@@ -1,6 +1,6 @@
 //! A view at one level of the image pyramid, as the plane sweep (§4.1) reads it.
 
-use crate::{camera::Pinhole, view::View};
+use crate::{camera::Pinhole, silhouette::Silhouette, view::View};
 use alloc::{borrow::Cow, vec, vec::Vec};
 
 /// Luma and silhouette of a view at one resolution: borrowed from the view at full resolution, and computed otherwise.
@@ -10,8 +10,8 @@ pub struct PyramidLevel<'a> {
     pub camera: Pinhole,
     /// Luma, row after row.
     pub luma: Cow<'a, [u8]>,
-    /// Signed distance to the contour in 1/64 of this level's pixels, positive inside. Without a silhouette all pixels
-    /// are inside.
+    /// Signed distance to the contour in this level's pixels, positive inside, in the form of [`Silhouette::distances`].
+    /// Without a silhouette all pixels are inside.
     pub inside: Cow<'a, [i16]>,
 }
 
@@ -65,9 +65,9 @@ impl<'a> PyramidLevel<'a> {
                 let square = [i, i + 1, i + full, i + full + 1];
                 let sum: u32 = square.iter().map(|&k| u32::from(self.luma[k])).sum();
                 luma.push(((sum + 2) / 4) as u8);
-                let sum: i32 = square.iter().map(|&k| i32::from(self.inside[k])).sum();
+                let sum: i32 = square.iter().map(|&k| Silhouette::units(self.inside[k])).sum();
                 // The mean of four distances, in units of pixels that are twice as large.
-                inside.push((sum / 8) as i16);
+                inside.push(Silhouette::stored(sum / 8));
             }
         }
         PyramidLevel { camera, luma: luma.into(), inside: inside.into() }

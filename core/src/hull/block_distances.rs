@@ -123,7 +123,7 @@ mod tests {
             })
             .collect();
         let hull = VisualHull::new(&views, &HullParams { voxel_pixels: 1.5 }, &Silent).expect("a hull");
-        let (mut values, mut cut) = ([0.0; BLOCK_NODES], 0);
+        let (mut values, mut cut, mut stopped) = ([0.0; BLOCK_NODES], 0, 0);
         for slot in 0..hull.grid.blocks.len() {
             let [x, y, z] = hull.grid.blocks[slot].map(|v| i32::from(v) * BLOCK as i32);
             let (list, needed) = (hull.block_carvers(slot), hull.needed[slot]);
@@ -134,7 +134,7 @@ mod tests {
                     let expected = smallest(&hull, list, p, u16::MAX, needed);
                     assert_eq!(value.to_bits(), expected.to_bits(), "node {i} of block {slot}");
                     cut += u32::from(list.iter().any(|&c| hull.carvers[c as usize].distance(p).is_none()));
-                    for without in [u16::MAX, 3] {
+                    for (without, clear) in [(u16::MAX, f32::INFINITY), (3, f32::INFINITY), (3, 0.02)] {
                         let found = PointDistance {
                             carvers: &hull.carvers,
                             groups: &hull.groups,
@@ -143,10 +143,16 @@ mod tests {
                             p,
                             without,
                             needed,
+                            clear,
                         };
                         let (found, from) = simd.run(found);
                         let expected = smallest(&hull, list, p, without, needed);
-                        assert_eq!(found.to_bits(), expected.to_bits(), "node {i} of block {slot} without {without}");
+                        let is_clear = expected <= found && found < -clear;
+                        assert!(
+                            is_clear || found.to_bits() == expected.to_bits(),
+                            "node {i} of block {slot} without {without}: {found} instead of {expected}"
+                        );
+                        stopped += u32::from(found != expected);
                         // A point that too few views see is outside, however far inside their silhouettes it lies.
                         let is_its = |from: &Carver| from.station != without && from.distance(p) >= Some(found);
                         assert!(from.is_none_or(is_its));
@@ -155,5 +161,6 @@ mod tests {
             }
         }
         assert!(cut > 1000, "{cut} nodes lie beside a picture");
+        assert!(stopped > 100, "at {stopped} points some views were enough");
     }
 }

@@ -1,6 +1,10 @@
 //! A view with a silhouette, which carves the hull (§0).
 
-use crate::{camera::Pinhole, silhouette::Silhouette, view::View};
+use crate::{
+    camera::Pinhole,
+    silhouette::{Silhouette, stored},
+    view::View,
+};
 use alloc::{sync::Arc, vec::Vec};
 use glam::Vec3;
 
@@ -63,7 +67,7 @@ pub(super) fn interpolate([upper, lower]: Square, x: f32, y: f32) -> (f32, bool)
     let is_known = (a != unknown) & (b != unknown) & (c != unknown) & (d != unknown);
     let (a, b, c, d) = (a as f32, b as f32, c as f32, d as f32);
     let (top, bottom) = (a + (b - a) * x, c + (d - c) * x);
-    ((top + (bottom - top) * y) * (1.0 / Silhouette::UNITS), is_known)
+    (stored::pixels(top + (bottom - top) * y), is_known)
 }
 
 /// The two signed halves of a word, the lower one first.

@@ -144,7 +144,7 @@ impl Part<'_> {
         let mut between = |a: i16, b: i16| {
             if a != Silhouette::UNKNOWN && b != Silhouette::UNKNOWN {
                 // The sum of two distances is twice the one in the middle.
-                distances.push((i32::from(a) + i32::from(b)).unsigned_abs());
+                distances.push((Silhouette::units(a) + Silhouette::units(b)).unsigned_abs());
             }
         };
         for y in 0..self.size[1] {

@@ -63,6 +63,9 @@ pub(super) struct PointDistance<'a> {
     /// Views at this station are excluded.
     pub without: u16,
     pub needed: u32,
+    /// A point that some views exclude by more than this, in scene units, is not looked at in the others. The result is then
+    /// one of these views' distances. With infinity it is always the smallest.
+    pub clear: f32,
 }
 
 impl<'a> Work for PointDistance<'a> {
@@ -85,6 +88,9 @@ impl<'a> Work for PointDistance<'a> {
             }
             if chosen != 0 {
                 self.add(group, chosen, &mut nearest);
+            }
+            if nearest.distance < -self.clear {
+                return (nearest.distance, nearest.from);
             }
         }
         let Nearest { distance, from, seen } = nearest;

@@ -73,12 +73,12 @@ impl VisualHull {
     /// Signed distance to the hull's surface in scene units, positive inside. Its sign is exact. It is measured in
     /// pictures and scaled by the footprint, so that its slope can reach [`crate::surface::SLOPE`].
     pub fn signed_distance(&self, p: Vec3) -> f32 {
-        self.nearest_contour(p, u16::MAX).0
+        self.nearest_contour(p, u16::MAX, f32::INFINITY).0
     }
 
     /// [`Self::signed_distance`] over all views except one, and except those at the same place as it.
     pub fn signed_distance_without(&self, p: Vec3, view: u16) -> f32 {
-        self.nearest_contour(p, self.station(view)).0
+        self.nearest_contour(p, self.station(view), f32::INFINITY).0
     }
 
     /// The station of a view: the smallest index of a view at its place.
@@ -86,12 +86,13 @@ impl VisualHull {
         self.carvers.iter().find(|carver| carver.index == view).map_or(view, |carver| carver.station)
     }
 
-    /// Signed distance over all views except those at a station, and the view that it comes from.
-    pub(super) fn nearest_contour(&self, p: Vec3, without: u16) -> (f32, Option<&Carver>) {
+    /// Signed distance over all views except those at a station, and the view that it comes from. If the distance is less
+    /// than `-clear`, the result may be a larger one that is also less than `-clear`.
+    pub(super) fn nearest_contour(&self, p: Vec3, without: u16, clear: f32) -> (f32, Option<&Carver>) {
         let (slot, voxel) = (self.slot(p), self.grid.voxel);
         let distance = |list, needed| {
             let (carvers, groups) = (&self.carvers[..], &self.groups[..]);
-            self.simd.run(PointDistance { carvers, groups, list, voxel, p, without, needed })
+            self.simd.run(PointDistance { carvers, groups, list, voxel, p, without, needed, clear })
         };
         if slot < SparseGrid::INSIDE {
             return distance(Some(self.block_carvers(slot as usize)), self.needed[slot as usize]);
@@ -151,13 +152,17 @@ impl Envelope for VisualHull {
         self.bounds()
     }
 
-    /// Uses the grid near the surface, because meshing needs the distance at every node.
     fn signed_distance(&self, p: Vec3) -> f32 {
+        self.distance_until(p, f32::INFINITY)
+    }
+
+    /// Uses the grid near the surface, because meshing needs the distance at every node.
+    fn distance_until(&self, p: Vec3, clear: f32) -> f32 {
         let cell = self.grid.cell(p);
         if self.grid.slot_of(&cell) < SparseGrid::INSIDE {
             self.grid.interpolate_in(&self.values, &cell, -self.grid.voxel, self.grid.voxel)
         } else {
-            self.signed_distance(p)
+            self.nearest_contour(p, u16::MAX, clear).0
         }
     }
 }

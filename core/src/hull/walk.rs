@@ -25,7 +25,7 @@ impl<'h> Walk<'h> {
         if let Some(d) = self.excluding.and_then(|carver| carver.distance(p)).filter(|&d| d < -clear) {
             return d;
         }
-        let (d, from) = self.hull.nearest_contour(p, self.without);
+        let (d, from) = self.hull.nearest_contour(p, self.without, clear);
         self.excluding = from;
         d
     }

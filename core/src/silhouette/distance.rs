@@ -4,8 +4,9 @@
 //! offset to the nearest contour point found so far, and sweeps pass these points on to neighbouring pixels. Unlike
 //! there, the contour points lie between pixels and the sweeps run along both axes.
 
+use super::stored::{UNITS, stored};
 use crate::{
-    math::{min, sqrt},
+    math::sqrt,
     simd::{Simd, Work},
 };
 use alloc::vec::Vec;
@@ -19,10 +20,7 @@ const HALF: u16 = 2040;
 /// Offset of a pixel without a contour point. It remains larger than any valid offset when it is passed on.
 const FAR: f32 = 1e6;
 
-/// Fixed-point units per pixel.
-pub(super) const UNITS: f32 = 64.0;
-
-/// Signed distance in 1/64 pixel, positive where the smoothed coverage exceeds one half. `out` is overwritten.
+/// Signed distance in the form of [`stored`], positive where the smoothed coverage exceeds one half. `out` is overwritten.
 ///
 /// There is no contour in cells with an unknown corner, nor along the picture's edge.
 ///
@@ -44,14 +42,8 @@ pub(super) fn signed_distance(
     sweep(columns);
     columns.transpose(rows);
     sweep(rows);
-    // Below it, conversion by way of a wider integer is a single instruction.
-    let limit = 511.0 * UNITS;
-    let offsets = rows.x.iter().zip(&rows.y);
-    out.clear();
-    out.extend(offsets.zip(smoothed.iter()).map(|((x, y), &s)| {
-        let d = min(sqrt(x * x + y * y) * UNITS + 0.5, limit) as i32 as i16;
-        if s > HALF { d } else { -d }
-    }));
+    out.resize(width * height, 0);
+    Simd::detect().run(Measure { offsets: rows, smooth: smoothed, out });
 }
 
 /// Buffers that are reused for all views.
@@ -185,6 +177,26 @@ impl Offsets {
         out.width = h;
         transpose(w, h, &self.y, &mut out.x);
         transpose(w, h, &self.x, &mut out.y);
+    }
+}
+
+/// Measures the offsets, in the form of [`stored`].
+struct Measure<'a> {
+    offsets: &'a Offsets,
+    smooth: &'a [u16],
+    out: &'a mut [i16],
+}
+
+impl Work for Measure<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let Self { offsets: Offsets { x, y, .. }, smooth, out } = self;
+        for (((out, &x), &y), &s) in out.iter_mut().zip(x).zip(y).zip(smooth) {
+            let d = stored(sqrt(x * x + y * y) * UNITS + 0.5);
+            *out = if s > HALF { d } else { -d };
+        }
     }
 }
 

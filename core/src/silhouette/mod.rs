@@ -13,6 +13,7 @@ mod no_silhouette;
 mod parts;
 mod refill;
 pub(crate) mod refine;
+pub(crate) mod stored;
 mod uncovered;
 
 pub use chroma::{ChromaKey, MORE_COLOURS};
@@ -33,7 +34,8 @@ use alloc::{
 
 /// A view's silhouette, as the signed distance to its contour.
 ///
-/// Distances are in 1/64 pixel, positive inside and clamped to ±511 pixels. Pixels without a source hold
+/// Distances are positive inside. Up to 256 pixels they are in 1/64 pixel. Beyond that one step is 4 pixels, rounded towards
+/// the contour ([`Silhouette::units`]), so that no picture is too large for them. Pixels without a source hold
 /// [`Silhouette::UNKNOWN`]. Like everything beyond the picture's edge, they do not carve the hull.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Silhouette {
@@ -50,7 +52,19 @@ impl Silhouette {
     /// Marks a pixel that has no source in the real picture.
     pub const UNKNOWN: i16 = i16::MAX;
     /// Fixed-point units per pixel.
-    pub const UNITS: f32 = distance::UNITS;
+    pub const UNITS: f32 = stored::UNITS;
+
+    /// Signed distance in 1/64 pixel from the form in which [`Self::distances`] holds it.
+    #[inline(always)]
+    pub fn units(distance: i16) -> i32 {
+        stored::units(distance)
+    }
+
+    /// The inverse of [`Self::units`].
+    pub(crate) fn stored(units: i32) -> i16 {
+        let magnitude = stored::stored(units.abs() as f32);
+        if units < 0 { -magnitude } else { magnitude }
+    }
 
     /// Creates a silhouette from coverage: one byte per pixel, 255 for pixels that lie fully on the object. The contour
     /// is where the bilinear interpolation of the smoothed coverage is one half. `known` is false for undistorted
@@ -94,7 +108,7 @@ impl Silhouette {
         Ok(Self { width, height, distance, uncertainty: None, full: !outside })
     }
 
-    /// Signed distance in 1/64 pixel at the centre of each pixel, row after row.
+    /// Signed distance at the centre of each pixel, row after row: in 1/64 pixel up to 256 pixels ([`Self::units`]).
     pub fn distances(&self) -> &[i16] {
         &self.distance
     }
@@ -122,7 +136,7 @@ impl Silhouette {
         let mut distance = Vec::new();
         distance::signed_distance(w, h, &coverage, &known, scratch, &mut distance);
         for (new, &old) in distance.iter_mut().zip(&self.distance) {
-            if old == Self::UNKNOWN || (i32::from(*new) - i32::from(old)).abs() < Self::UNITS as i32 {
+            if old == Self::UNKNOWN || (Self::units(*new) - Self::units(old)).abs() < Self::UNITS as i32 {
                 *new = old;
             }
         }
@@ -212,7 +226,7 @@ impl Silhouette {
         let [a, b, c, e] = corners.map(f32::from);
         let top = a + (b - a) * fx;
         let bottom = c + (e - c) * fx;
-        Some((top + (bottom - top) * fy) * (1.0 / Self::UNITS))
+        Some(stored::pixels(top + (bottom - top) * fy))
     }
 }
 
@@ -338,6 +352,22 @@ mod tests {
         for (i, &d) in silhouette.distances().iter().enumerate() {
             let t = truth((i as u32 % W) as f32, (i as u32 / W) as f32);
             assert!((f32::from(d) / Silhouette::UNITS - t).abs() < 0.4);
+        }
+    }
+
+    #[test]
+    fn distances_are_right_across_the_largest_pictures() {
+        // The object covers the first 40 columns of a picture with the longest side that is accepted.
+        let (width, height) = (32768, 8);
+        let coverage: Vec<u8> = (0..width * height).map(|i| if i % width < 40 { 255 } else { 0 }).collect();
+        let silhouette = Silhouette::from_coverage(width, height, &coverage, |_| true).unwrap();
+        for x in (0..width - 1).step_by(7).chain([width - 2]) {
+            let (truth, found) = (39.5 - (x as f32 + 0.25), silhouette.sample(x as f32 + 0.25, 4.5).unwrap());
+            let lost = truth.abs() - found.abs();
+            assert!(
+                (-0.02..if truth.abs() < 250.0 { 0.02 } else { 4.1 }).contains(&lost),
+                "{found} instead of {truth}"
+            );
         }
     }
 

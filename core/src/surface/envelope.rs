@@ -8,6 +8,12 @@ pub trait Envelope: Sync {
     fn bounds(&self) -> (Vec3, Vec3);
     /// Signed distance in scene units, positive inside. Its slope is at most [`SLOPE`].
     fn signed_distance(&self, p: Vec3) -> f32;
+    /// [`Self::signed_distance`]. If that is less than `-clear`, the result may be a larger value that is also less than
+    /// `-clear`, where that takes less time.
+    fn distance_until(&self, p: Vec3, clear: f32) -> f32 {
+        let _ = clear;
+        self.signed_distance(p)
+    }
 }
 
 /// Lipschitz bound of a hull's signed distance: the largest change per unit of length.

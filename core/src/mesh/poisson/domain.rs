@@ -75,9 +75,11 @@ fn cube(
 ) {
     let half = (side - 1) as f32 * 0.5;
     let centre: [f32; 3] = core::array::from_fn(|k| (first[k] + at[k] as i32) as f32 + half);
-    let distance = envelope.signed_distance(grid.origin + Vec3::from_array(centre) * grid.voxel) / grid.voxel;
     // The distance from the centre to the farthest node is √3 times half the side.
-    if side == 1 || distance.abs() > reach + SLOPE * 1.7321 * half {
+    let clear = reach + SLOPE * 1.7321 * half;
+    let place = grid.origin + Vec3::from_array(centre) * grid.voxel;
+    let distance = envelope.distance_until(place, clear * grid.voxel) / grid.voxel;
+    if side == 1 || distance.abs() > clear {
         for z in at[2]..at[2] + side {
             for y in at[1]..at[1] + side {
                 let row = (z * BLOCK + y) * BLOCK + at[0];

@@ -10,7 +10,7 @@ use super::{
     colour_model::{CELL, Trust, WEIGHTS, WINDOW, gather},
     patch::Patch,
 };
-use crate::silhouette::{distance::UNITS, refill::refill};
+use crate::silhouette::{refill::refill, stored::UNITS};
 use alloc::vec::Vec;
 
 /// The deeper a pixel lies, the more certain is its side: a matte may be wrong by a few pixels.

@@ -1,7 +1,7 @@
 //! Which side of the contour the pixels near a matte's edge belong to.
 
 use super::{colour_model::ColourModel, confusion::Confusion, patch::Patch};
-use crate::silhouette::{distance::UNITS, refill::refill};
+use crate::silhouette::{refill::refill, stored::UNITS};
 use alloc::{collections::VecDeque, vec::Vec};
 
 /// Limit of one pixel's evidence. Evidence is the logarithm of a likelihood ratio, positive for the object.

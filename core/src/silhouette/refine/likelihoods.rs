@@ -1,7 +1,7 @@
 //! Colour histograms of object and background over the whole picture.
 
 use super::patch::Patch;
-use crate::silhouette::{distance::UNITS, refill::refill};
+use crate::silhouette::{refill::refill, stored::UNITS};
 use alloc::vec::Vec;
 
 /// Bits of a channel that bins leave out, and bins along each axis.

@@ -3,7 +3,7 @@
 use super::{colour_model::ColourModel, patch::Patch};
 use crate::{
     math::min,
-    silhouette::{distance::UNITS, refill::refill},
+    silhouette::{refill::refill, stored::UNITS},
 };
 use alloc::vec::Vec;
 use glam::Vec2;
