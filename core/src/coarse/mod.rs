@@ -78,7 +78,8 @@ fn octaves_of(mut areas: Vec<usize>) -> u32 {
 /// searched around the surface of the one before, by the parameters `detection` of the search that follows the pass. Where a
 /// silhouette shows the object and that surface is not seen, the whole hull is searched again, because thin parts such as
 /// fingers may get lost at a higher octave. Octaves above the last one search a mesh of the hull with wider voxels, because a
-/// search looks at every triangle of the hull in every view.
+/// search looks at every triangle of the hull in every view. Gaps are closed at the last octave only, because the octave
+/// below an open gap searches the hull there.
 ///
 /// `hull_mesh` is the hull's own mesh, which the last octave searches, and `frontier` the weighted frontier points. `scratch`
 /// holds one buffer per job that runs at the same time; the executor adds more if there are too few.
@@ -105,7 +106,7 @@ pub fn coarse(
         scratch,
         workspace,
         part: 0,
-        parts: PARTS * (further + 1),
+        parts: PARTS * (further + 1) + CLOSING,
     };
     let last = params.detection.octave;
     let mut surface: Option<Mesh> = None;
@@ -117,14 +118,16 @@ pub fn coarse(
             None => (Guide::Hull(hull), params.detection.band_pixels),
             Some(surface) => (Guide::Incomplete { surface, hull }, params.detection.band_pixels * pass.scale(octave)),
         };
-        let better = pass.surface(guide, hull, &DetectionParams { octave, band_pixels, ..params.detection })?;
+        let better = pass.surface(guide, hull_mesh, &DetectionParams { octave, band_pixels, ..params.detection })?;
         coarser.into_iter().chain(surface.replace(better)).for_each(|mesh| mesh.recycle_into(pass.workspace));
     }
     Ok(surface.expect("there is at least one octave"))
 }
 
-/// Steps of an octave that report their progress: detection, points seen through, meshing, gaps, and meshing again.
-const PARTS: u32 = 5;
+/// Steps of an octave that report their progress: detection, points seen through, and meshing.
+const PARTS: u32 = 3;
+/// Steps after those of the last octave: gaps, and meshing again.
+const CLOSING: u32 = 2;
 
 /// What the octaves of the pass share.
 struct Pass<'a> {
@@ -148,7 +151,7 @@ impl<'a> Pass<'a> {
         mesh
     }
 
-    /// The surface of an octave, that of `detection`. `hull` is the mesh of the hull for this octave.
+    /// The surface of an octave, that of `detection`. At the last one its gaps are closed by parts of `hull`, the hull's mesh.
     fn surface(&mut self, guide: Guide, hull: &Mesh, detection: &DetectionParams) -> Result<Mesh> {
         let octave = detection.octave;
         let voxel_pixels = self.params.voxel_pixels * self.scale(octave);
@@ -156,7 +159,8 @@ impl<'a> Pass<'a> {
         let levels = levels(self.context.views, &made);
         let cameras: Vec<Pinhole> = levels.iter().map(|level| level.camera).collect();
         let mut clouds = self.detect(guide, detection, &levels)?;
-        let shown = match &self.params.gaps {
+        let closing = self.params.gaps.as_ref().filter(|_| octave == self.params.detection.octave);
+        let shown = match closing {
             Some(_) => gaps::pixels_with_points(self.context.views, &clouds, &cameras, self.executor),
             None => Vec::new(),
         };
@@ -169,8 +173,8 @@ impl<'a> Pass<'a> {
         let mut cloud = self.merged(&clouds);
         drop(clouds);
         let mut surface = self.mesh(&cloud, voxel_pixels)?;
-        let progress = self.next();
-        if let Some(params) = &self.params.gaps {
+        if let Some(params) = closing {
+            let progress = self.next();
             let thickness = voxel_pixels * footprint;
             let filling = gaps::filling(shown, &levels, &surface, hull, params, thickness, self.executor, &progress)?;
             if !filling.is_empty() {
