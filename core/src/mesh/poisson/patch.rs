@@ -39,10 +39,10 @@ impl<const N: usize> Patch<N> {
         *place
     }
 
-    /// The sums at a node, by its index in the patch.
+    /// The sums at the nodes of the patch's blocks.
     #[inline]
-    pub(super) fn at(&mut self, node: u32) -> &mut [f32; N] {
-        &mut self.sums[node as usize]
+    pub(super) fn sums(&mut self) -> &mut [[f32; N]] {
+        &mut self.sums
     }
 
     /// Passes the sums of each block, with the index of its first node in the grid, to `add`, and forgets them.

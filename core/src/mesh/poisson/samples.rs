@@ -4,7 +4,7 @@ use alloc::{borrow::Cow, vec, vec::Vec};
 use glam::Vec3;
 
 use super::patch::{self, Patch, SAMPLES_PER_STEP};
-use super::spline::{ABSENT, Stencil};
+use super::spline::Stencil;
 use crate::error::Result;
 use crate::executor::Executor;
 use crate::grid::{BLOCK, BLOCK_NODES, SparseGrid};
@@ -286,14 +286,8 @@ fn density(
     let mut density = workspace.filled([0.0; 2], grid.blocks.len() * BLOCK_NODES);
     let contribute = |sample: &Sample, patch: &mut Patch<2>| {
         let stencil = Stencil::new(grid, sample.at * scale, |slot| patch.place(slot));
-        let [vx, vy, vz] = &stencil.values;
-        for (i, &node) in stencil.nodes.iter().enumerate() {
-            if node != ABSENT {
-                let value = vx[i % 3] * vy[i / 3 % 3] * vz[i / 9];
-                let [count, weight] = patch.at(node);
-                *count += value * sample.count;
-                *weight += value * sample.area;
-            }
+        for (row, weights) in stencil.rows() {
+            row.add(patch.sums(), &weights.map(|weight| [weight * sample.count, weight * sample.area]));
         }
     };
     let add = |first: usize, sums: &[[f32; 2]]| {

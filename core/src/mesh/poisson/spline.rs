@@ -1,5 +1,6 @@
 //! Stencils of the quadratic B-spline, which connect points and nodes.
 
+use core::ops::Range;
 use glam::Vec3;
 
 use crate::grid::{BLOCK, BLOCK_NODES, SparseGrid};
@@ -20,29 +21,38 @@ pub(super) fn along_edges(d: f32) -> [f32; 4] {
 
 /// The 27 nodes around a point whose splines reach it, with the values of the B-spline along each axis.
 pub(super) struct Stencil {
-    /// Indices of the nodes' values, x fastest.
-    pub(super) nodes: [u32; 27],
+    cube: Cube,
     /// Values at the three nodes along each axis.
-    pub(super) values: [[f32; 3]; 3],
+    values: [[f32; 3]; 3],
 }
 
 impl Stencil {
     /// The stencil of a point in the grid's coordinates (nodes at integers). `place` is that of [`Cube::new`].
+    #[inline]
     pub(super) fn new(grid: &SparseGrid, point: Vec3, place: impl FnMut(u32) -> u32) -> Self {
         let nearest = point.to_array().map(|v| floor(v + 0.5));
         let values = core::array::from_fn(|k| quadratic(point[k] - nearest[k] as f32));
-        Self { nodes: cube::<3, 27>(grid, nearest.map(|v| v - 1), place), values }
+        Self { cube: Cube::new(grid, nearest.map(|v| v - 1), 3, place), values }
+    }
+
+    /// The rows of nodes along x, with the spline's values at their nodes.
+    #[inline]
+    pub(super) fn rows(&self) -> impl Iterator<Item = (Row, [f32; 3])> {
+        let [vx, vy, vz] = self.values;
+        let row = move |y: usize, z: usize| (self.cube.row(y, z), vx.map(|v| v * vy[y] * vz[z]));
+        (0..3).flat_map(move |z| (0..3).map(move |y| row(y, z)))
     }
 
     /// Sums a field over the stencil, weighted by the spline.
+    #[inline]
     pub(super) fn gather<const N: usize>(&self, field: &[[f32; N]]) -> [f32; N] {
         let mut sum = [0.0; N];
-        let [vx, vy, vz] = &self.values;
-        for (i, &node) in self.nodes.iter().enumerate() {
-            if node != ABSENT {
-                let weight = vx[i % 3] * vy[i / 3 % 3] * vz[i / 9];
-                for (sum, value) in sum.iter_mut().zip(field[node as usize]) {
-                    *sum += weight * value;
+        for (row, weights) in self.rows() {
+            for (first, nodes) in row.parts() {
+                for (values, weight) in field[nodes].iter().zip(&weights[first..]) {
+                    for (sum, value) in sum.iter_mut().zip(values) {
+                        *sum += weight * value;
+                    }
                 }
             }
         }
@@ -55,15 +65,21 @@ pub(super) const WIDEST: usize = 5;
 
 /// Locates the values of a cube of nodes.
 pub(super) struct Cube {
+    /// Nodes along an axis.
+    side: usize,
     /// Index of the first value of each block that the nodes can lie in, or [`ABSENT`] if the block is not stored.
     blocks: [u32; 8],
-    /// For each node along each axis: its contribution to the index into `blocks`, and its offset within the block.
-    places: [[(usize, u32); WIDEST]; 3],
+    /// Offset of the first node along x within its block, and the number of nodes in that block.
+    start: u32,
+    split: usize,
+    /// For each node along y and z: its contribution to the index into `blocks`, and its offset within the block.
+    places: [[(usize, u32); WIDEST]; 2],
 }
 
 impl Cube {
     /// The cube of `side` nodes along each axis that starts at node `first`. Indices are those of the grid if `place` returns
     /// the slot that it gets, and otherwise those of an array in which each block has the place that it returns.
+    #[inline]
     pub(super) fn new(grid: &SparseGrid, first: [i32; 3], side: usize, mut place: impl FnMut(u32) -> u32) -> Self {
         let shift = BLOCK.trailing_zeros();
         let mask = BLOCK as i32 - 1;
@@ -79,29 +95,66 @@ impl Cube {
                 }
             }
         }
-        let mut places = [[(0, 0); WIDEST]; 3];
-        for (k, places) in places.iter_mut().enumerate() {
+        let mut places = [[(0, 0); WIDEST]; 2];
+        for (k, places) in (1..).zip(&mut places) {
             for (v, place) in (first[k]..).zip(&mut places[..side]) {
                 *place = (usize::from(v >> shift != low[k]) << k, ((v & mask) as u32) << (k as u32 * shift));
             }
         }
-        Self { blocks, places }
+        let start = (first[0] & mask) as u32;
+        Self { side, blocks, start, split: side.min(BLOCK - start as usize), places }
     }
 
-    /// Indices of the values of a row along x, or [`ABSENT`] where they are not stored.
+    /// The row of nodes along x.
     #[inline]
-    pub(super) fn row(&self, y: usize, z: usize) -> [u32; WIDEST] {
-        let (y, z) = (self.places[1][y], self.places[2][z]);
+    pub(super) fn row(&self, y: usize, z: usize) -> Row {
+        let (y, z) = (self.places[0][y], self.places[1][z]);
         let blocks = [self.blocks[y.0 | z.0], self.blocks[1 | y.0 | z.0]];
-        self.places[0].map(|(upper, x)| {
-            let block = blocks[upper];
-            if block == ABSENT { ABSENT } else { block + (x | y.1 | z.1) }
-        })
+        let first = |block: u32, x: u32| if block == ABSENT { ABSENT } else { block + (x | y.1 | z.1) };
+        Row { low: first(blocks[0], self.start), high: first(blocks[1], 0), split: self.split, side: self.side }
     }
 }
 
-/// Indices of the values of the N³ nodes of the cube that starts at node `first`, x fastest. `place` is that of
-/// [`Cube::new`].
+/// A row of nodes along x, which lie in one block or in two.
+#[derive(Clone, Copy)]
+pub(super) struct Row {
+    /// Index of the first node's value in each of the blocks, or [`ABSENT`] if the block is not stored.
+    low: u32,
+    high: u32,
+    /// Number of nodes in the lower block, and in both.
+    split: usize,
+    side: usize,
+}
+
+impl Row {
+    /// The nodes in each block: the place of the first one in the row, and the indices of their values. There are none if the
+    /// block is not stored.
+    #[inline]
+    fn parts(self) -> [(usize, Range<usize>); 2] {
+        let part = |first: u32, count: usize| {
+            if first == ABSENT { 0..0 } else { first as usize..first as usize + count }
+        };
+        [(0, part(self.low, self.split)), (self.split, part(self.high, self.side - self.split))]
+    }
+
+    /// Adds values to the row's nodes.
+    #[inline]
+    pub(super) fn add<const N: usize, const SIDE: usize>(self, field: &mut [[f32; N]], values: &[[f32; N]; SIDE]) {
+        let add = |sums: &mut [f32; N], values: &[f32; N]| (0..N).for_each(|k| sums[k] += values[k]);
+        for (first, nodes) in self.parts() {
+            let field = &mut field[nodes];
+            // Mostly the whole row is in one block. The length is then known, so that vectors are added.
+            if let Ok(field) = <&mut [[f32; N]; SIDE]>::try_from(&mut *field) {
+                (0..SIDE).for_each(|x| add(&mut field[x], &values[x]));
+            } else {
+                field.iter_mut().zip(&values[first..]).for_each(|(sums, values)| add(sums, values));
+            }
+        }
+    }
+}
+
+/// Indices of the values of the N³ nodes of the cube that starts at node `first`, x fastest, or [`ABSENT`] where they are not
+/// stored. `place` is that of [`Cube::new`].
 pub(super) fn cube<const N: usize, const NODES: usize>(
     grid: &SparseGrid,
     first: [i32; 3],
@@ -110,7 +163,9 @@ pub(super) fn cube<const N: usize, const NODES: usize>(
     let cube = Cube::new(grid, first, N, place);
     let mut nodes = [ABSENT; NODES];
     for (i, row) in nodes.chunks_exact_mut(N).enumerate() {
-        row.copy_from_slice(&cube.row(i % N, i / N)[..N]);
+        for (first, indices) in cube.row(i % N, i / N).parts() {
+            row[first..].iter_mut().zip(indices).for_each(|(node, index)| *node = index as u32);
+        }
     }
     nodes
 }

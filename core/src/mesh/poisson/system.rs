@@ -48,23 +48,15 @@ pub(super) fn splat<const N: usize>(
         }
         let ([vx, vy, vz], [dx, dy, dz]) = (values, differences);
         let n = sample.normal * (sample.area * scale * scale);
-        let inner = |v: usize| (1..4).contains(&v);
+        let outer = |v: usize| v == 0 || v == WIDEST - 1;
         for (z, y) in (0..WIDEST).flat_map(|z| (0..WIDEST).map(move |y| (z, y))) {
-            let reached = match (inner(y), inner(z)) {
-                (true, true) => 0..WIDEST,
-                (false, false) => continue,
-                _ => 1..4,
-            };
+            if outer(y) && outer(z) {
+                continue;
+            }
+            // Where y or z is outer, the ends of the row are zero.
             let (along, across) = (n.x * vy[y] * vz[z], n.y * dy[y] * vz[z] + n.z * vy[y] * dz[z]);
             let row: [f32; WIDEST] = core::array::from_fn(|x| along * dx[x] + across * vx[x]);
-            let nodes = cube.row(y, z);
-            for x in reached {
-                if nodes[x] != ABSENT {
-                    for (sum, share) in patch.at(nodes[x]).iter_mut().zip(shares) {
-                        *sum += share * row[x];
-                    }
-                }
-            }
+            cube.row(y, z).add(patch.sums(), &row.map(|value| shares.map(|share| share * value)));
         }
     };
     let add = |first: usize, sums: &[[f32; N]]| {
