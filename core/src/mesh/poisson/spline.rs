@@ -49,10 +49,12 @@ impl Stencil {
         let mut sum = [0.0; N];
         for (row, weights) in self.rows() {
             for (first, nodes) in row.parts() {
-                for (values, weight) in field[nodes].iter().zip(&weights[first..]) {
-                    for (sum, value) in sum.iter_mut().zip(values) {
-                        *sum += weight * value;
-                    }
+                let mut add = |values: &[f32; N], weight: f32| (0..N).for_each(|k| sum[k] += weight * values[k]);
+                let field = &field[nodes];
+                if let Ok(field) = <&[[f32; N]; 3]>::try_from(field) {
+                    (0..3).for_each(|x| add(&field[x], weights[x]));
+                } else {
+                    field.iter().zip(&weights[first..]).for_each(|(values, &weight)| add(values, weight));
                 }
             }
         }
