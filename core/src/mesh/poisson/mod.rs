@@ -32,6 +32,7 @@ use crate::executor::Executor;
 use crate::grid::{BLOCK_NODES, SparseGrid};
 use crate::math::max;
 use crate::point_cloud::Point;
+use crate::simd::Simd;
 use crate::surface::Envelope;
 use crate::workspace::Workspace;
 use cells::Cells;
@@ -96,6 +97,7 @@ pub(super) fn solve(
         samples.push(samples::coarser(&samples[level - 1], settled, workspace));
     }
 
+    let simd = Simd::detect();
     let mut levels: Vec<GridLevel> = Vec::with_capacity(count);
     let mut sparse: Vec<f32> = Vec::new();
     let (mut iso, mut cells, mut held) = (0.5, Cells::default(), None);
@@ -130,7 +132,7 @@ pub(super) fn solve(
         });
         steps.step()?;
         let operator =
-            Operator { neighbours: &neighbours, cells: &cells, screening, inverse_diagonal: &inverse_diagonal };
+            Operator { neighbours: &neighbours, cells: &cells, screening, inverse_diagonal: &inverse_diagonal, simd };
         if levels.is_empty() {
             operator.solve(&mut rhs, &mut next.chi, ITERATIONS_COARSEST, TOLERANCE, workspace, executor, || Ok(()))?;
         } else {
