@@ -1,6 +1,6 @@
 //! Memory that is reused by later steps and frames.
 
-use alloc::{boxed::Box, vec, vec::Vec};
+use alloc::{boxed::Box, vec::Vec};
 use core::any::{Any, TypeId};
 
 /// Vectors that steps return for reuse by later steps and frames. Memory is then allocated once, but the peak is
@@ -59,16 +59,9 @@ impl Workspace {
 
     /// A vector of `len` copies of `value`.
     pub(crate) fn filled<T: Clone + Send + Sync + 'static>(&mut self, value: T, len: usize) -> Vec<T> {
-        match self.roomy(TypeId::of::<T>(), len) {
-            Some(kept) => {
-                let mut filled: Vec<T> = kept.vector();
-                filled.resize(len, value);
-                filled
-            }
-            // The system gives memory that is zero already. If that is the value, nothing is written, and each page is first
-            // touched by the job that needs it.
-            None => vec![value; len],
-        }
+        let mut filled = self.empty(len);
+        filled.resize(len, value);
+        filled
     }
 
     /// Takes back a vector for reuse.

@@ -1,6 +1,10 @@
 //! A view at one level of the image pyramid, as the plane sweep (§4.1) reads it.
 
-use crate::{camera::Pinhole, silhouette::Silhouette, view::View};
+use crate::{
+    camera::Pinhole,
+    silhouette::{Silhouette, stored},
+    view::View,
+};
 use alloc::{borrow::Cow, vec, vec::Vec};
 
 /// Luma and silhouette of a view at one resolution: borrowed from the view at full resolution, and computed otherwise.
@@ -67,7 +71,7 @@ impl<'a> PyramidLevel<'a> {
                 luma.push(((sum + 2) / 4) as u8);
                 let sum: i32 = square.iter().map(|&k| Silhouette::units(self.inside[k])).sum();
                 // The mean of four distances, in units of pixels that are twice as large.
-                inside.push(Silhouette::stored(sum / 8));
+                inside.push(stored::stored((sum / 8) as f32));
             }
         }
         PyramidLevel { camera, luma: luma.into(), inside: inside.into() }

@@ -7,7 +7,7 @@ use crate::{
     point_cloud::Mesh,
     progress::{self, Progress},
     raster::{area, cover},
-    silhouette::Silhouette,
+    silhouette::{Silhouette, stored},
     stage::Stage,
     view::View,
 };
@@ -144,7 +144,7 @@ impl Part<'_> {
         let mut between = |a: i16, b: i16| {
             if a != Silhouette::UNKNOWN && b != Silhouette::UNKNOWN {
                 // The sum of two distances is twice the one in the middle.
-                distances.push((Silhouette::units(a) + Silhouette::units(b)).unsigned_abs());
+                distances.push((i32::from(a) + i32::from(b)).unsigned_abs());
             }
         };
         for y in 0..self.size[1] {
@@ -157,7 +157,7 @@ impl Part<'_> {
             }
         }
         let middle = distances.len() / 2;
-        (!distances.is_empty()).then(|| select(distances, middle) as f32 * 0.5 / Silhouette::UNITS)
+        (!distances.is_empty()).then(|| stored::pixels(select(distances, middle) as f32 * 0.5))
     }
 }
 

@@ -41,15 +41,20 @@ impl Seen {
         if q.x + r < 0.0 || q.y + r < 0.0 || q.x - r > w - 1.0 || q.y - r > h - 1.0 {
             return Self::Nowhere;
         }
-        let corner = |dx: f32, dy: f32| carver.silhouette.sample(q.x + dx * r, q.y + dy * r).is_some();
+        let is_known = |(x, y): (f32, f32)| carver.silhouette.sample(q.x + x * r, q.y + y * r).is_some();
         let is_whole = || {
             let edge = r + EDGE;
             let within = q.x >= edge && q.y >= edge && q.x + edge <= w - 1.0 && q.y + edge <= h - 1.0;
-            within && corner(-1.0, -1.0) && corner(1.0, -1.0) && corner(-1.0, 1.0) && corner(1.0, 1.0)
+            within && [(-1.0, -1.0), (1.0, -1.0), (-1.0, 1.0), (1.0, 1.0)].into_iter().all(is_known)
         };
         match carver.silhouette.sample(q.x.clamp(0.0, w - 1.0), q.y.clamp(0.0, h - 1.0)) {
-            Some(d) if d < -r && is_whole() => Self::Outside,
-            Some(d) if d > r && is_whole() => Self::Inside,
+            Some(d) if d.abs() > r && is_whole() => {
+                if d < 0.0 {
+                    Self::Outside
+                } else {
+                    Self::Inside
+                }
+            }
             Some(d) if d < -2.0 * r => Self::PartlyOutside,
             _ => Self::Partly,
         }

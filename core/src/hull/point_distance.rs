@@ -90,7 +90,9 @@ impl<'a> Work for PointDistance<'a> {
                 self.add(group, chosen, &mut nearest);
             }
             if nearest.distance < -self.clear {
-                return (nearest.distance, nearest.from);
+                // However many of the others see it.
+                nearest.seen = u32::MAX;
+                break;
             }
         }
         let Nearest { distance, from, seen } = nearest;

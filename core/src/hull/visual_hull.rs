@@ -90,16 +90,19 @@ impl VisualHull {
     /// than `-clear`, the result may be a larger one that is also less than `-clear`.
     pub(super) fn nearest_contour(&self, p: Vec3, without: u16, clear: f32) -> (f32, Option<&Carver>) {
         let (slot, voxel) = (self.slot(p), self.grid.voxel);
-        let distance = |list, needed| {
-            let (carvers, groups) = (&self.carvers[..], &self.groups[..]);
-            self.simd.run(PointDistance { carvers, groups, list, voxel, p, without, needed, clear })
+        let (list, needed) = match slot {
+            // The block as a whole was classified as inside or outside, so that the sign is known.
+            SparseGrid::INSIDE | SparseGrid::OUTSIDE => (None, 0),
+            stored => (Some(self.block_carvers(stored as usize)), self.needed[stored as usize]),
         };
-        if slot < SparseGrid::INSIDE {
-            return distance(Some(self.block_carvers(slot as usize)), self.needed[slot as usize]);
-        }
-        // The block as a whole was classified as inside or outside, so that the sign is known.
-        let (d, from) = distance(None, 0);
-        (if slot == SparseGrid::INSIDE { max(d, voxel) } else { min(d, -voxel) }, from)
+        let (carvers, groups) = (&self.carvers[..], &self.groups[..]);
+        let (d, from) = self.simd.run(PointDistance { carvers, groups, list, voxel, p, without, needed, clear });
+        let d = match slot {
+            SparseGrid::INSIDE => max(d, voxel),
+            SparseGrid::OUTSIDE => min(d, -voxel),
+            _ => d,
+        };
+        (d, from)
     }
 
     /// Outward unit normal of the hull's surface near a point.

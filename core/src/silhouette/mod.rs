@@ -60,12 +60,6 @@ impl Silhouette {
         stored::units(distance)
     }
 
-    /// The inverse of [`Self::units`].
-    pub(crate) fn stored(units: i32) -> i16 {
-        let magnitude = stored::stored(units.abs() as f32);
-        if units < 0 { -magnitude } else { magnitude }
-    }
-
     /// Creates a silhouette from coverage: one byte per pixel, 255 for pixels that lie fully on the object. The contour
     /// is where the bilinear interpolation of the smoothed coverage is one half. `known` is false for undistorted
     /// pixels that have no source. Fails if no pixel belongs to the object. Every pixel may belong to it: the object then

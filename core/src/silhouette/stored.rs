@@ -17,11 +17,11 @@ const STEP: i32 = 4 * 64;
 /// long. The next larger number marks pixels without a distance.
 const LARGEST: i32 = NEAR + (i16::MAX as i32 - 1 - NEAR) * STEP;
 
-/// Stored form of a distance in [`UNITS`] that is not negative. It is rounded down.
+/// Stored form of a signed distance in [`UNITS`], rounded towards the contour.
 #[inline(always)]
-pub(super) fn stored(distance: f32) -> i16 {
-    let distance = min(distance, LARGEST as f32);
-    let near = min(distance, NEAR as f32);
+pub fn stored(distance: f32) -> i16 {
+    let distance = max(min(distance, LARGEST as f32), -LARGEST as f32);
+    let near = max(min(distance, NEAR as f32), -NEAR as f32);
     // Conversion by way of a wider integer is a single instruction.
     (near + (distance - near) * (1.0 / STEP as f32)) as i32 as i16
 }
@@ -51,6 +51,7 @@ mod tests {
         let mut last = 0;
         for distance in (0..2 * NEAR).chain((2 * NEAR..=LARGEST).step_by(77)).chain([LARGEST]) {
             let (there, back) = (stored(distance as f32), units(stored(distance as f32)));
+            assert_eq!(stored(-distance as f32), -there);
             assert_eq!(units(-there), -back);
             assert_eq!(pixels(f32::from(-there)), -back as f32 / UNITS);
             assert!((last..i16::MAX).contains(&there), "the order is preserved");

@@ -53,9 +53,7 @@ impl Cell {
     /// The blocks in which the cell has corners, each once.
     fn blocks(&self) -> impl Iterator<Item = u32> {
         let blocks = self.nodes.map(|node| node / BLOCK_NODES as u32);
-        // If the first and the last corner are in one block, which is mostly so, then all of them are.
-        let count = if blocks[0] == blocks[7] { 1 } else { blocks.len() };
-        (0..count).filter(move |&i| !blocks[..i].contains(&blocks[i])).map(move |i| blocks[i])
+        (0..blocks.len()).filter(move |&i| !blocks[..i].contains(&blocks[i])).map(move |i| blocks[i])
     }
 }
 

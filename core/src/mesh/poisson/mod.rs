@@ -32,7 +32,6 @@ use crate::executor::Executor;
 use crate::grid::{BLOCK_NODES, SparseGrid};
 use crate::math::max;
 use crate::point_cloud::Point;
-use crate::simd::Simd;
 use crate::surface::Envelope;
 use crate::workspace::Workspace;
 use cells::Cells;
@@ -97,7 +96,6 @@ pub(super) fn solve(
         samples.push(samples::coarser(&samples[level - 1], settled, workspace));
     }
 
-    let simd = Simd::detect();
     let mut levels: Vec<GridLevel> = Vec::with_capacity(count);
     let mut sparse: Vec<f32> = Vec::new();
     let (mut iso, mut cells, mut held) = (0.5, Cells::default(), None);
@@ -132,7 +130,7 @@ pub(super) fn solve(
         });
         steps.step()?;
         let operator =
-            Operator { neighbours: &neighbours, cells: &cells, screening, inverse_diagonal: &inverse_diagonal, simd };
+            Operator { neighbours: &neighbours, cells: &cells, screening, inverse_diagonal: &inverse_diagonal };
         if levels.is_empty() {
             operator.solve(&mut rhs, &mut next.chi, ITERATIONS_COARSEST, TOLERANCE, workspace, executor, || Ok(()))?;
         } else {

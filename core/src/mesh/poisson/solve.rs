@@ -5,59 +5,10 @@ use super::spline::ABSENT;
 use crate::error::Result;
 use crate::executor::Executor;
 use crate::grid::{BLOCK, BLOCK_NODES, BLOCKS_PER_JOB};
-use crate::simd::{Simd, Work};
 use crate::workspace::Workspace;
 
 /// Nodes that one job of an executor works on.
 const NODES: usize = BLOCKS_PER_JOB * BLOCK_NODES;
-
-/// [`Operator::apply`] for the blocks from `first` on, for as many as `out` has.
-struct ApplyToPart<'a> {
-    operator: &'a Operator<'a>,
-    v: &'a [f32],
-    first: usize,
-    out: &'a mut [f32],
-}
-
-impl Work for ApplyToPart<'_> {
-    type Output = f64;
-
-    #[inline(always)]
-    fn run(self) -> f64 {
-        self.operator.apply_to_part(self.v, self.first, self.out)
-    }
-}
-
-/// A step of so much along the direction `p` with the image `a`, for the solution `x` and the residual `r`. The result is
-/// the new residual's [`norm`], with `d` as weights.
-struct Step<'a> {
-    alpha: f32,
-    x: &'a mut [f32],
-    r: &'a mut [f32],
-    p: &'a [f32],
-    a: &'a [f32],
-    d: &'a [f32],
-}
-
-impl Work for Step<'_> {
-    type Output = f64;
-
-    #[inline(always)]
-    fn run(self) -> f64 {
-        let Self { alpha, x, r, p, a, d } = self;
-        let blocks = x.as_chunks_mut::<BLOCK_NODES>().0.iter_mut().zip(r.as_chunks_mut::<BLOCK_NODES>().0);
-        let given = p.as_chunks::<BLOCK_NODES>().0.iter().zip(a.as_chunks::<BLOCK_NODES>().0).zip(d.as_chunks().0);
-        let mut sum = 0.0;
-        for ((x, r), ((p, a), d)) in blocks.zip(given) {
-            for i in 0..BLOCK_NODES {
-                x[i] += alpha * p[i];
-                r[i] -= alpha * a[i];
-            }
-            sum += block_norm(r, d);
-        }
-        sum
-    }
-}
 
 /// The operator A: six times the node minus its neighbours (the negative Laplacian), plus the screening of the cells.
 pub(super) struct Operator<'a> {
@@ -66,13 +17,12 @@ pub(super) struct Operator<'a> {
     pub(super) screening: f32,
     /// Reciprocal of the diagonal; 0 at nodes whose value is fixed.
     pub(super) inverse_diagonal: &'a [f32],
-    pub(super) simd: Simd,
 }
 
 type Row = [f32; BLOCK];
 const NOTHING: [f32; BLOCK_NODES] = [0.0; BLOCK_NODES];
 
-#[inline(always)]
+#[inline]
 fn row(block: &[f32], z: usize, y: usize) -> &Row {
     let first = (z * BLOCK + y) * BLOCK;
     block[first..first + BLOCK].try_into().expect("a row has BLOCK nodes")
@@ -82,13 +32,11 @@ impl Operator<'_> {
     /// Computes `out` = A `v` and returns v · A v. `v` must be 0 at fixed nodes for the product to be right.
     fn apply(&self, v: &[f32], out: &mut [f32], executor: &dyn Executor) -> f64 {
         let parts = out.chunks_mut(NODES);
-        let products = executor.map_parts(parts, |i, out| {
-            self.simd.run(ApplyToPart { operator: self, v, first: i * BLOCKS_PER_JOB, out })
-        });
+        let products = executor.map_parts(parts, |i, part| self.apply_to_part(v, i * BLOCKS_PER_JOB, part));
         products.into_iter().sum()
     }
 
-    #[inline(always)]
+    /// [`Self::apply`] for the blocks from `first` on, for as many as `out` has.
     fn apply_to_part(&self, v: &[f32], first: usize, out: &mut [f32]) -> f64 {
         let mut product = 0.0;
         let block = |slot: u32| -> &[f32] {
@@ -165,7 +113,11 @@ impl Operator<'_> {
             let parts = x.chunks_mut(NODES).zip(residual.chunks_mut(NODES)).zip(direction.chunks(NODES));
             let sizes = executor.map_parts(parts, |part, ((x, r), p)| {
                 let (a, d) = (&image[part * NODES..], &weights[part * NODES..]);
-                self.simd.run(Step { alpha, x, r, p, a, d })
+                for i in 0..x.len() {
+                    x[i] += alpha * p[i];
+                    r[i] -= alpha * a[i];
+                }
+                norm(r, d)
             });
             size = sizes.into_iter().sum();
             let beta = (size / previous) as f32;
@@ -181,7 +133,6 @@ impl Operator<'_> {
     }
 }
 
-#[inline(always)]
 fn sum_lanes(lanes: [f32; BLOCK]) -> f64 {
     lanes.iter().fold(0.0, |sum, &lane| sum + f64::from(lane))
 }
@@ -189,19 +140,12 @@ fn sum_lanes(lanes: [f32; BLOCK]) -> f64 {
 /// Σ r² d, summed in the order of the nodes.
 fn norm(r: &[f32], d: &[f32]) -> f64 {
     let mut sum = 0.0;
-    for (r, d) in r.as_chunks().0.iter().zip(d.as_chunks().0) {
-        sum += block_norm(r, d);
+    for (r, d) in r.chunks_exact(BLOCK_NODES).zip(d.chunks_exact(BLOCK_NODES)) {
+        let mut lanes = [0.0; BLOCK];
+        for i in 0..BLOCK_NODES {
+            lanes[i % BLOCK] += r[i] * r[i] * d[i];
+        }
+        sum += sum_lanes(lanes);
     }
     sum
-}
-
-#[inline(always)]
-fn block_norm(r: &[f32; BLOCK_NODES], d: &[f32; BLOCK_NODES]) -> f64 {
-    let mut lanes = [0.0; BLOCK];
-    for first in (0..BLOCK_NODES).step_by(BLOCK) {
-        for (i, lane) in lanes.iter_mut().enumerate() {
-            *lane += r[first + i] * r[first + i] * d[first + i];
-        }
-    }
-    sum_lanes(lanes)
 }

@@ -49,12 +49,8 @@ impl Stencil {
         let mut sum = [0.0; N];
         for (row, weights) in self.rows() {
             for (first, nodes) in row.parts() {
-                let mut add = |values: &[f32; N], weight: f32| (0..N).for_each(|k| sum[k] += weight * values[k]);
-                let field = &field[nodes];
-                if let Ok(field) = <&[[f32; N]; 3]>::try_from(field) {
-                    (0..3).for_each(|x| add(&field[x], weights[x]));
-                } else {
-                    field.iter().zip(&weights[first..]).for_each(|(values, &weight)| add(values, weight));
+                for (values, &weight) in field[nodes].iter().zip(&weights[first..]) {
+                    (0..N).for_each(|k| sum[k] += weight * values[k]);
                 }
             }
         }
@@ -149,10 +145,16 @@ impl Row {
             if let Ok(field) = <&mut [[f32; N]; SIDE]>::try_from(&mut *field) {
                 (0..SIDE).for_each(|x| add(&mut field[x], &values[x]));
             } else {
-                field.iter_mut().zip(&values[first..]).for_each(|(sums, values)| add(sums, values));
+                add_to_some(field.as_flattened_mut(), values[first..].as_flattened());
             }
         }
     }
+}
+
+/// Adds values to as many sums. It is compiled once, for rows of any kind.
+#[inline(never)]
+fn add_to_some(sums: &mut [f32], values: &[f32]) {
+    sums.iter_mut().zip(values).for_each(|(sum, value)| *sum += value);
 }
 
 /// Indices of the values of the N³ nodes of the cube that starts at node `first`, x fastest, or [`ABSENT`] where they are not
