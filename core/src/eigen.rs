@@ -9,8 +9,8 @@ pub type Lanes = [f32; LANES];
 
 /// Eigenvalues, largest first, and the unit eigenvector of the smallest one, of [`LANES`] matrices.
 ///
-/// Uses the cyclic Jacobi method (Golub (Golub & Van Loan, Matrix Computations, section 8.5) Van Loan, Matrix
-/// Computations, "Jacobi Methods"). The matrices are given by their upper triangles xx, xy, xz, yy, yz, zz.
+/// Uses the cyclic Jacobi method (Golub & Van Loan, Matrix Computations, section 8.5). The matrices are given by their
+/// upper triangles xx, xy, xz, yy, yz, zz.
 #[inline(always)]
 pub fn principal([mut xx, mut xy, mut xz, mut yy, mut yz, mut zz]: [Lanes; 6]) -> ([Lanes; 3], [Lanes; 3]) {
     let (zero, one) = ([0.0; LANES], [1.0; LANES]);

@@ -32,7 +32,7 @@ struct Module {
 
 /// Each is loaded when it is needed, and has its own memory.
 const MODULES: [Module; 4] = [
-    Module { feature: "reconstruction", file: "pcmvs", budget: 405 << 10, has_simd: true },
+    Module { feature: "reconstruction", file: "pcmvs", budget: 404 << 10, has_simd: true },
     Module { feature: "calibration", file: "pcmvs-calibration", budget: 290 << 10, has_simd: true },
     Module { feature: "forms", file: "pcmvs-forms", budget: 330 << 10, has_simd: true },
     Module { feature: "scene", file: "pcmvs-scene", budget: 280 << 10, has_simd: false },

@@ -105,7 +105,7 @@ impl Judging<'_> {
             lists: Vec::new(),
             needed: Vec::new(),
         };
-        let (mut crossing, mut suspect) = (Vec::new(), 0);
+        let mut crossing = Vec::new();
         for y in 0..h {
             self.check(layer.needed.len())?;
             for x in 0..w {
@@ -114,8 +114,7 @@ impl Judging<'_> {
                     layer.verdicts.push(Verdict::Outside);
                     continue;
                 };
-                let (verdict, containing, _) =
-                    judge(self.carvers, centre, radius, (least, 0), &mut suspect, &mut crossing);
+                let (verdict, containing, _) = judge(self.carvers, centre, radius, (least, 0), &mut crossing);
                 layer.verdicts.push(verdict);
                 if verdict == Verdict::Boundary {
                     layer.lists.extend_from_slice(&crossing);

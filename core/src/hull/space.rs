@@ -156,7 +156,7 @@ impl Judging<'_> {
         progress: &dyn Progress,
         mut found: impl FnMut(Cube, u32),
     ) -> Result<()> {
-        let (mut crossing, mut suspect) = (Vec::new(), 0);
+        let mut crossing = Vec::new();
         let mut stack = vec![whole];
         let mut visited = 0u32;
         while let Some(Cube { corner, cells }) = stack.pop() {
@@ -167,8 +167,8 @@ impl Judging<'_> {
             let edge = 2.0 * self.half * cells as f32 / CELLS as f32;
             let [x, y, z] = corner.map(|v| v as f32 * 2.0 * self.half / CELLS as f32 - self.half + 0.5 * edge);
             let (centre, radius) = (Vec3::new(x, y, z), 0.5 * edge * DIAGONAL);
-            let enough = (MIN_SILHOUETTES, self.tolerated);
-            let (verdict, _, supporting) = judge(self.carvers, centre, radius, enough, &mut suspect, &mut crossing);
+            let (verdict, _, supporting) =
+                judge(self.carvers, centre, radius, (MIN_SILHOUETTES, self.tolerated), &mut crossing);
             if verdict == Verdict::Outside {
                 continue;
             }
