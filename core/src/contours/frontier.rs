@@ -97,8 +97,6 @@ pub fn frontier(view: &View, hull: &VisualHull, params: &FrontierParams) -> Poin
 fn touch(hull: &VisualHull, view: &View, ray: Vec3, longest: f32) -> Option<(f32, f32)> {
     let unit = 1.0 / ray.length();
     let fine = hull.footprint() * unit;
-    // How far outside a point is clearly outside.
-    let clear = 2.0 * hull.footprint();
     let (mut t, end) = hull.span(view.camera.centre, ray)?;
     let mut inside = None;
     let mut piece: Option<(f32, f32)> = None;
@@ -106,12 +104,18 @@ fn touch(hull: &VisualHull, view: &View, ray: Vec3, longest: f32) -> Option<(f32
     let (mut nearest, mut nearest_at) = (f32::NEG_INFINITY, 0.0);
     while t < end {
         let p = view.camera.centre + ray * t;
+        if inside.is_none() {
+            let coarse = hull.coarse(p);
+            if coarse < -2.0 * hull.footprint() {
+                t += max(-coarse * SAFE_FRACTION * unit, fine);
+                continue;
+            }
+        }
         // Blocks outside were carved by other views, because the contour of this view passes through them.
         let (d, step) = match hull.outside_block(p, ray) {
-            Some(step) => (-clear, step + 0.01 * fine),
+            Some(step) => (-2.0 * hull.footprint(), step + 0.01 * fine),
             None => {
-                let coarse = if inside.is_none() { hull.coarse(p) } else { 0.0 };
-                let d = if coarse < -clear { coarse } else { others.signed_distance(p, clear) };
+                let d = others.signed_distance(p, 2.0 * hull.footprint());
                 (d, max(d.abs() * SAFE_FRACTION * unit, fine))
             }
         };

@@ -25,7 +25,7 @@ impl<'h> Walk<'h> {
         if let Some(d) = self.excluding.and_then(|carver| carver.distance(p)).filter(|&d| d < -clear) {
             return d;
         }
-        let (d, from) = self.hull.nearest_contour(p, self.without, clear);
+        let (d, from) = self.hull.nearest_contour(p, self.without, f32::INFINITY);
         self.excluding = from;
         d
     }
