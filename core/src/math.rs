@@ -16,16 +16,20 @@ pub fn min(a: f32, b: f32) -> f32 {
     if a < b { a } else { b }
 }
 
-/// The square root, correctly rounded as IEEE 754 requires. On WebAssembly with SIMD it is one instruction, where
-/// `libm` would compute it in software.
-#[inline]
+/// The square root, correctly rounded as IEEE 754 requires. `libm` would compute it in software on WebAssembly, and one at a
+/// time on x86-64, where loops take several at once.
+#[inline(always)]
 pub fn sqrt(v: f32) -> f32 {
     #[cfg(all(target_arch = "wasm32", target_feature = "simd128"))]
     {
         use core::arch::wasm32::{f32x4_extract_lane, f32x4_splat, f32x4_sqrt};
         f32x4_extract_lane::<0>(f32x4_sqrt(f32x4_splat(v)))
     }
-    #[cfg(not(all(target_arch = "wasm32", target_feature = "simd128")))]
+    #[cfg(target_arch = "x86_64")]
+    {
+        crate::simd::sqrt(v)
+    }
+    #[cfg(not(any(target_arch = "x86_64", all(target_arch = "wasm32", target_feature = "simd128"))))]
     libm::sqrtf(v)
 }
 

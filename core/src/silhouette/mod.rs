@@ -1,5 +1,6 @@
 //! Silhouettes (§0): which pixels see the object, with sub-pixel contours.
 
+mod bounds;
 pub(crate) mod chroma;
 pub(crate) mod clean_plate;
 mod colour;

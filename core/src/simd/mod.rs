@@ -9,6 +9,8 @@ mod work;
 mod x86;
 
 pub use work::Work;
+#[cfg(target_arch = "x86_64")]
+pub use x86::sqrt;
 
 /// Which instructions to use.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
