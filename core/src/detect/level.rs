@@ -71,7 +71,7 @@ impl<'a> PyramidLevel<'a> {
                 luma.push(((sum + 2) / 4) as u8);
                 let sum: i32 = square.iter().map(|&k| Silhouette::units(self.inside[k])).sum();
                 // The mean of four distances, in units of pixels that are twice as large.
-                inside.push(stored::stored((sum / 8) as f32));
+                inside.push(stored::stored_whole(sum / 8));
             }
         }
         PyramidLevel { camera, luma: luma.into(), inside: inside.into() }

@@ -7,7 +7,7 @@ use super::{
 use crate::{
     grid::{BLOCK, BLOCK_NODES},
     math::min,
-    simd::Work,
+    simd::{Work, truncate},
 };
 use glam::Vec3;
 
@@ -73,7 +73,7 @@ fn add_view(carver: &Carver, xs: &Row, first: Vec3, nearest: &mut Row, seen: &mu
         any |= within[i];
         // Positions elsewhere are replaced by one that can be read.
         let (u, v) = (if is_within { u } else { EDGE }, if is_within { v } else { EDGE });
-        let (x, y) = (u as i32, v as i32);
+        let (x, y) = (truncate(u), truncate(v));
         (fx[i], fy[i]) = (u - x as f32, v - y as f32);
         pixel[i] = y as u32 * width as u32 + x as u32;
     }

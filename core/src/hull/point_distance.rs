@@ -1,7 +1,10 @@
 //! The signed distance at one point (§0), from eight views at a time.
 
 use super::carver::{Carver, EDGE, FAR, interpolate, square};
-use crate::{math::min, simd::Work};
+use crate::{
+    math::min,
+    simd::{Work, truncate},
+};
 use alloc::vec::Vec;
 use glam::Vec3;
 
@@ -128,7 +131,7 @@ impl<'a> PointDistance<'a> {
                 (depth[i] > 0.0) & (x[i] >= EDGE) & (y[i] >= EDGE) & (x[i] <= right[i]) & (y[i] <= bottom[i]);
             let is_chosen = (chosen >> i & 1 != 0) & (station[i] != u32::from(self.without));
             within[i] = u32::from(is_within & is_chosen);
-            let (column, row) = (x[i] as i32, y[i] as i32);
+            let (column, row) = (truncate(x[i]), truncate(y[i]));
             (fx[i], fy[i]) = (x[i] - column as f32, y[i] - row as f32);
             // Not read for views that do not see the point, whose numbers may be too large.
             pixel[i] = (row as u32).wrapping_mul(width[i]).wrapping_add(column as u32);

@@ -5,7 +5,10 @@
 //! the contour. They are therefore never larger than the true ones, so that a search may rely on them, and their order is
 //! preserved.
 
-use crate::math::{max, min};
+use crate::{
+    math::{max, min},
+    simd::truncate,
+};
 
 /// Stored steps per pixel near the contour.
 pub const UNITS: f32 = 64.0;
@@ -22,8 +25,14 @@ const LARGEST: i32 = NEAR + (i16::MAX as i32 - 1 - NEAR) * STEP;
 pub fn stored(distance: f32) -> i16 {
     let distance = max(min(distance, LARGEST as f32), -LARGEST as f32);
     let near = max(min(distance, NEAR as f32), -NEAR as f32);
-    // Conversion by way of a wider integer is a single instruction.
-    (near + (distance - near) * (1.0 / STEP as f32)) as i32 as i16
+    truncate(near + (distance - near) * (1.0 / STEP as f32)) as i16
+}
+
+/// Stored form of a signed distance in whole [`UNITS`], at most those of [`LARGEST`].
+#[inline(always)]
+pub fn stored_whole(distance: i32) -> i16 {
+    let near = distance.clamp(-NEAR, NEAR);
+    (near + (distance - near) / STEP) as i16
 }
 
 /// The signed distance in [`UNITS`] from its stored form.
@@ -50,6 +59,10 @@ mod tests {
     fn distances_in_the_largest_pictures_are_stored_with_full_precision_near_the_contour() {
         let mut last = 0;
         for distance in (0..2 * NEAR).chain((2 * NEAR..=LARGEST).step_by(77)).chain([LARGEST]) {
+            assert_eq!(
+                [stored_whole(distance), stored_whole(-distance)],
+                [distance, -distance].map(|d| stored(d as f32))
+            );
             let (there, back) = (stored(distance as f32), units(stored(distance as f32)));
             assert_eq!(stored(-distance as f32), -there);
             assert_eq!(units(-there), -back);
