@@ -19,7 +19,7 @@ pub fn min(a: f32, b: f32) -> f32 {
 
 /// The square root, correctly rounded as IEEE 754 requires. `libm` would compute it in software on WebAssembly, and one at a
 /// time on x86-64, where loops take several at once.
-#[inline(always)]
+#[inline]
 pub fn sqrt(v: f32) -> f32 {
     #[cfg(all(target_arch = "wasm32", target_feature = "simd128"))]
     {
@@ -74,7 +74,7 @@ pub fn median(values: impl Iterator<Item = f32>) -> Option<f32> {
 }
 
 /// The largest integer not greater than `v`. It saturates, and NaN gives 0.
-#[inline(always)]
+#[inline]
 pub fn floor(v: f32) -> i32 {
     let t = truncate(v);
     t - i32::from(v < t as f32)

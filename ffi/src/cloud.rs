@@ -68,8 +68,7 @@ pub struct pcmvs_silhouette {
     pub height: u32,
     /// Signed distance of each pixel to the contour, positive inside the object, in packed rows from the top down. From
     /// -16384 to 16384 it is in 1/64 pixel. Each step beyond that is 4 pixels, rounded towards the contour: a larger d stands
-    /// for 256 + 4 (d - 16384) pixels. More than 32 pixels outside the object's bounding box, it is the distance to the
-    /// contour's bounding box. 32767 where undistortion has no source pixel.
+    /// for 256 + 4 (d - 16384) pixels. 32767 where undistortion has no source pixel.
     pub distances: *const i16,
 }
 

@@ -50,7 +50,7 @@ pub(super) fn first(v: f32) -> i32 {
     // Negative values are clamped first, so that truncation equals floor.
     let v = max(v, 0.0);
     let floor = truncate(v);
-    // Where a position is too large for an integer, `floor` is nearly the largest one.
+    // Where a position is too large for an integer, `floor` is the largest one.
     floor.saturating_add(i32::from(floor as f32 != v))
 }
 

@@ -4,12 +4,9 @@
 //! offset to the nearest contour point found so far, and sweeps pass these points on to neighbouring pixels. Unlike
 //! there, the contour points lie between pixels and the sweeps run along both axes.
 
-use super::{
-    bounds::Bounds,
-    stored::{UNITS, stored},
-};
+use super::stored::{UNITS, stored};
 use crate::{
-    math::{max, min, sqrt},
+    math::sqrt,
     simd::{Simd, Work},
 };
 use alloc::vec::Vec;
@@ -22,14 +19,10 @@ const BINOMIAL: [u16; 3] = [1, 2, 1];
 const HALF: u16 = 2040;
 /// Offset of a pixel without a contour point. It remains larger than any valid offset when it is passed on.
 const FAR: f32 = 1e6;
-/// How far around the object's bounds the distance to its contour is measured, in pixels. Nothing asks for the contour's shape
-/// from farther away.
-const MARGIN: usize = 32;
 
 /// Signed distance in the form of [`stored`], positive where the smoothed coverage exceeds one half. `out` is overwritten.
 ///
-/// Farther than [`MARGIN`] from the object's bounds it is the distance to the contour's bounding box, which is never larger and
-/// takes much less time. There is no contour in cells with an unknown corner, nor along the picture's edge.
+/// There is no contour in cells with an unknown corner, nor along the picture's edge.
 ///
 /// `known` is called at the contour only. It is not a type parameter, so that this is compiled once.
 pub(super) fn signed_distance(
@@ -40,24 +33,17 @@ pub(super) fn signed_distance(
     scratch: &mut SilhouetteScratch,
     out: &mut Vec<i16>,
 ) {
-    let Some(object) = Bounds::of_object(width, coverage) else {
-        out.clear();
-        out.resize(width * height, stored(-FAR * UNITS));
-        return;
-    };
-    let area = object.grown(MARGIN, width, height);
     let SilhouetteScratch { padded, half, smooth: smoothed, columns, rows } = scratch;
-    smooth(width, coverage, &area, padded, half, smoothed);
-    columns.clear(area.height, area.width);
-    let known = |x: usize, y: usize| known((area.top + y) * width + area.left + x);
-    let contour = seed(area.width, area.height, smoothed, &known, columns);
+    smooth(width, height, coverage, padded, half, smoothed);
+    columns.clear(height, width);
+    seed(width, height, smoothed, known, columns);
     // The direction to the nearest contour point is within 45° of down, up, left or right. Therefore four sweeps find
     // it.
     sweep(columns);
     columns.transpose(rows);
     sweep(rows);
     out.resize(width * height, 0);
-    Simd::detect().run(Measure { offsets: rows, smooth: smoothed, area, contour, width, out });
+    Simd::detect().run(Measure { offsets: rows, smooth: smoothed, out });
 }
 
 /// Buffers that are reused for all views.
@@ -72,20 +58,18 @@ pub(crate) struct SilhouetteScratch {
     rows: Offsets,
 }
 
-/// Coverage of an area in 1/4080, smoothed by the binomial filter. The outermost pixels are repeated beyond its edge.
+/// Coverage in 1/4080, smoothed by the binomial filter. The outermost pixels are repeated beyond the picture's edge.
 fn smooth(
-    stride: usize,
+    width: usize,
+    height: usize,
     coverage: &[u8],
-    area: &Bounds,
     padded: &mut Vec<u16>,
     rows: &mut Vec<u16>,
     out: &mut Vec<u16>,
 ) {
-    let Bounds { left, top, width, height } = *area;
     rows.resize(width * height, 0);
     padded.resize(width + 2, 0);
-    for (row, out) in coverage.chunks_exact(stride).skip(top).zip(rows.chunks_exact_mut(width)) {
-        let row = &row[left..][..width];
+    for (row, out) in coverage.chunks_exact(width).zip(rows.chunks_exact_mut(width)) {
         padded[0] = u16::from(row[0]);
         padded[width + 1] = u16::from(row[width - 1]);
         for (p, &c) in padded[1..].iter_mut().zip(row) {
@@ -110,15 +94,8 @@ fn smooth(
 /// Cells in a row that are looked at together: most of them have no contour.
 const CELLS: usize = 16;
 
-/// Sets the offsets of the pixels around each segment of the contour. `offsets` is transposed. Returns the contour's extent.
-fn seed(
-    width: usize,
-    height: usize,
-    smooth: &[u16],
-    known: &dyn Fn(usize, usize) -> bool,
-    offsets: &mut Offsets,
-) -> Extent {
-    let mut extent = Extent::NOTHING;
+/// Sets the offsets of the pixels around each segment of the contour. `offsets` is transposed.
+fn seed(width: usize, height: usize, smooth: &[u16], known: &dyn Fn(usize) -> bool, offsets: &mut Offsets) {
     for y in 0..height - 1 {
         let (upper, lower) = (&smooth[y * width..][..width], &smooth[(y + 1) * width..][..width]);
         let with_contour = (0..width - 1).step_by(CELLS).map(|first| first..(first + CELLS).min(width - 1));
@@ -132,7 +109,8 @@ fn seed(
             if inside == (upper[x + 1] > HALF) && inside == (lower[x] > HALF) && inside == (lower[x + 1] > HALF) {
                 continue;
             }
-            if ![(x, y), (x + 1, y), (x, y + 1), (x + 1, y + 1)].into_iter().all(|(x, y)| known(x, y)) {
+            let i = y * width + x;
+            if ![i, i + 1, i + width, i + width + 1].into_iter().all(known) {
                 continue;
             }
             // The corners of the cell in order, and the points where the contour crosses the edges between them.
@@ -147,7 +125,6 @@ fn seed(
                     let (sa, sb) = (f32::from(a) - f32::from(HALF) - 0.5, f32::from(b) - f32::from(HALF) - 0.5);
                     let t = sa / (sa - sb);
                     crossings[count] = (x as f32 + ax + (bx - ax) * t, y as f32 + ay + (by - ay) * t);
-                    extent.add(crossings[count]);
                     count += 1;
                 }
             }
@@ -160,24 +137,6 @@ fn seed(
                 }
             }
         }
-    }
-    extent
-}
-
-/// The bounding box of the contour in pixels of the area.
-#[derive(Clone, Copy)]
-struct Extent {
-    low: (f32, f32),
-    high: (f32, f32),
-}
-
-impl Extent {
-    /// That of no contour, which is infinitely far away.
-    const NOTHING: Self = Self { low: (f32::INFINITY, f32::INFINITY), high: (f32::NEG_INFINITY, f32::NEG_INFINITY) };
-
-    fn add(&mut self, (x, y): (f32, f32)) {
-        self.low = (min(self.low.0, x), min(self.low.1, y));
-        self.high = (max(self.high.0, x), max(self.high.1, y));
     }
 }
 
@@ -221,14 +180,10 @@ impl Offsets {
     }
 }
 
-/// Measures the offsets in an area, and the distance to the contour's bounding box elsewhere, in the form of [`stored`].
+/// Measures the offsets, in the form of [`stored`].
 struct Measure<'a> {
     offsets: &'a Offsets,
     smooth: &'a [u16],
-    area: Bounds,
-    contour: Extent,
-    /// Pixels in a row of the picture.
-    width: usize,
     out: &'a mut [i16],
 }
 
@@ -237,34 +192,12 @@ impl Work for Measure<'_> {
 
     #[inline(always)]
     fn run(self) {
-        let Self { offsets: Offsets { x, y, .. }, smooth, area, contour: Extent { low, high }, width, out } = self;
-        for (row, out) in out.chunks_exact_mut(width).enumerate() {
-            let below = beyond(low.1, high.1, row, area.top);
-            for (column, out) in out.iter_mut().enumerate() {
-                *out = -measured(beyond(low.0, high.0, column, area.left), below);
-            }
-            if let Some(row) = row.checked_sub(area.top).filter(|&row| row < area.height) {
-                let (first, out) = (row * area.width, &mut out[area.left..][..area.width]);
-                for (((out, &x), &y), &s) in out.iter_mut().zip(&x[first..]).zip(&y[first..]).zip(&smooth[first..]) {
-                    let d = measured(x, y);
-                    *out = if s > HALF { d } else { -d };
-                }
-            }
+        let Self { offsets: Offsets { x, y, .. }, smooth, out } = self;
+        for (((out, &x), &y), &s) in out.iter_mut().zip(x).zip(y).zip(smooth) {
+            let d = stored(sqrt(x * x + y * y) * UNITS + 0.5);
+            *out = if s > HALF { d } else { -d };
         }
     }
-}
-
-/// How far a column or row of the picture lies beyond a range of those of an area, which begins at `first`.
-#[inline(always)]
-fn beyond(low: f32, high: f32, pixel: usize, first: usize) -> f32 {
-    let pixel = (pixel as i32 - first as i32) as f32;
-    max(max(low - pixel, pixel - high), 0.0)
-}
-
-/// Stored length of an offset.
-#[inline(always)]
-fn measured(x: f32, y: f32) -> i16 {
-    stored(sqrt(x * x + y * y) * UNITS + 0.5)
 }
 
 /// Passes contour points on from row to row, first down and then up.
@@ -354,11 +287,9 @@ fn transpose(width: usize, height: usize, plane: &[f32], out: &mut Vec<f32>) {
     out.resize(plane.len(), 0.0);
     for first_y in (0..height).step_by(TILE) {
         for first_x in (0..width).step_by(TILE) {
-            let rows = first_y..(first_y + TILE).min(height);
             for x in first_x..(first_x + TILE).min(width) {
-                let column = plane[x..].iter().step_by(width).skip(first_y);
-                for (out, &value) in out[x * height..][rows.clone()].iter_mut().zip(column) {
-                    *out = value;
+                for y in first_y..(first_y + TILE).min(height) {
+                    out[x * height + y] = plane[y * width + x];
                 }
             }
         }

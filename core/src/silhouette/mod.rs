@@ -1,6 +1,5 @@
 //! Silhouettes (§0): which pixels see the object, with sub-pixel contours.
 
-mod bounds;
 pub(crate) mod chroma;
 pub(crate) mod clean_plate;
 mod colour;
@@ -36,8 +35,7 @@ use alloc::{
 /// A view's silhouette, as the signed distance to its contour.
 ///
 /// Distances are positive inside. Up to 256 pixels they are in 1/64 pixel. Beyond that one step is 4 pixels, rounded towards
-/// the contour ([`Silhouette::units`]), so that no picture is too large for them. More than 32 pixels outside the object's
-/// bounding box, they are distances to the contour's bounding box, which are never larger. Pixels without a source hold
+/// the contour ([`Silhouette::units`]), so that no picture is too large for them. Pixels without a source hold
 /// [`Silhouette::UNKNOWN`]. Like everything beyond the picture's edge, they do not carve the hull.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Silhouette {
@@ -364,38 +362,6 @@ mod tests {
                 "{found} instead of {truth}"
             );
         }
-    }
-
-    #[test]
-    fn far_from_the_object_distances_are_those_to_the_contours_box() {
-        // Two dots four pixels wide, at opposite corners of a box. Smoothing moves their contours by a sixth of a pixel.
-        let (width, height, dots) = (400, 300, [(150.0f32, 100.0f32), (230.0, 160.0)]);
-        let to_dots = |x: f32, y: f32| dots.iter().map(|d| 2.0 - libm::hypotf(x - d.0, y - d.1)).fold(-1e9, f32::max);
-        let place = |i: u32| ((i % width) as f32, (i / width) as f32);
-        let coverage = (0..width * height).map(|i| {
-            let (x, y) = place(i);
-            ((to_dots(x, y) + 0.5).clamp(0.0, 1.0) * 255.0) as u8
-        });
-        let silhouette =
-            Silhouette::from_coverage(width, height, &coverage.collect::<Vec<_>>(), |_| true).expect("two dots");
-        let beyond = |v: f32, low: f32, high: f32| (low - v).max(v - high).max(0.0);
-        let (mut near, mut far) = (0, 0);
-        for (i, &d) in (0..).zip(silhouette.distances()) {
-            let ((x, y), found) = (place(i), Silhouette::units(d) as f32 / Silhouette::UNITS);
-            let (beside, below) = (beyond(x, 148.0, 232.0), beyond(y, 98.0, 162.0));
-            let truth = to_dots(x, y);
-            // 32 pixels from the pixels that are at least half covered.
-            if beside.max(below) <= 31.0 {
-                assert!((found - truth).abs() < 0.3, "{found} instead of {truth} at {x}, {y}");
-                near += 1;
-            } else if beside.max(below) > 33.0 {
-                let to_box = -libm::hypotf(beside, below);
-                assert!((found - to_box).abs() < 0.3, "{found} instead of {to_box} at {x}, {y}");
-                assert!(found > truth - 0.3, "{found} is farther than {truth} at {x}, {y}");
-                far += 1;
-            }
-        }
-        assert!(near > 10_000 && far > 10_000, "{near} near and {far} far pixels");
     }
 
     #[test]

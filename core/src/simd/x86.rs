@@ -34,3 +34,17 @@ pub fn sqrt(v: f32) -> f32 {
     // SAFETY: every x86-64 processor has SSE.
     unsafe { _mm_cvtss_f32(_mm_sqrt_ss(_mm_set_ss(v))) }
 }
+
+/// `v as i32`, which saturates, and is 0 for NaN. The compiler would turn that into branches for each lane of a vector.
+#[inline(always)]
+pub fn truncate(v: f32) -> i32 {
+    const LOW: f32 = i32::MIN as f32;
+    // The largest number that an `i32` can hold.
+    const HIGH: f32 = 2_147_483_520.0;
+    let number = if v.is_nan() { 0.0 } else { v };
+    let bounded = if number < HIGH { number } else { HIGH };
+    let bounded = if bounded > LOW { bounded } else { LOW };
+    // SAFETY: it is a number, and between two that an `i32` can hold.
+    let integer: i32 = unsafe { bounded.to_int_unchecked() };
+    if v > HIGH { i32::MAX } else { integer }
+}

@@ -1,7 +1,5 @@
 //! The part of a picture in which its contour lies.
 
-use crate::silhouette::bounds::Bounds;
-
 /// Pixels that a patch reaches beyond the silhouette's bounding box: colours of the background come from there.
 const MARGIN: usize = 20;
 
@@ -25,9 +23,22 @@ pub(super) struct Patch<'a> {
 impl<'a> Patch<'a> {
     /// The patch around all pixels that are at least half covered; none if there is no such pixel.
     pub fn around(width: usize, height: usize, rgb: &'a [u8], coverage: &[u8]) -> Option<Self> {
-        let Bounds { left, top, width: w, height: h } =
-            Bounds::of_object(width, coverage)?.grown(MARGIN, width, height);
-        (w >= 2 && h >= 2).then_some(Self { left, top, width: w, height: h, stride: width, rgb })
+        let (mut left, mut right, mut top, mut bottom) = (width, 0, height, 0);
+        for (y, row) in coverage.chunks_exact(width).enumerate() {
+            let Some(first) = row.iter().position(|&c| c > 127) else { continue };
+            let last = row.iter().rposition(|&c| c > 127).unwrap_or(first);
+            (left, right) = (left.min(first), right.max(last + 1));
+            (top, bottom) = (top.min(y), y + 1);
+        }
+        if right <= left {
+            return None;
+        }
+        let (left, top) = (left.saturating_sub(MARGIN), top.saturating_sub(MARGIN));
+        let (right, bottom) = ((right + MARGIN).min(width), (bottom + MARGIN).min(height));
+        if right - left < 2 || bottom - top < 2 {
+            return None;
+        }
+        Some(Self { left, top, width: right - left, height: bottom - top, stride: width, rgb })
     }
 
     /// Number of its pixels.
