@@ -1,7 +1,6 @@
 //! Rounding, comparison and roots in basic arithmetic. They give the same bits on every platform, and compilers can
 //! vectorise them.
 
-use crate::simd::truncate;
 use alloc::vec::Vec;
 
 /// The larger number, or `b` if either is NaN. Unlike `f32::max` it compiles to an instruction on every target,
@@ -76,7 +75,7 @@ pub fn median(values: impl Iterator<Item = f32>) -> Option<f32> {
 /// The largest integer not greater than `v`. It saturates, and NaN gives 0.
 #[inline]
 pub fn floor(v: f32) -> i32 {
-    let t = truncate(v);
+    let t = v as i32;
     t - i32::from(v < t as f32)
 }
 

@@ -2,10 +2,7 @@
 //! hypothesis if the view's own correlation curve has a peak there.
 
 use super::sweep::{EMPTY, MAX_RADIUS, TILE, TILE_PIXELS, windows};
-use crate::{
-    math::{max, sqrt},
-    simd::truncate,
-};
+use crate::math::{max, sqrt};
 use alloc::{vec, vec::Vec};
 
 /// Parameters of the vote: how correlation curves determine the depth.
@@ -241,7 +238,8 @@ impl Spread {
             for p in ones(&is_peak) {
                 let offset = vertex(before[p], peaks[p], after[p]);
                 let place = (offset + 0.5) * Self::PLACES as f32 + 0.5;
-                let weights = &self.weights[(truncate(place) as usize).min(Self::PLACES)];
+                // Conversion to a signed integer is a single instruction, unlike conversion to `usize`.
+                let weights = &self.weights[(place as i32 as usize).min(Self::PLACES)];
                 let first = i.saturating_sub(self.reach);
                 let last = (i + self.reach).min(curve.len() - 1);
                 for (votes, weight) in votes[first..=last].iter_mut().zip(&weights[first + self.reach - i..]) {

@@ -4,7 +4,6 @@
 use crate::{
     math::{max, min},
     point_cloud::Mesh,
-    simd::truncate,
 };
 use alloc::vec::Vec;
 use glam::Vec3;
@@ -49,7 +48,7 @@ impl Between {
 pub(super) fn first(v: f32) -> i32 {
     // Negative values are clamped first, so that truncation equals floor.
     let v = max(v, 0.0);
-    let floor = truncate(v);
+    let floor = v as i32;
     // Where a position is too large for an integer, `floor` is the largest one.
     floor.saturating_add(i32::from(floor as f32 != v))
 }
@@ -57,7 +56,7 @@ pub(super) fn first(v: f32) -> i32 {
 /// The first pixel centre behind a coordinate, in a picture with `n` of them.
 #[inline(always)]
 pub(super) fn end(v: f32, n: usize) -> i32 {
-    truncate(max(v + 1.0, 0.0)).min(n as i32)
+    (max(v + 1.0, 0.0) as i32).min(n as i32)
 }
 
 /// The first pixel centre behind a coordinate, or [`UNCERTAIN`]. As [`first`] and [`end`] never fall while the coordinate

@@ -26,7 +26,7 @@ pub(crate) use parts::{Connected, Parts};
 pub use refine::{ContourParams, Uncertainty};
 pub(crate) use uncovered::Uncovered;
 
-use crate::{simd::truncate, window::Window};
+use crate::window::Window;
 use alloc::{
     string::{String, ToString},
     vec::Vec,
@@ -209,7 +209,8 @@ impl Silhouette {
         if !(u >= 0.0 && v >= 0.0 && u <= (w - 1) as f32 && v <= (h - 1) as f32) {
             return None;
         }
-        let (x, y) = (truncate(u).min(w as i32 - 2), truncate(v).min(h as i32 - 2));
+        // Conversion to a signed integer is a single instruction, unlike conversion to `usize`.
+        let (x, y) = ((u as i32).min(w as i32 - 2), (v as i32).min(h as i32 - 2));
         let (fx, fy) = (u - x as f32, v - y as f32);
         let d = &self.distance[y as usize * w + x as usize..][..w + 2];
         let corners = [d[0], d[1], d[w], d[w + 1]];

@@ -12,7 +12,7 @@ pub use work::Work;
 #[cfg(target_arch = "x86_64")]
 pub use x86::sqrt;
 
-/// The same as `v as i32`, for loops that should become vectors.
+/// The same as `v as i32`, for loops that become vectors. Elsewhere it takes longer.
 #[inline(always)]
 pub fn truncate(v: f32) -> i32 {
     #[cfg(target_arch = "x86_64")]
