@@ -195,7 +195,7 @@ fn warp(
 ) -> bool {
     let (w, h) = (neighbour.width as usize, neighbour.height as usize);
     let (right, bottom) = (w as f32 - 1.001, h as f32 - 1.001);
-    let mut first = [0u32; WIDTH];
+    let (mut px, mut py) = ([0u32; WIDTH], [0u32; WIDTH]);
     let (mut fx, mut fy) = (EMPTY, EMPTY);
     let mut visible = 0;
     for x in 0..WIDTH {
@@ -204,15 +204,13 @@ fn warp(
         visible |= u32::from(u >= 0.0) & u32::from(v >= 0.0) & u32::from(u <= right) & u32::from(v <= bottom);
         // Written so that NaN becomes 0.
         let (u, v) = (if u > 0.0 { u } else { 0.0 }, if v > 0.0 { v } else { 0.0 });
-        let (column, row);
-        (column, fx[x]) = split(if u < right { u } else { right });
-        (row, fy[x]) = split(if v < bottom { v } else { bottom });
-        first[x] = row * w as u32 + column;
+        (px[x], fx[x]) = split(if u < right { u } else { right });
+        (py[x], fy[x]) = split(if v < bottom { v } else { bottom });
     }
     // Gathers the four pixels around each position, which are one word. Only this loop cannot be vectorised.
     let mut squares = [0u32; WIDTH];
     for x in 0..WIDTH {
-        let square = &pairs[first[x] as usize..][..2];
+        let square = &pairs[py[x] as usize * w + px[x] as usize..][..2];
         squares[x] = u32::from(square[0]) | u32::from(square[1]) << 16;
     }
     for x in 0..WIDTH {
