@@ -25,11 +25,14 @@ pub fn sqrt(v: f32) -> f32 {
         use core::arch::wasm32::{f32x4_extract_lane, f32x4_splat, f32x4_sqrt};
         f32x4_extract_lane::<0>(f32x4_sqrt(f32x4_splat(v)))
     }
-    #[cfg(target_arch = "x86_64")]
+    #[cfg(all(target_arch = "x86_64", target_feature = "sse"))]
     {
         crate::simd::sqrt(v)
     }
-    #[cfg(not(any(target_arch = "x86_64", all(target_arch = "wasm32", target_feature = "simd128"))))]
+    #[cfg(not(any(
+        all(target_arch = "x86_64", target_feature = "sse"),
+        all(target_arch = "wasm32", target_feature = "simd128")
+    )))]
     libm::sqrtf(v)
 }
 

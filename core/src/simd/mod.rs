@@ -9,7 +9,7 @@ mod work;
 mod x86;
 
 pub use work::Work;
-#[cfg(target_arch = "x86_64")]
+#[cfg(all(target_arch = "x86_64", target_feature = "sse"))]
 pub use x86::sqrt;
 
 /// The same as `v as i32`, for loops that become vectors. Elsewhere it takes longer.

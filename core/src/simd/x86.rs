@@ -1,7 +1,9 @@
 //! AVX2: detection, and code that is compiled for it.
 
 use super::work::Work;
-use core::arch::x86_64::{__cpuid, __cpuid_count, __get_cpuid_max, _mm_cvtss_f32, _mm_set_ss, _mm_sqrt_ss, _xgetbv};
+use core::arch::x86_64::{__cpuid, __cpuid_count, __get_cpuid_max, _xgetbv};
+#[cfg(target_feature = "sse")]
+use core::arch::x86_64::{_mm_cvtss_f32, _mm_set_ss, _mm_sqrt_ss};
 
 #[target_feature(enable = "avx2")]
 pub(super) fn with_avx2<W: Work>(work: W) -> W::Output {
@@ -29,9 +31,10 @@ pub(super) fn has_avx2() -> bool {
 }
 
 /// The square root. Unlike assembly, the compiler knows it, and puts several into one instruction.
+#[cfg(target_feature = "sse")]
 #[inline(always)]
 pub fn sqrt(v: f32) -> f32 {
-    // SAFETY: every x86-64 processor has SSE.
+    // SAFETY: SSE is among the instructions that the crate is compiled for.
     unsafe { _mm_cvtss_f32(_mm_sqrt_ss(_mm_set_ss(v))) }
 }
 
